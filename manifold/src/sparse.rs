@@ -1,0 +1,154 @@
+//! Sparse matrices of dense blocks with a pattern that is found once.
+//!
+//! A matrix is partitioned into blocks of consecutive unknowns (the free degrees of freedom of
+//! one node, one joint coordinate, ...). The pattern lists which block pairs are nonzero; the
+//! values of one block stand together in memory, column by column. A scalar sparse matrix is the
+//! special case in which every block has size one.
+
+use std::collections::BTreeSet;
+
+/// The fixed, structurally symmetric pattern of a square block-sparse matrix.
+///
+/// Block columns are stored one after the other; within a block column, blocks come in ascending
+/// block row, and the diagonal block is always present.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BlockPattern {
+    /// First unknown of each block, and the total number of unknowns at the end.
+    offsets: Vec<usize>,
+    /// First entry of each block column in `rows`, and the number of blocks at the end.
+    columns: Vec<usize>,
+    /// Block row of each block.
+    rows: Vec<u32>,
+    /// First value of each block, and the number of values at the end.
+    values: Vec<usize>,
+}
+
+impl BlockPattern {
+    /// Pattern of blocks of the given sizes, from groups of blocks that are coupled to each other.
+    ///
+    /// Each group (an element's nodes, say) makes a clique. Groups may repeat blocks.
+    pub fn new<G>(sizes: &[usize], groups: G) -> Self
+    where
+        G: IntoIterator,
+        G::Item: AsRef<[u32]>,
+    {
+        let mut neighbours: Vec<BTreeSet<u32>> =
+            (0..sizes.len()).map(|i| BTreeSet::from([i as u32])).collect();
+        for group in groups {
+            let group = group.as_ref();
+            for &i in group {
+                neighbours[i as usize].extend(group.iter().copied());
+            }
+        }
+        let mut offsets = vec![0];
+        let mut columns = vec![0];
+        let mut rows = Vec::new();
+        let mut values = vec![0];
+        let mut count = 0;
+        for (j, column) in neighbours.iter().enumerate() {
+            offsets.push(offsets[j] + sizes[j]);
+            for &i in column {
+                rows.push(i);
+                count += sizes[i as usize] * sizes[j];
+                values.push(count);
+            }
+            columns.push(rows.len());
+        }
+        Self {
+            offsets,
+            columns,
+            rows,
+            values,
+        }
+    }
+
+    /// A full matrix: one block of size `n`.
+    pub fn dense(n: usize) -> Self {
+        Self::new(&[n], [[0]])
+    }
+
+    /// Number of unknowns (rows, columns).
+    pub fn dim(&self) -> usize {
+        self.offsets[self.offsets.len() - 1]
+    }
+
+    /// Number of blocks along the diagonal.
+    pub fn blocks(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Number of stored values.
+    pub fn len(&self) -> usize {
+        self.values[self.values.len() - 1]
+    }
+
+    /// Whether nothing is stored.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The unknowns of block `i`.
+    pub fn unknowns(&self, i: usize) -> std::ops::Range<usize> {
+        self.offsets[i]..self.offsets[i + 1]
+    }
+
+    /// Number of unknowns of block `i`.
+    pub fn size(&self, i: usize) -> usize {
+        self.offsets[i + 1] - self.offsets[i]
+    }
+
+    /// The blocks of block column `j`: block row and the range of its values, column by column.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + '_ {
+        (self.columns[j]..self.columns[j + 1])
+            .map(move |k| (self.rows[k] as usize, self.values[k]..self.values[k + 1]))
+    }
+
+    /// First value of the block in block row `i` and block column `j`, if it is in the pattern.
+    ///
+    /// Entry (r, c) of the block is at this index plus `r + c * size(i)`.
+    pub fn find(&self, i: usize, j: usize) -> Option<usize> {
+        let range = self.columns[j]..self.columns[j + 1];
+        let k = self.rows[range.clone()].binary_search(&(i as u32)).ok()?;
+        Some(self.values[range.start + k])
+    }
+
+    /// y ← y + α A x for the matrix of this pattern with the given values.
+    pub fn multiply_add(&self, alpha: f64, values: &[f64], x: &[f64], y: &mut [f64]) {
+        for j in 0..self.blocks() {
+            for (i, range) in self.column(j) {
+                let rows = self.unknowns(i);
+                let height = rows.len();
+                let y = &mut y[rows];
+                for (column, &xj) in values[range]
+                    .chunks_exact(height.max(1))
+                    .zip(&x[self.unknowns(j)])
+                {
+                    for (yi, aij) in y.iter_mut().zip(column) {
+                        *yi += alpha * aij * xj;
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pattern_of_a_chain_finds_its_blocks_and_multiplies() {
+        let pattern = BlockPattern::new(&[2, 1, 3], [[0, 1], [1, 2]]);
+        assert_eq!(pattern.dim(), 6);
+        assert_eq!(pattern.blocks(), 3);
+        assert_eq!(pattern.len(), 4 + 2 + 2 + 1 + 3 + 3 + 9);
+        assert_eq!(pattern.find(0, 2), None);
+        let mut values = vec![0.0; pattern.len()];
+        // Entry (global row 1, global column 2) = 5.
+        let start = pattern.find(0, 1).unwrap();
+        values[start + 1] = 5.0;
+        let mut y = vec![0.0; 6];
+        pattern.multiply_add(2.0, &values, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0], &mut y);
+        assert_eq!(y, [0.0, 30.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+}
