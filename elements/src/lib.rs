@@ -1,1 +1,7 @@
-//! e
+//! Elements, loads and models of flexible multibody systems on top of `pullback-manifold`.
+
+pub mod beam;
+pub mod element;
+pub mod load;
+pub mod model;
+pub mod time;

@@ -1,0 +1,261 @@
+//! The beam element with two, three or four nodes, by the same code.
+
+#![allow(non_snake_case)]
+
+use super::section::Section;
+use super::shape::{gauss, lagrange};
+use super::strain::{Law, Line, Strained};
+use crate::element::{Element, ElementError, Motion, Response, SectionState};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::so3;
+use std::f64::consts::TAU;
+
+/// Why a beam element cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BeamError {
+    /// Two nodes stand at the same place.
+    #[error("its length is zero: nodes at {at:?} coincide")]
+    ZeroLength {
+        /// Where.
+        at: [f64; 3],
+    },
+    /// The number of nodes does not exist.
+    #[error("a beam element has two, three or four nodes, not {0}")]
+    Nodes(usize),
+    /// The given orientation is not a rotation, or not one along the beam.
+    #[error(
+        "the section's orientation is not usable: E1 must be within 60 degrees of the tangent \
+         {tangent:?}, got {first:?}"
+    )]
+    Orientation {
+        /// Tangent of the reference line.
+        tangent: [f64; 3],
+        /// First axis given.
+        first: [f64; 3],
+    },
+}
+
+/// One integration point: shape functions, reference shape, section law.
+#[derive(Clone, Debug)]
+struct GaussPoint<const NN: usize> {
+    /// Shape functions N_i and their derivatives with respect to the arc length.
+    N: [f64; NN],
+    dN: [f64; NN],
+    /// Weight times length per unit of ξ.
+    weight: f64,
+    /// Reference place, tangent of unit length, section axes.
+    X: Vector3<f64>,
+    X_prime: Vector3<f64>,
+    R0: Matrix3<f64>,
+    law: Law,
+}
+
+/// Reissner's beam with NN nodes: d and Ψ interpolated alike, NN − 1 Gauss points for the
+/// internal force and its tangent (no shear or membrane locking).
+///
+/// Coordinates are (d₁, Ψ₁, …) in global components.
+#[derive(Clone, Debug)]
+pub struct Beam<const NN: usize> {
+    points: Vec<GaussPoint<NN>>,
+}
+
+impl Beam<2> {
+    /// A beam element through two, three or four reference places (equidistant in the parameter)
+    /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
+    ///
+    /// E₁ is turned into the tangent of the interpolated reference line; E₂ stays in its plane
+    /// with it.
+    ///
+    /// # Errors
+    /// [`BeamError`] for coinciding nodes, an impossible orientation or number of nodes.
+    pub fn along(
+        places: &[Vector3<f64>],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Box<dyn Element>, BeamError> {
+        match *places {
+            [a, b] => Ok(Box::new(Beam::<2>::new(&[a, b], frame, section)?)),
+            [a, b, c] => Ok(Box::new(Beam::<3>::new(&[a, b, c], frame, section)?)),
+            [a, b, c, d] => Ok(Box::new(Beam::<4>::new(&[a, b, c, d], frame, section)?)),
+            _ => Err(BeamError::Nodes(places.len())),
+        }
+    }
+}
+
+impl<const NN: usize> Beam<NN> {
+    /// See [`Beam::along`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(
+        places: &[Vector3<f64>; NN],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Self, BeamError> {
+        let size = places.iter().fold(0.0_f64, |s, p| s.max(p.amax()));
+        let points = gauss(NN - 1)
+            .into_iter()
+            .map(|(xi, weight)| {
+                let (N, dN) = lagrange::<NN>(xi);
+                let sum = |c: &[f64; NN]| -> Vector3<f64> {
+                    places.iter().zip(c).map(|(p, c)| p * *c).sum()
+                };
+                let (X, slope) = (sum(&N), sum(&dN));
+                let jacobian = slope.norm();
+                if jacobian.is_nan() || jacobian <= 1e-12 * size || jacobian == 0.0 {
+                    return Err(BeamError::ZeroLength { at: X.into() });
+                }
+                let X_prime = slope / jacobian;
+                let given = frame(xi);
+                let first: Vector3<f64> = given.column(0).into_owned();
+                let aligned = first.dot(&X_prime);
+                if aligned.is_nan() || aligned < 0.5 {
+                    return Err(BeamError::Orientation {
+                        tangent: X_prime.into(),
+                        first: first.into(),
+                    });
+                }
+                let R0 = turn_to(&first, &X_prime) * given;
+                Ok(GaussPoint {
+                    N,
+                    dN: dN.map(|d| d / jacobian),
+                    weight: weight * jacobian,
+                    X,
+                    X_prime,
+                    R0,
+                    law: Law::rotated(&section.C, &R0),
+                })
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { points })
+    }
+
+    /// x′, Ψ, Ψ′ at an integration point.
+    #[inline]
+    fn line(p: &GaussPoint<NN>, x: &[f64]) -> Line {
+        let mut line = Line {
+            x_prime: p.X_prime,
+            psi: Vector3::zeros(),
+            psi_prime: Vector3::zeros(),
+        };
+        for (i, x) in x.chunks_exact(6).take(NN).enumerate() {
+            let d = Vector3::new(x[0], x[1], x[2]);
+            let psi = Vector3::new(x[3], x[4], x[5]);
+            line.x_prime += d * p.dN[i];
+            line.psi += psi * p.N[i];
+            line.psi_prime += psi * p.dN[i];
+        }
+        line
+    }
+}
+
+/// The smallest rotation that takes unit vector `a` to unit vector `b` (a·b > 0).
+fn turn_to(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    let v = so3::skew(&a.cross(b));
+    Matrix3::identity() + v + v * v / (1.0 + a.dot(b))
+}
+
+/// Rotations beyond this angle are refused: T is singular at 2π.
+const EDGE: f64 = TAU - 1e-3;
+
+impl<const NN: usize> Element for Beam<NN> {
+    fn dim(&self) -> usize {
+        6 * NN
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let n = 6 * NN;
+        for p in &self.points {
+            let line = Self::line(p, at.x);
+            let psi = line.psi.norm();
+            if psi > EDGE {
+                return Err(ElementError::OutsideChart { psi });
+            }
+            let strained = Strained::new(&line, &p.X_prime, &p.law);
+            let f = strained.forces();
+            for (i, r) in out.r.chunks_exact_mut(6).enumerate() {
+                let (a, b) = (p.weight * p.dN[i], p.weight * p.N[i]);
+                for k in 0..3 {
+                    r[k] -= a * f.x_prime[k];
+                    r[3 + k] -= a * f.psi_prime[k] + b * f.psi[k];
+                }
+            }
+            let Some(K) = out.K.as_deref_mut() else {
+                continue;
+            };
+            let D = strained.stiffness(&line, &p.law);
+            for j in 0..NN {
+                for i in 0..=j {
+                    // Upper blocks only; the lower ones are their mirror images.
+                    let dd = p.weight * p.dN[i] * p.dN[j];
+                    let dn = p.weight * p.dN[i] * p.N[j];
+                    let nd = p.weight * p.N[i] * p.dN[j];
+                    let nn = p.weight * p.N[i] * p.N[j];
+                    let start = 6 * i + 6 * j * n;
+                    for c in 0..3 {
+                        for r in 0..3 {
+                            let dx = start + r + c * n;
+                            let rot = dx + 3 * n;
+                            K[dx] += dd * D.xx[(r, c)];
+                            K[rot] += dd * D.xp[(r, c)] + dn * D.xq[(r, c)];
+                            K[dx + 3] += dd * D.xp[(c, r)] + nd * D.xq[(c, r)];
+                            K[rot + 3] += dd * D.pp[(r, c)]
+                                + dn * D.pq[(r, c)]
+                                + nd * D.pq[(c, r)]
+                                + nn * D.qq[(r, c)];
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(K) = out.K.as_deref_mut() {
+            mirror::<NN>(K);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        self.points
+            .iter()
+            .map(|p| p.weight * Strained::new(&Self::line(p, at.x), &p.X_prime, &p.law).energy())
+            .sum()
+    }
+
+    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
+        for p in &self.points {
+            let line = Self::line(p, at.x);
+            let s = Strained::new(&line, &p.X_prime, &p.law);
+            let d: Vector3<f64> = at
+                .x
+                .chunks_exact(6)
+                .zip(&p.N)
+                .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
+                .sum();
+            let section = |v: &Vector3<f64>| p.R0.tr_mul(v);
+            out.push(SectionState {
+                reference: p.X,
+                place: p.X + d,
+                frame: so3::rotation(&line.psi) * p.R0,
+                Gamma: section(&s.Gamma),
+                K: section(&s.K),
+                N: section(&s.N),
+                M: section(&s.M),
+            });
+        }
+    }
+}
+
+/// Copies the blocks above the diagonal below it.
+#[inline]
+fn mirror<const NN: usize>(K: &mut [f64]) {
+    let n = 6 * NN;
+    for j in 1..NN {
+        for i in 0..j {
+            for c in 0..6 {
+                for r in 0..6 {
+                    K[6 * j + c + (6 * i + r) * n] = K[6 * i + r + (6 * j + c) * n];
+                }
+            }
+        }
+    }
+}

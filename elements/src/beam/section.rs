@@ -1,0 +1,262 @@
+//! Cross-sections: the linear law between strains and stress resultants, and mass per length.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use std::f64::consts::PI;
+
+/// A cross-section in its own axes E₁ (along the beam), E₂, E₃.
+///
+/// The law is (N, M) = C (Γ, K) with a symmetric positive definite 6×6 matrix C; rows and columns
+/// are normal force, two shear forces, torque, two bending moments ([M04] section 3.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// Section stiffness C, 6×6.
+    pub C: Matrix6<f64>,
+    /// Mass per unit length Aρ.
+    pub A_rho: f64,
+    /// Inertia per unit length J in the section axes, 3×3.
+    pub J: Matrix3<f64>,
+}
+
+/// Why a section cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SectionError {
+    /// A quantity that must be positive is not.
+    #[error("{quantity} must be positive and finite, got {value}")]
+    NotPositive {
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Poisson's ratio outside its range.
+    #[error("Poisson's ratio must lie in (-1, 0.5], got {0}")]
+    PoissonRatio(f64),
+    /// The inner radius of a tube is not smaller than the outer one.
+    #[error("a tube needs 0 < inner radius < outer radius, got {inner} and {outer}")]
+    Tube {
+        /// Inner radius.
+        inner: f64,
+        /// Outer radius.
+        outer: f64,
+    },
+    /// The 6×6 law is not symmetric.
+    #[error(
+        "the section stiffness must be symmetric, but entries ({row}, {column}) and ({column}, \
+         {row}) are {upper} and {lower}"
+    )]
+    NotSymmetric {
+        /// Row, from 1.
+        row: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Entry (row, column).
+        upper: f64,
+        /// Entry (column, row).
+        lower: f64,
+    },
+    /// The 6×6 law is not positive definite.
+    #[error("the section stiffness must be positive definite; the diagonal is {diagonal:?}")]
+    NotPositiveDefinite {
+        /// Its diagonal.
+        diagonal: [f64; 6],
+    },
+}
+
+/// An isotropic material: Young's modulus E, Poisson's ratio ν, density ρ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Young's modulus.
+    pub E: f64,
+    /// Poisson's ratio.
+    pub nu: f64,
+    /// Density (zero where inertia and weight do not matter).
+    pub rho: f64,
+}
+
+impl Material {
+    /// Shear modulus G = E / 2(1+ν).
+    pub fn G(&self) -> f64 {
+        self.E / (2.0 * (1.0 + self.nu))
+    }
+
+    fn check(&self) -> Result<(), SectionError> {
+        positive("Young's modulus E", self.E)?;
+        if !(self.nu > -1.0 && self.nu <= 0.5) {
+            return Err(SectionError::PoissonRatio(self.nu));
+        }
+        if !(self.rho >= 0.0 && self.rho.is_finite()) {
+            return Err(SectionError::NotPositive {
+                quantity: "density rho",
+                value: self.rho,
+            });
+        }
+        Ok(())
+    }
+}
+
+fn positive(quantity: &'static str, value: f64) -> Result<(), SectionError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(SectionError::NotPositive { quantity, value })
+    }
+}
+
+impl Section {
+    /// A general symmetric section law; no mass.
+    ///
+    /// # Errors
+    /// [`SectionError`] when C is not symmetric (to 1e-12 of its largest diagonal pair) or not
+    /// positive definite.
+    pub fn new(C: Matrix6<f64>) -> Result<Self, SectionError> {
+        let diagonal: [f64; 6] = std::array::from_fn(|i| C[(i, i)]);
+        if C.iter().any(|c| !c.is_finite()) || diagonal.iter().any(|&c| c <= 0.0) {
+            return Err(SectionError::NotPositiveDefinite { diagonal });
+        }
+        for i in 0..6 {
+            for j in 0..i {
+                let scale = (diagonal[i] * diagonal[j]).sqrt();
+                if (C[(i, j)] - C[(j, i)]).abs() > 1e-12 * scale {
+                    return Err(SectionError::NotSymmetric {
+                        row: j + 1,
+                        column: i + 1,
+                        upper: C[(j, i)],
+                        lower: C[(i, j)],
+                    });
+                }
+            }
+        }
+        // Definiteness does not depend on the units: test the law scaled to a unit diagonal.
+        let scaled =
+            Matrix6::from_fn(|i, j| C[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
+        if scaled.symmetric_eigenvalues().min() <= 1e-14 {
+            return Err(SectionError::NotPositiveDefinite { diagonal });
+        }
+        Ok(Self {
+            C: (C + C.transpose()) * 0.5,
+            A_rho: 0.0,
+            J: Matrix3::zeros(),
+        })
+    }
+
+    /// The diagonal law N = diag(EA, GA₂, GA₃) Γ, M = diag(GJ, EI₂, EI₃) K; no mass.
+    ///
+    /// EI₂ belongs to bending about E₂ (fibres at a distance along E₃), GA₂ to shear along E₂.
+    ///
+    /// # Errors
+    /// [`SectionError::NotPositive`] naming the stiffness that is not positive.
+    pub fn diagonal(
+        EA: f64,
+        GA: [f64; 2],
+        GJ: f64,
+        EI: [f64; 2],
+    ) -> Result<Self, SectionError> {
+        positive("axial stiffness EA", EA)?;
+        positive("shear stiffness GA2", GA[0])?;
+        positive("shear stiffness GA3", GA[1])?;
+        positive("torsional stiffness GJ", GJ)?;
+        positive("bending stiffness EI2", EI[0])?;
+        positive("bending stiffness EI3", EI[1])?;
+        Self::new(Matrix6::from_diagonal(&[EA, GA[0], GA[1], GJ, EI[0], EI[1]].into()))
+    }
+
+    /// The same section with mass per length Aρ and inertia per length J (section axes).
+    #[must_use]
+    pub fn with_mass(mut self, A_rho: f64, J: Matrix3<f64>) -> Self {
+        self.A_rho = A_rho;
+        self.J = J;
+        self
+    }
+
+    /// Rectangle of `width` along E₂ and `height` along E₃.
+    ///
+    /// Shear factor 10(1+ν)/(12+11ν) (Cowper 1966, J. Appl. Mech. 33, table 1); torsion constant
+    /// by Saint-Venant's series ([`rectangle_torsion`]).
+    ///
+    /// # Errors
+    /// [`SectionError`] for a material or a side that is not positive.
+    pub fn rectangle(material: Material, width: f64, height: f64) -> Result<Self, SectionError> {
+        material.check()?;
+        positive("width", width)?;
+        positive("height", height)?;
+        let nu = material.nu;
+        let k = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
+        let area = width * height;
+        let I = [
+            width * height.powi(3) / 12.0,
+            height * width.powi(3) / 12.0,
+        ];
+        Self::from_geometry(material, area, k, rectangle_torsion(width, height), I)
+    }
+
+    /// Solid circle. Shear factor 6(1+ν)/(7+6ν) (Cowper 1966).
+    ///
+    /// # Errors
+    /// [`SectionError`] for a material or a radius that is not positive.
+    pub fn circle(material: Material, radius: f64) -> Result<Self, SectionError> {
+        material.check()?;
+        positive("radius", radius)?;
+        let nu = material.nu;
+        let k = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu);
+        let I = PI * radius.powi(4) / 4.0;
+        Self::from_geometry(material, PI * radius * radius, k, 2.0 * I, [I, I])
+    }
+
+    /// Circular tube. Shear factor 6(1+ν)(1+m²)² / ((7+6ν)(1+m²)² + (20+12ν)m²) with the ratio
+    /// of radii m (Cowper 1966).
+    ///
+    /// # Errors
+    /// [`SectionError`] for a material or radii out of range.
+    pub fn tube(material: Material, inner: f64, outer: f64) -> Result<Self, SectionError> {
+        material.check()?;
+        positive("outer radius", outer)?;
+        if !(inner > 0.0 && inner < outer) {
+            return Err(SectionError::Tube { inner, outer });
+        }
+        let nu = material.nu;
+        let m2 = (inner / outer).powi(2);
+        let s = (1.0 + m2).powi(2);
+        let k = 6.0 * (1.0 + nu) * s / ((7.0 + 6.0 * nu) * s + (20.0 + 12.0 * nu) * m2);
+        let I = PI * (outer.powi(4) - inner.powi(4)) / 4.0;
+        let area = PI * (outer * outer - inner * inner);
+        Self::from_geometry(material, area, k, 2.0 * I, [I, I])
+    }
+
+    /// Stiffness and mass from area, shear factor, torsion constant and second moments I₂, I₃.
+    fn from_geometry(
+        material: Material,
+        area: f64,
+        k: f64,
+        torsion: f64,
+        I: [f64; 2],
+    ) -> Result<Self, SectionError> {
+        let Material { E, rho, .. } = material;
+        let G = material.G();
+        let shear = k * G * area;
+        let section = Self::diagonal(
+            E * area,
+            [shear, shear],
+            G * torsion,
+            [E * I[0], E * I[1]],
+        )?;
+        let J = Vector3::new(I[0] + I[1], I[0], I[1]) * rho;
+        Ok(section.with_mass(rho * area, Matrix3::from_diagonal(&J)))
+    }
+}
+
+/// Torsion constant of a rectangle with sides a ≥ b:
+/// a b³ [1/3 − (64/π⁵)(b/a) Σ_{n odd} tanh(nπa/2b)/n⁵]
+/// (Timoshenko & Goodier, Theory of Elasticity, art. 109).
+pub fn rectangle_torsion(width: f64, height: f64) -> f64 {
+    let (a, b) = (width.max(height), width.min(height));
+    let sum: f64 = (0..200)
+        .rev()
+        .map(|k| {
+            let n = f64::from(2 * k + 1);
+            (n * PI * a / (2.0 * b)).tanh() / n.powi(5)
+        })
+        .sum();
+    a * b.powi(3) * (1.0 / 3.0 - 64.0 / PI.powi(5) * b / a * sum)
+}

@@ -1,0 +1,142 @@
+//! Strains, internal forces and tangent at one point of the centre line.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_manifold::quotients::Quotients;
+use pullback_manifold::so3::{self, skew};
+
+/// Section law with components in the global frame of the reference configuration: rotated once
+/// by R₀, so that the kernel below never meets R₀ again.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    pub GG: Matrix3<f64>,
+    pub GK: Matrix3<f64>,
+    pub KK: Matrix3<f64>,
+}
+
+impl Law {
+    pub(super) fn rotated(C: &Matrix6<f64>, R0: &Matrix3<f64>) -> Self {
+        let block = |i: usize, j: usize| {
+            R0 * C.fixed_view::<3, 3>(3 * i, 3 * j).into_owned() * R0.transpose()
+        };
+        Self {
+            GG: block(0, 0),
+            GK: block(0, 1),
+            KK: block(1, 1),
+        }
+    }
+}
+
+/// Place derivative x′, rotation vector Ψ and its derivative Ψ′ at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub x_prime: Vector3<f64>,
+    pub psi: Vector3<f64>,
+    pub psi_prime: Vector3<f64>,
+}
+
+/// Everything that follows from the strains at a point: components in the global frame of the
+/// reference configuration ("material" components before R₀ᵀ).
+pub(super) struct Strained {
+    R: Matrix3<f64>,
+    T: Matrix3<f64>,
+    C1: Matrix3<f64>,
+    quotients: Quotients,
+    /// Rᵀ x′.
+    g: Vector3<f64>,
+    pub Gamma: Vector3<f64>,
+    pub K: Vector3<f64>,
+    pub N: Vector3<f64>,
+    pub M: Vector3<f64>,
+}
+
+/// Forces conjugate to x′, Ψ′ and Ψ: the rows of Bᵀ(N, M), [M04] (162).
+pub(super) struct Forces {
+    pub x_prime: Vector3<f64>,
+    pub psi_prime: Vector3<f64>,
+    pub psi: Vector3<f64>,
+}
+
+/// Blocks of BᵀCB + K_σ over (x′, Ψ′, Ψ) = (x, p, q); the rest is symmetric.
+pub(super) struct Stiffness {
+    pub xx: Matrix3<f64>,
+    pub xp: Matrix3<f64>,
+    pub xq: Matrix3<f64>,
+    pub pp: Matrix3<f64>,
+    pub pq: Matrix3<f64>,
+    pub qq: Matrix3<f64>,
+}
+
+impl Strained {
+    /// Strains Γ = Rᵀx′ − X′ and K = TΨ′ ([M04] (118)) and their resultants; X′ is the reference
+    /// x′ of unit length, tangent to the reference line.
+    #[inline]
+    pub(super) fn new(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> Self {
+        let quotients = Quotients::new(line.psi.norm());
+        let c = quotients.tangent();
+        let R = so3::R(&line.psi, &c);
+        let T = so3::T(&line.psi, &c);
+        let g = R.tr_mul(&line.x_prime);
+        let Gamma = g - X_prime;
+        let K = T * line.psi_prime;
+        Self {
+            N: law.GG * Gamma + law.GK * K,
+            M: law.GK.tr_mul(&Gamma) + law.KK * K,
+            C1: so3::C1(&line.psi_prime, &line.psi, &quotients),
+            R,
+            T,
+            quotients,
+            g,
+            Gamma,
+            K,
+        }
+    }
+
+    /// Strain energy per unit length.
+    pub(super) fn energy(&self) -> f64 {
+        0.5 * (self.N.dot(&self.Gamma) + self.M.dot(&self.K))
+    }
+
+    /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], [M04] (162).
+    #[inline]
+    pub(super) fn forces(&self) -> Forces {
+        Forces {
+            x_prime: self.R * self.N,
+            psi_prime: self.T.tr_mul(&self.M),
+            psi: self.T.tr_mul(&self.N.cross(&self.g)) + self.C1.tr_mul(&self.M),
+        }
+    }
+
+    /// BᵀCB + K_σ, [M04] (167).
+    #[inline]
+    pub(super) fn stiffness(&self, line: &Line, law: &Law) -> Stiffness {
+        let Self {
+            R,
+            T,
+            C1,
+            quotients,
+            g,
+            N,
+            M,
+            ..
+        } = self;
+        // Columns of C B that belong to Ψ: A = (Rᵀx′)~ T, and C₁.
+        let A = skew(g) * T;
+        let NT = skew(N) * T;
+        let stress_q = law.GG * A + law.GK * C1;
+        let moment_q = law.GK.tr_mul(&A) + law.KK * C1;
+        let Nxg = N.cross(g);
+        Stiffness {
+            xx: R * law.GG * R.transpose(),
+            xp: R * law.GK * T,
+            xq: R * (stress_q - NT),
+            pp: T.tr_mul(&(law.KK * T)),
+            pq: T.tr_mul(&moment_q) + so3::C2(M, &line.psi, quotients),
+            // Tᵀ N~ g~ T = −(N~T)ᵀ g~ T: with A this saves two products.
+            qq: A.tr_mul(&stress_q) + C1.tr_mul(&moment_q) - NT.tr_mul(&A)
+                + so3::C3(M, &line.psi_prime, &line.psi, quotients)
+                + so3::C2(&Nxg, &line.psi, quotients),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! What an element is: one evaluation that fills a residual and the requested tangents.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Time, coordinates, velocities and accelerations of an element: those of its nodes, one after
+/// the other. A frame node has six, (d, Ψ): displacement from its reference place and rotation
+/// vector from its reference orientation, both in global components.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// Time, or load parameter in statics.
+    pub t: f64,
+    /// Coordinates.
+    pub x: &'a [f64],
+    /// Velocities; zero in statics.
+    pub v: &'a [f64],
+    /// Accelerations; zero in statics.
+    pub a: &'a [f64],
+}
+
+/// What an evaluation fills. Everything is zero on entry and the element **adds** to it.
+///
+/// Matrices are n×n, column by column, n = [`Element::dim`].
+pub struct Response<'a> {
+    /// Residual covector r = f_ext − f_int − f_acc.
+    pub r: &'a mut [f64],
+    /// K = −∂r/∂x, when asked for.
+    pub K: Option<&'a mut [f64]>,
+    /// C = −∂r/∂ẋ, when asked for.
+    pub C: Option<&'a mut [f64]>,
+    /// M = −∂r/∂ẍ, when asked for.
+    pub M: Option<&'a mut [f64]>,
+    /// Partial derivative ∂r/∂t at a fixed motion, when asked for.
+    pub r_t: Option<&'a mut [f64]>,
+}
+
+/// Why an element cannot be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ElementError {
+    /// A rotation vector has reached the edge of its chart, ψ = 2π.
+    #[error("rotation angle {psi:.6} rad is at the edge of its chart (2π)")]
+    OutsideChart {
+        /// The rotation angle in radians.
+        psi: f64,
+    },
+}
+
+/// Forces at one place of an element, for output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionState {
+    /// Place of the cross-section's centre in the reference configuration, global components.
+    pub reference: Vector3<f64>,
+    /// Current place, global components.
+    pub place: Vector3<f64>,
+    /// Current orientation R(Ψ)R₀: section axes e₁, e₂, e₃ as columns, global components.
+    pub frame: Matrix3<f64>,
+    /// Strains Γ (elongation and two shears), components in the section axes.
+    pub Gamma: Vector3<f64>,
+    /// Curvatures K (twist and two bendings) per unit length, components in the section axes.
+    pub K: Vector3<f64>,
+    /// Normal force and two shear forces, components in the section axes.
+    pub N: Vector3<f64>,
+    /// Torque and two bending moments, components in the section axes.
+    pub M: Vector3<f64>,
+}
+
+/// An element, or a load: anything that contributes to the residual through its nodes.
+///
+/// The same trait serves beams, bodies, springs and loads; the coordinates may be those of free
+/// nodes or come out of any constraint map, the element does not know.
+pub trait Element: Send + Sync {
+    /// Number of coordinates: the sum of its nodes' dimensions.
+    fn dim(&self) -> usize;
+
+    /// Adds the residual, and the tangents asked for, at the given motion.
+    ///
+    /// # Errors
+    /// [`ElementError`] when the motion is outside the element's domain.
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError>;
+
+    /// Stored (strain or load) energy; zero for elements without one.
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        let _ = at;
+        0.0
+    }
+
+    /// Whether K is symmetric wherever the element can be.
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    /// Whether it stands for applied loads, which set the scale of a convergence test.
+    fn is_load(&self) -> bool {
+        false
+    }
+
+    /// Appends the states of its cross-sections, for output; nothing by default.
+    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
+        let _ = (at, out);
+    }
+}

@@ -1,0 +1,474 @@
+//! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
+
+use super::assembly::{MAX_NODES, Placement, Workspace};
+use super::{Attached, Model, ModelError, NONE, Node, Prescribed, Source};
+use crate::element::Element;
+use crate::time::{Constant, TimeFunction};
+use nalgebra::Vector3;
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Kind;
+use std::collections::HashMap;
+
+/// Coordinates of a frame node.
+pub(super) const FRAME: usize = 6;
+
+/// A node of the builder that made it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub(crate) u32);
+
+/// An element of the builder that made it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ElementId(pub(crate) u32);
+
+/// The six coordinates of a frame node, in global components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dof {
+    /// Displacement along e1.
+    X,
+    /// Displacement along e2.
+    Y,
+    /// Displacement along e3.
+    Z,
+    /// Rotation vector component about e1.
+    RX,
+    /// Rotation vector component about e2.
+    RY,
+    /// Rotation vector component about e3.
+    RZ,
+}
+
+impl Dof {
+    /// All six, in the order of the coordinates.
+    pub const ALL: [Self; FRAME] = [Self::X, Self::Y, Self::Z, Self::RX, Self::RY, Self::RZ];
+    /// The three displacements.
+    pub const TRANSLATIONS: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    /// The three rotations.
+    pub const ROTATIONS: [Self; 3] = [Self::RX, Self::RY, Self::RZ];
+
+    /// Position among the six coordinates.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Names of the six coordinates of a frame.
+pub(super) const DOF_NAMES: [&str; FRAME] = [
+    "displacement along e1",
+    "displacement along e2",
+    "displacement along e3",
+    "rotation about e1",
+    "rotation about e2",
+    "rotation about e3",
+];
+
+/// Collects a model and checks it when [`ModelBuilder::build`] is called.
+#[derive(Default)]
+pub struct ModelBuilder {
+    nodes: Vec<Node>,
+    names: HashMap<String, NodeId>,
+    elements: Vec<Attached>,
+    prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+}
+
+impl ModelBuilder {
+    /// An empty model.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a frame node (displacement and rotation, six coordinates) at a reference place.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`].
+    pub fn node(
+        &mut self,
+        name: impl Into<String>,
+        place: [f64; 3],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(name.into(), place, frame_kinds(), Source::Own, 0)
+    }
+
+    /// Adds coordinates that are no frame: those a joint releases, say.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn coordinates(
+        &mut self,
+        name: impl Into<String>,
+        kinds: &[Kind],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(name.into(), [0.0; 3], kinds.to_vec(), Source::Own, 0)
+    }
+
+    /// Adds a frame node whose six coordinates follow from those of `masters` through a map.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::Dimension`] when the
+    /// map does not take the masters' coordinates to six; [`ModelError::PrescribedSlave`] never.
+    pub fn mapped_node(
+        &mut self,
+        name: impl Into<String>,
+        place: [f64; 3],
+        map: Box<dyn Parametrization>,
+        masters: &[NodeId],
+    ) -> Result<NodeId, ModelError> {
+        let name = name.into();
+        let (d, n) = map.dims();
+        let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
+        if d != found || n != FRAME || masters.iter().any(|m| !self.nodes[m.0 as usize].is_own()) {
+            return Err(ModelError::Dimension {
+                element: format!("joint at node {name}"),
+                nodes: self.names_of(masters),
+                expected: d,
+                found,
+            });
+        }
+        let source = Source::Mapped {
+            map,
+            masters: masters.iter().map(|m| m.0).collect(),
+        };
+        self.add_node(name, place, frame_kinds(), source, d)
+    }
+
+    fn add_node(
+        &mut self,
+        name: String,
+        place: [f64; 3],
+        kinds: Vec<Kind>,
+        source: Source,
+        masters_dim: usize,
+    ) -> Result<NodeId, ModelError> {
+        if place.iter().any(|x| !x.is_finite()) {
+            return Err(ModelError::NotFinite { node: name, place });
+        }
+        let id = NodeId(self.nodes.len() as u32);
+        if self.names.insert(name.clone(), id).is_some() {
+            return Err(ModelError::DuplicateNode { node: name });
+        }
+        self.nodes.push(Node {
+            name,
+            place: place.into(),
+            dim: kinds.len(),
+            kinds,
+            first: 0,
+            operator: 0,
+            masters_dim,
+            source,
+        });
+        Ok(id)
+    }
+
+    /// The node of a name.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownNode`], which lists the names there are.
+    pub fn find(&self, name: &str) -> Result<NodeId, ModelError> {
+        self.names.get(name).copied().ok_or_else(|| {
+            let mut known: Vec<&str> = self.nodes.iter().map(|n| n.name.as_str()).collect();
+            let many = known.len() > 12;
+            known.truncate(12);
+            ModelError::UnknownNode {
+                node: name.to_owned(),
+                known: known.join(", ") + if many { ", ..." } else { "" },
+            }
+        })
+    }
+
+    /// Name of a node.
+    pub fn node_name(&self, node: NodeId) -> &str {
+        &self.nodes[node.0 as usize].name
+    }
+
+    /// Reference place of a node.
+    pub fn place(&self, node: NodeId) -> Vector3<f64> {
+        self.nodes[node.0 as usize].place
+    }
+
+    fn names_of(&self, nodes: &[NodeId]) -> String {
+        let names: Vec<&str> = nodes.iter().map(|&n| self.node_name(n)).collect();
+        names.join(", ")
+    }
+
+    /// Adds an element or a load on nodes.
+    ///
+    /// # Errors
+    /// [`ModelError::Dimension`] when the nodes do not have the coordinates that it expects.
+    pub fn element(
+        &mut self,
+        name: impl Into<String>,
+        element: impl Element + 'static,
+        nodes: &[NodeId],
+    ) -> Result<ElementId, ModelError> {
+        self.boxed_element(name.into(), Box::new(element), nodes)
+    }
+
+    /// As [`ModelBuilder::element`], for an element that is boxed already.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::element`].
+    pub fn boxed_element(
+        &mut self,
+        name: String,
+        element: Box<dyn Element>,
+        nodes: &[NodeId],
+    ) -> Result<ElementId, ModelError> {
+        if nodes.iter().any(|n| n.0 as usize >= self.nodes.len()) {
+            return Err(ModelError::ForeignNode { element: name });
+        }
+        if nodes.len() > MAX_NODES {
+            return Err(ModelError::TooManyNodes {
+                element: name,
+                found: nodes.len(),
+                limit: MAX_NODES,
+            });
+        }
+        let found: usize = nodes.iter().map(|n| self.nodes[n.0 as usize].dim).sum();
+        if found != element.dim() {
+            return Err(ModelError::Dimension {
+                expected: element.dim(),
+                found,
+                nodes: self.names_of(nodes),
+                element: name,
+            });
+        }
+        self.elements.push(Attached {
+            name,
+            element,
+            nodes: nodes.iter().map(|n| n.0).collect(),
+            switched: 0,
+            mapped: false,
+            pulled: 0,
+            blocks: 0,
+            first_block: 0,
+            first_position: 0,
+        });
+        Ok(ElementId(self.elements.len() as u32 - 1))
+    }
+
+    /// Holds coordinates of a node at zero.
+    pub fn support(&mut self, node: NodeId, dofs: &[Dof]) {
+        for &dof in dofs {
+            self.prescribe(node, dof, Constant(0.0));
+        }
+    }
+
+    /// Prescribes a coordinate of a frame node as a function of time (of the load parameter in
+    /// statics).
+    pub fn prescribe(&mut self, node: NodeId, dof: Dof, function: impl TimeFunction + 'static) {
+        self.prescribe_boxed(node, dof, Box::new(function));
+    }
+
+    /// As [`ModelBuilder::prescribe`], for a function that is boxed already.
+    pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
+        self.prescribed.push((node, dof.index(), function));
+    }
+
+    /// Checks the model, numbers its unknowns and finds the pattern.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
+    /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
+    pub fn build(self) -> Result<Model, ModelError> {
+        let Self {
+            mut nodes,
+            mut elements,
+            prescribed,
+            ..
+        } = self;
+        if nodes.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        let (mut first, mut operator) = (0, 0);
+        for node in &mut nodes {
+            node.first = first;
+            node.operator = operator;
+            first += node.dim;
+            operator += node.operator_len();
+        }
+        let total = first;
+        check_connections(&nodes, &elements)?;
+        let prescribed = resolve_prescribed(&nodes, prescribed)?;
+
+        // Numbering: unknowns in the order of the nodes, block by block.
+        let mut free: Vec<bool> = nodes
+            .iter()
+            .flat_map(|n| std::iter::repeat_n(n.is_own(), n.dim))
+            .collect();
+        for p in &prescribed {
+            free[p.coordinate] = false;
+        }
+        let mut unknowns = vec![NONE; total];
+        let mut coordinates = Vec::new();
+        let mut sizes = Vec::new();
+        let mut placement = Placement::default();
+        for node in &nodes {
+            let mut size = 0;
+            let rows = node
+                .range()
+                .map(|c| {
+                    if !free[c] {
+                        return NONE;
+                    }
+                    unknowns[c] = coordinates.len() as u32;
+                    coordinates.push(c);
+                    size += 1;
+                    size - 1
+                })
+                .collect();
+            placement.rows.push(rows);
+            placement.blocks.push(if size == 0 {
+                NONE
+            } else {
+                sizes.push(size as usize);
+                sizes.len() as u32 - 1
+            });
+        }
+        if coordinates.is_empty() {
+            return Err(ModelError::NothingFree);
+        }
+
+        // Own nodes behind each element, the pattern, and the places of all pairs.
+        for e in &mut elements {
+            e.first_block = placement.nodes.len();
+            for &n in &e.nodes {
+                match &nodes[n as usize].source {
+                    Source::Own => placement.nodes.push(n),
+                    Source::Mapped { masters, .. } => {
+                        e.mapped = true;
+                        placement.nodes.extend(masters);
+                    }
+                }
+            }
+            e.blocks = placement.nodes.len() - e.first_block;
+            e.pulled = placement.nodes[e.first_block..]
+                .iter()
+                .map(|&n| nodes[n as usize].dim)
+                .sum();
+        }
+        let block_of = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+        let groups = elements.iter().map(|e| {
+            placement.nodes[e.first_block..e.first_block + e.blocks]
+                .iter()
+                .filter_map(block_of)
+                .collect::<Vec<u32>>()
+        });
+        let joints = nodes.iter().filter_map(|n| match &n.source {
+            Source::Own => None,
+            Source::Mapped { masters, .. } => Some(masters.iter().filter_map(block_of).collect()),
+        });
+        let pattern = BlockPattern::new(&sizes, groups.chain(joints));
+        let mut positions = Vec::new();
+        for e in &mut elements {
+            e.first_position = positions.len();
+            let own = &placement.nodes[e.first_block..e.first_block + e.blocks];
+            for nj in own {
+                for ni in own {
+                    let start = match (block_of(ni), block_of(nj)) {
+                        (Some(i), Some(j)) => pattern.find(i as usize, j as usize),
+                        _ => None,
+                    };
+                    positions.push(start.map_or(NONE, |s| s as u32));
+                }
+            }
+        }
+        placement.positions = positions;
+
+        let corner = |pick: fn(f64, f64) -> f64| {
+            nodes
+                .iter()
+                .filter(|n| n.is_frame())
+                .map(|n| n.place)
+                .reduce(|a, b| a.zip_map(&b, pick))
+                .unwrap_or_default()
+        };
+        let length = Some((corner(f64::max) - corner(f64::min)).norm())
+            .filter(|&l| l > 0.0)
+            .unwrap_or(1.0);
+        let driven_rotations = (0..nodes.len())
+            .filter(|&n| {
+                let first = nodes[n].first;
+                nodes[n].is_frame()
+                    && (3..6).all(|i| prescribed.iter().any(|p| p.coordinate == first + i))
+            })
+            .map(|n| (n, 0))
+            .collect();
+        let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let work = Workspace::new(&nodes, &elements, length);
+        let mut model = Model {
+            nodes,
+            elements,
+            prescribed,
+            driven_rotations,
+            coordinates,
+            unknowns,
+            kinds,
+            length,
+            pattern,
+            placement,
+            work,
+        };
+        let zero = vec![0.0; model.coordinates.len()];
+        model.choose_element_charts(0.0, &zero);
+        Ok(model)
+    }
+}
+
+fn frame_kinds() -> Vec<Kind> {
+    [[Kind::Length; 3], [Kind::Angle; 3]].concat()
+}
+
+/// Every own node must meet an element that is not a load, directly or through a joint.
+fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelError> {
+    let mut connected = vec![false; nodes.len()];
+    for e in elements.iter().filter(|e| !e.element.is_load()) {
+        for &n in &e.nodes {
+            connected[n as usize] = true;
+        }
+    }
+    for (n, node) in nodes.iter().enumerate() {
+        if let Source::Mapped { masters, .. } = &node.source
+            && connected[n]
+        {
+            for &m in masters {
+                connected[m as usize] = true;
+            }
+        }
+    }
+    match connected.iter().position(|c| !c) {
+        None => Ok(()),
+        Some(n) => Err(ModelError::Unconnected {
+            node: nodes[n].name.clone(),
+        }),
+    }
+}
+
+fn resolve_prescribed(
+    nodes: &[Node],
+    prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+) -> Result<Vec<Prescribed>, ModelError> {
+    let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
+    let mut taken = std::collections::HashSet::new();
+    for (id, dof, function) in prescribed {
+        let node = &nodes[id.0 as usize];
+        let coordinate = format!("node {}, {}", node.name, DOF_NAMES[dof]);
+        if let Source::Mapped { masters, .. } = &node.source {
+            let masters: Vec<&str> = masters
+                .iter()
+                .map(|&m| nodes[m as usize].name.as_str())
+                .collect();
+            return Err(ModelError::PrescribedSlave {
+                coordinate,
+                masters: masters.join(", "),
+            });
+        }
+        if !taken.insert(node.first + dof) {
+            return Err(ModelError::PrescribedTwice { coordinate });
+        }
+        out.push(Prescribed {
+            coordinate: node.first + dof,
+            function,
+        });
+    }
+    Ok(out)
+}

@@ -1,0 +1,176 @@
+//! Which chart each node and each element uses, decided at converged states only.
+
+use super::Model;
+use super::builder::FRAME;
+use super::slots::Complement;
+use nalgebra::Vector3;
+use pullback_manifold::so3;
+use std::f64::consts::{PI, TAU};
+
+/// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
+/// element on the border does not change to and fro.
+const HYSTERESIS: f64 = 1e-6;
+
+impl Model {
+    /// Changes the charts of nodes with ψ > π, then lets the elements choose theirs.
+    pub(super) fn update_charts(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = self.fold_driven_rotations(t);
+        for node in 0..self.nodes.len() {
+            let Some(unknowns) = self.free_rotation(node, t) else {
+                continue;
+            };
+            let take = |from: &[f64]| {
+                Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]))
+            };
+            let psi = take(q);
+            if psi.norm() <= PI {
+                continue;
+            }
+            changed += 1;
+            let put = |to: &mut [f64], from: &Vector3<f64>| {
+                for (u, x) in unknowns.iter().zip(from.iter()) {
+                    if let Some(u) = *u {
+                        to[u] = *x;
+                    }
+                }
+            };
+            let velocity = if v.is_empty() { Vector3::zeros() } else { take(v) };
+            let mut x = psi;
+            let mut first = velocity;
+            for a in accelerations.iter_mut() {
+                x = psi;
+                first = velocity;
+                let mut second = take(a);
+                Complement::default().apply(
+                    x.as_mut_slice(),
+                    first.as_mut_slice(),
+                    second.as_mut_slice(),
+                );
+                put(a, &second);
+            }
+            if accelerations.is_empty() {
+                let mut second = Vector3::zeros();
+                Complement::default().apply(
+                    x.as_mut_slice(),
+                    first.as_mut_slice(),
+                    second.as_mut_slice(),
+                );
+            }
+            put(q, &x);
+            if !v.is_empty() {
+                put(v, &first);
+            }
+        }
+        self.choose_element_charts(t, q);
+        changed
+    }
+
+    /// The unknowns of a frame's rotation if its chart can be changed: the node is no joint's
+    /// slave, something of the rotation is free, and what is prescribed is zero.
+    fn free_rotation(&self, node: usize, t: f64) -> Option<[Option<usize>; 3]> {
+        let node = &self.nodes[node];
+        if !(node.is_frame() && node.is_own()) {
+            return None;
+        }
+        let unknowns = std::array::from_fn(|i| {
+            let u = self.unknowns[node.first + 3 + i];
+            (u != super::NONE).then_some(u as usize)
+        });
+        if unknowns.iter().all(Option::is_none) {
+            return None;
+        }
+        let held = |p: &&super::Prescribed| {
+            (node.first + 3..node.first + FRAME).contains(&p.coordinate)
+        };
+        self.prescribed
+            .iter()
+            .filter(held)
+            .all(|p| p.function.at(t) == [0.0; 3])
+            .then_some(unknowns)
+    }
+
+    fn fold_driven_rotations(&mut self, t: f64) -> usize {
+        let mut changed = 0;
+        for (node, turns) in &mut self.driven_rotations {
+            let first = self.nodes[*node].first + 3;
+            let mut psi = Vector3::zeros();
+            for p in &self.prescribed {
+                if (first..first + 3).contains(&p.coordinate) {
+                    psi[p.coordinate - first] = p.function.at(t)[0];
+                }
+            }
+            // Nearest whole number of turns, with the same switch at ψ > π as for free nodes.
+            let wanted = (psi.norm() / TAU - 1e-12).round() as i32;
+            if wanted != *turns {
+                *turns = wanted;
+                changed += 1;
+            }
+        }
+        changed
+    }
+
+    /// Each element evaluates its nodes in one common chart: the one in which the largest
+    /// rotation angle is smallest. Nodes that are stored in the other chart go through the
+    /// complement map. The choice does not depend on how the nodes are stored.
+    pub(super) fn choose_element_charts(&mut self, t: f64, q: &[f64]) {
+        let at = pullback_manifold::system::Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        if self.expand(at).is_err() {
+            return;
+        }
+        let x = &self.work.x;
+        for e in &mut self.elements {
+            let rotations = e
+                .nodes
+                .iter()
+                .enumerate()
+                .filter(|(_, n)| self.nodes[**n as usize].is_frame())
+                .map(|(k, n)| {
+                    let first = self.nodes[*n as usize].first + 3;
+                    (k, Vector3::from_column_slice(&x[first..first + 3]))
+                });
+            // Two candidates: all quaternions on the side of the first one, or all opposite.
+            let mut reference: Option<so3::Quaternion<f64>> = None;
+            let (mut count, mut opposite, mut all) = (0, 0_u32, 0_u32);
+            let (mut as_first, mut as_other) = (0.0_f64, 0.0_f64);
+            for (k, psi) in rotations {
+                let quaternion = so3::quaternion(&psi);
+                let first = *reference.get_or_insert(quaternion);
+                let angle = psi.norm();
+                all |= 1 << k;
+                count += 1;
+                if first.dot(&quaternion) < 0.0 {
+                    opposite |= 1 << k;
+                    as_first = as_first.max(TAU - angle);
+                    as_other = as_other.max(angle);
+                } else {
+                    as_first = as_first.max(angle);
+                    as_other = as_other.max(TAU - angle);
+                }
+            }
+            if count < 2 {
+                // A single node has no neighbour to agree with.
+                e.switched = 0;
+                continue;
+            }
+            let other = all & !opposite;
+            e.switched = if e.switched == other && as_other <= as_first + HYSTERESIS {
+                other
+            } else if as_other < as_first - HYSTERESIS {
+                other
+            } else {
+                opposite
+            };
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What can be wrong with a model, each with the name of the thing and what to do.
+
+use crate::beam::{BeamError, SectionError};
+use crate::time::TimeFunctionError;
+
+/// Why a model cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ModelError {
+    #[error("a model needs at least one node")]
+    Empty,
+    #[error("node {node} is defined twice; give each node its own name")]
+    DuplicateNode { node: String },
+    #[error("there is no node {node}; known nodes: {known}")]
+    UnknownNode { node: String, known: String },
+    #[error("node {node} has a coordinate that is not finite: {place:?}")]
+    NotFinite { node: String, place: [f64; 3] },
+    #[error(
+        "element {element} has {expected} coordinates, but its nodes ({nodes}) have {found} together"
+    )]
+    Dimension {
+        element: String,
+        nodes: String,
+        expected: usize,
+        found: usize,
+    },
+    #[error("element {element} has {found} nodes; at most {limit} are possible")]
+    TooManyNodes {
+        element: String,
+        found: usize,
+        limit: usize,
+    },
+    #[error("element {element} refers to a node of another model builder")]
+    ForeignNode { element: String },
+    #[error("element {element}: {source}")]
+    Beam { element: String, source: BeamError },
+    #[error("line {line}: {source}")]
+    LineGeometry { line: String, source: BeamError },
+    #[error("line {line}: {problem}")]
+    Line { line: String, problem: String },
+    #[error("section {section}: {source}")]
+    Section {
+        section: String,
+        source: SectionError,
+    },
+    #[error("time function of {what}: {source}")]
+    TimeFunction {
+        what: String,
+        source: TimeFunctionError,
+    },
+    #[error(
+        "{coordinate} is prescribed twice; remove one of the supports or driven motions that name it"
+    )]
+    PrescribedTwice { coordinate: String },
+    #[error(
+        "{coordinate} follows from other nodes through a joint and cannot be prescribed; \
+         prescribe a coordinate of its masters {masters}"
+    )]
+    PrescribedSlave { coordinate: String, masters: String },
+    #[error("node {node} carries no element (loads do not count); connect it or remove it")]
+    Unconnected { node: String },
+    #[error(
+        "the part of the structure that contains node {node} is not supported: it can still move \
+         as a rigid body ({motion}); add supports that prevent this"
+    )]
+    Unsupported { node: String, motion: String },
+    #[error("all coordinates are prescribed; there is nothing to solve for")]
+    NothingFree,
+}

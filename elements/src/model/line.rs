@@ -1,0 +1,97 @@
+//! Lines of beam elements along an axis.
+
+use super::builder::{ElementId, ModelBuilder, NodeId};
+use super::{Axis, ModelError};
+use crate::beam::{Beam, Section};
+use nalgebra::{Matrix3, Vector3};
+
+/// What stands on an axis: how many elements of which order and section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Number of elements, at least one.
+    pub elements: usize,
+    /// Polynomial order of an element: 1, 2 or 3 (two, three or four nodes).
+    pub order: usize,
+    /// Section in its own axes.
+    pub section: Section,
+}
+
+/// Nodes and elements of a line, from its start to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineNodes {
+    /// All nodes, ends included.
+    pub nodes: Vec<NodeId>,
+    /// All elements.
+    pub elements: Vec<ElementId>,
+}
+
+impl ModelBuilder {
+    /// Lays beam elements along `axis`, between two nodes that exist already.
+    ///
+    /// Inner nodes are named `name/1`, `name/2`, ...; elements `name:1`, `name:2`, .... The end
+    /// nodes must stand where the axis begins and ends.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming the line or the element.
+    pub fn line(
+        &mut self,
+        name: &str,
+        axis: &dyn Axis,
+        [from, to]: [NodeId; 2],
+        line: &Line,
+    ) -> Result<LineNodes, ModelError> {
+        let fail = |problem: String| ModelError::Line {
+            line: name.to_owned(),
+            problem,
+        };
+        if line.elements == 0 {
+            return Err(fail("needs at least one element".to_owned()));
+        }
+        if !(1..=3).contains(&line.order) {
+            return Err(fail(format!(
+                "elements of order {} do not exist; choose 1, 2 or 3",
+                line.order
+            )));
+        }
+        let size = (self.place(to) - self.place(from)).norm().max(1e-300);
+        for (node, u) in [(from, 0.0), (to, 1.0)] {
+            let gap = (axis.at(u).0 - self.place(node)).norm();
+            let length = (axis.at(0.5).0 - axis.at(0.0).0).norm().max(size);
+            if gap.is_nan() || gap > 1e-6 * length {
+                return Err(fail(format!(
+                    "its {} is {:?}, but node {} stands {gap:.3e} away at {:?}",
+                    if u == 0.0 { "start" } else { "end" },
+                    axis.at(u).0.as_slice(),
+                    self.node_name(node),
+                    self.place(node).as_slice()
+                )));
+            }
+        }
+        let intervals = line.elements * line.order;
+        let at = |k: f64| axis.at(k / intervals as f64);
+        let mut nodes = vec![from];
+        for k in 1..intervals {
+            nodes.push(self.node(format!("{name}/{k}"), at(k as f64).0.into())?);
+        }
+        nodes.push(to);
+        let mut elements = Vec::with_capacity(line.elements);
+        for e in 0..line.elements {
+            let first = e * line.order;
+            let own = &nodes[first..=first + line.order];
+            let places: Vec<Vector3<f64>> = own.iter().map(|&n| self.place(n)).collect();
+            let frame = |xi: f64| -> Matrix3<f64> {
+                at(first as f64 + 0.5 * (1.0 + xi) * line.order as f64).1
+            };
+            let element_name = format!("{name}:{}", e + 1);
+            let own = own.to_vec();
+            let beam = Beam::along(&places, &frame, &line.section).map_err(|source| {
+                ModelError::Beam {
+                    element: element_name.clone(),
+                    source,
+                }
+            })?;
+            elements.push(self.boxed_element(element_name, beam, &own)?);
+        }
+        Ok(LineNodes { nodes, elements })
+    }
+}

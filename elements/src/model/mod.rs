@@ -1,0 +1,122 @@
+//! The model: nodes, elements, loads and supports, numbered and assembled into a system.
+
+#![allow(non_snake_case)]
+
+mod assembly;
+mod axis;
+mod builder;
+mod charts;
+mod error;
+mod line;
+mod query;
+mod slots;
+
+pub use axis::{Arc, Axis, Straight, frame_along};
+pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
+pub use error::ModelError;
+pub use query::{NodeState, Reaction};
+pub use line::{Line, LineNodes};
+
+use crate::element::Element;
+use crate::time::TimeFunction;
+use assembly::{Placement, Workspace};
+use nalgebra::Vector3;
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Kind;
+use std::ops::Range;
+
+/// Marks an absent index.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Where a node's coordinates come from.
+enum Source {
+    /// They are coordinates of the model itself.
+    Own,
+    /// They follow from other nodes' coordinates through a constraint map.
+    Mapped {
+        map: Box<dyn Parametrization>,
+        masters: Vec<u32>,
+    },
+}
+
+/// A node: six coordinates (d, Ψ) of a frame, or the coordinates released by a joint.
+struct Node {
+    name: String,
+    /// Reference place.
+    place: Vector3<f64>,
+    kinds: Vec<Kind>,
+    dim: usize,
+    /// First coordinate in the vector of all nodes' coordinates.
+    first: usize,
+    /// First value of the kinematic operators in the workspace (mapped nodes).
+    operator: usize,
+    masters_dim: usize,
+    source: Source,
+}
+
+impl Node {
+    fn range(&self) -> Range<usize> {
+        self.first..self.first + self.dim
+    }
+
+    fn masters_dim(&self) -> usize {
+        self.masters_dim
+    }
+
+    fn operator_len(&self) -> usize {
+        self.dim * self.masters_dim
+    }
+
+    fn is_frame(&self) -> bool {
+        self.dim == 6
+    }
+
+    fn is_own(&self) -> bool {
+        matches!(self.source, Source::Own)
+    }
+}
+
+/// An element with its nodes and its places in the assembly.
+struct Attached {
+    name: String,
+    element: Box<dyn Element>,
+    nodes: Vec<u32>,
+    /// Bit k: node k is evaluated through the complement map.
+    switched: u32,
+    /// Whether any node is mapped.
+    mapped: bool,
+    /// Number of coordinates after the pull-back to own nodes.
+    pulled: usize,
+    blocks: usize,
+    first_block: usize,
+    first_position: usize,
+}
+
+/// A coordinate that is a given function of time.
+struct Prescribed {
+    coordinate: usize,
+    function: Box<dyn TimeFunction>,
+}
+
+/// An assembled model: a [`System`](pullback_manifold::system::System) with names.
+///
+/// Made by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
+/// neither prescribed nor mapped.
+pub struct Model {
+    nodes: Vec<Node>,
+    elements: Vec<Attached>,
+    prescribed: Vec<Prescribed>,
+    /// Frames whose whole rotation is driven, with the whole turns taken off.
+    driven_rotations: Vec<(usize, i32)>,
+    /// Coordinate of each unknown.
+    coordinates: Vec<usize>,
+    /// Unknown of each coordinate, or [`NONE`].
+    unknowns: Vec<u32>,
+    kinds: Vec<Kind>,
+    /// Size of the model: the diagonal of the box around its nodes.
+    length: f64,
+    pattern: BlockPattern,
+    placement: Placement,
+    work: Workspace,
+}

@@ -1,0 +1,360 @@
+//! Questions to a model: names, places, section forces, reactions, sufficiency of supports.
+
+#![allow(non_snake_case)]
+
+use super::builder::{DOF_NAMES, ElementId, NodeId};
+use super::slots::Complement;
+use super::{Model, ModelError, NONE, Source};
+use crate::element::{Motion, SectionState};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::so3;
+use pullback_manifold::system::{Kind, Point, System, SystemError};
+
+/// Coordinates of one frame node at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeState {
+    /// Displacement from the reference place, global components.
+    pub d: Vector3<f64>,
+    /// Rotation vector in the chart in use, global components, radians.
+    pub psi: Vector3<f64>,
+    /// Current place.
+    pub place: Vector3<f64>,
+    /// Rotation from the reference orientation.
+    pub R: Matrix3<f64>,
+}
+
+/// Force and moment with which a support acts on the structure, in global components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reaction {
+    /// The supported node.
+    pub node: String,
+    /// Which of the six coordinates are prescribed.
+    pub prescribed: [bool; 6],
+    /// Reaction force, zero along free directions.
+    pub force: Vector3<f64>,
+    /// Reaction moment as a covector for Ψ; the physical moment T⁻¹ of it where all three
+    /// rotations are prescribed.
+    pub moment: Vector3<f64>,
+}
+
+impl Model {
+    /// All nodes that are frames, with their names, in the order of their definition.
+    pub fn frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame())
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+    }
+
+    /// The node of a name.
+    pub fn find(&self, name: &str) -> Option<NodeId> {
+        self.nodes
+            .iter()
+            .position(|n| n.name == name)
+            .map(|k| NodeId(k as u32))
+    }
+
+    /// Number of elements and loads.
+    pub fn element_count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Name and nodes of an element.
+    pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
+        let e = &self.elements[id.0 as usize];
+        (&e.name, e.nodes.iter().map(|&n| NodeId(n)).collect())
+    }
+
+    /// Reference place of a node.
+    pub fn reference(&self, node: NodeId) -> Vector3<f64> {
+        self.nodes[node.0 as usize].place
+    }
+
+    /// Diagonal of the box around all nodes: the length that scales displacements.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Unknown of a coordinate of a frame node, if it is free.
+    pub fn unknown(&self, node: NodeId, dof: super::Dof) -> Option<usize> {
+        let node = &self.nodes[node.0 as usize];
+        let u = self.unknowns[node.first + dof.index()];
+        (u != NONE).then_some(u as usize)
+    }
+
+    pub(super) fn coordinate_name(&self, c: usize) -> String {
+        let node = self
+            .nodes
+            .iter()
+            .find(|n| n.range().contains(&c));
+        match node {
+            Some(n) if n.is_frame() => format!("node {}, {}", n.name, DOF_NAMES[c - n.first]),
+            Some(n) => format!("{}, coordinate {}", n.name, c - n.first + 1),
+            None => format!("coordinate {c}"),
+        }
+    }
+
+    /// Brings the whole configuration to a point, for the questions that follow.
+    ///
+    /// # Errors
+    /// [`SystemError`] when a joint is outside its domain.
+    pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        self.expand(at)
+    }
+
+    /// A frame node in the configuration last evaluated or set by [`Model::configure`].
+    pub fn node_state(&self, node: NodeId) -> NodeState {
+        let n = &self.nodes[node.0 as usize];
+        let x = &self.work.x[n.range()];
+        let d = Vector3::new(x[0], x[1], x[2]);
+        let psi = Vector3::new(x[3], x[4], x[5]);
+        NodeState {
+            d,
+            psi,
+            place: n.place + d,
+            R: so3::rotation(&psi),
+        }
+    }
+
+    /// Reactions of all supported frame nodes at the last evaluation of the residual.
+    pub fn reactions(&self) -> Vec<Reaction> {
+        let mut out: Vec<Reaction> = Vec::new();
+        for n in self.nodes.iter().filter(|n| n.is_frame()) {
+            let prescribed = std::array::from_fn(|k| {
+                self.unknowns[n.first + k] == NONE && n.is_own()
+            });
+            if !prescribed.contains(&true) {
+                continue;
+            }
+            let mut f = [0.0; 6];
+            for k in (0..6).filter(|&k| prescribed[k]) {
+                f[k] = -self.work.r[n.first + k];
+            }
+            let mut moment = Vector3::new(f[3], f[4], f[5]);
+            if prescribed[3..].iter().all(|&p| p) {
+                let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
+                // Covector T m of the spatial moment m.
+                moment = so3::tangent_inverse(&psi) * moment;
+            }
+            out.push(Reaction {
+                node: n.name.clone(),
+                prescribed,
+                force: Vector3::new(f[0], f[1], f[2]),
+                moment,
+            });
+        }
+        out
+    }
+
+    /// Coordinates of an element in its own chart, in the configuration last set.
+    fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
+        let mut x = Vec::with_capacity(e.element.dim());
+        for (k, &n) in e.nodes.iter().enumerate() {
+            let first = x.len();
+            x.extend_from_slice(&self.work.x[self.nodes[n as usize].range()]);
+            if e.switched & (1 << k) != 0 {
+                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
+                Complement::default().apply(&mut x[first + 3..first + 6], &mut v, &mut a);
+            }
+        }
+        x
+    }
+
+    /// States of all cross-sections in the configuration last set, with the element they belong to.
+    pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
+        let mut out = Vec::new();
+        let mut states = Vec::new();
+        for (k, e) in self.elements.iter().enumerate() {
+            let x = self.element_coordinates(e);
+            let at = Motion {
+                t,
+                x: &x,
+                v: &[],
+                a: &[],
+            };
+            e.element.section_states(&at, &mut states);
+            out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
+        }
+        out
+    }
+
+    /// Strain energy of all elements that are not loads, in the configuration last set.
+    pub fn strain_energy(&self, t: f64) -> f64 {
+        let loads = false;
+        self.energy(t, loads)
+    }
+
+    /// Potential of the loads that have one, in the configuration last set.
+    pub fn load_potential(&self, t: f64) -> f64 {
+        let loads = true;
+        self.energy(t, loads)
+    }
+
+    fn energy(&self, t: f64, loads: bool) -> f64 {
+        self.elements
+            .iter()
+            .filter(|e| e.element.is_load() == loads)
+            .map(|e| {
+                let x = self.element_coordinates(e);
+                e.element.energy(&Motion {
+                    t,
+                    x: &x,
+                    v: &[],
+                    a: &[],
+                })
+            })
+            .sum()
+    }
+
+    /// Whether every connected part of the structure is held against rigid motion: what statics
+    /// needs.
+    ///
+    /// # Errors
+    /// [`ModelError::Unsupported`] with a node of the part and the motion it can still make.
+    pub fn check_supports(&self) -> Result<(), ModelError> {
+        let parts = self.connected_parts();
+        let mut seen = std::collections::BTreeSet::new();
+        for (n, &part) in parts.iter().enumerate() {
+            if !self.nodes[n].is_frame() || !seen.insert(part) {
+                continue;
+            }
+            let members: Vec<usize> = (0..self.nodes.len()).filter(|&m| parts[m] == part).collect();
+            if let Some(motion) = self.free_motion(&members) {
+                return Err(ModelError::Unsupported {
+                    node: self.nodes[n].name.clone(),
+                    motion,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of the connected part of each node.
+    fn connected_parts(&self) -> Vec<usize> {
+        let mut part: Vec<usize> = (0..self.nodes.len()).collect();
+        fn root(part: &mut [usize], mut n: usize) -> usize {
+            while part[n] != n {
+                part[n] = part[part[n]];
+                n = part[n];
+            }
+            n
+        }
+        let mut join = |nodes: &mut dyn Iterator<Item = usize>| {
+            let Some(first) = nodes.next() else { return };
+            for other in nodes {
+                let (a, b) = (root(&mut part, first), root(&mut part, other));
+                part[a.max(b)] = a.min(b);
+            }
+        };
+        for e in self.elements.iter().filter(|e| !e.element.is_load()) {
+            join(&mut e.nodes.iter().map(|&n| n as usize));
+        }
+        for (n, node) in self.nodes.iter().enumerate() {
+            if let Source::Mapped { masters, .. } = &node.source {
+                join(&mut std::iter::once(n).chain(masters.iter().map(|&m| m as usize)));
+            }
+        }
+        (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
+    }
+
+    /// A rigid motion of the part (by frames `members`) that no support prevents, in words.
+    fn free_motion(&self, members: &[usize]) -> Option<String> {
+        let frames: Vec<&super::Node> = members
+            .iter()
+            .map(|&m| &self.nodes[m])
+            .filter(|n| n.is_frame())
+            .collect();
+        let center: Vector3<f64> =
+            frames.iter().map(|n| n.place).sum::<Vector3<f64>>() / frames.len() as f64;
+        // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation
+        // about the centre times the model's length).
+        let mut gram = nalgebra::Matrix6::<f64>::zeros();
+        for node in &frames {
+            let arm = (node.place - center) / self.length;
+            for k in 0..6 {
+                let free = self.unknowns[node.first + k] != NONE || !node.is_own();
+                if free {
+                    continue;
+                }
+                let mut row = nalgebra::Vector6::zeros();
+                row[k] = 1.0;
+                if k < 3 {
+                    let turn = -so3::skew(&arm);
+                    for j in 0..3 {
+                        row[3 + j] = turn[(k, j)];
+                    }
+                }
+                gram += row * row.transpose();
+            }
+        }
+        let eigen = gram.symmetric_eigen();
+        let (k, &smallest) = eigen
+            .eigenvalues
+            .iter()
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = eigen.eigenvalues.max();
+        if smallest > 1e-12 * largest.max(1e-300) {
+            return None;
+        }
+        let motion = eigen.eigenvectors.column(k).into_owned();
+        Some(describe_motion(&motion, &center, self.length))
+    }
+
+    /// Whether coordinate kinds of a frame node are prescribed, for output.
+    pub fn is_prescribed(&self, node: NodeId, dof: super::Dof) -> bool {
+        let n = &self.nodes[node.0 as usize];
+        n.is_own() && self.unknowns[n.first + dof.index()] == NONE
+    }
+
+    /// Largest rotation angle of any node in the configuration last set.
+    pub fn largest_rotation(&self) -> f64 {
+        self.frames()
+            .map(|(n, _)| self.node_state(n).psi.norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Names of the unknowns with the largest entries of a vector, largest first.
+    pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
+        let scale = |i: usize| match self.kind(i) {
+            Kind::Length => self.length,
+            _ => 1.0,
+        };
+        let mut order: Vec<usize> = (0..vector.len()).collect();
+        order.sort_by(|&a, &b| {
+            (vector[b].abs() / scale(b)).total_cmp(&(vector[a].abs() / scale(a)))
+        });
+        order
+            .into_iter()
+            .take(count)
+            .map(|i| (self.name(i), vector[i]))
+            .collect()
+    }
+}
+
+/// A rigid motion (translation of the centre, rotation times length) in words.
+fn describe_motion(
+    motion: &nalgebra::Vector6<f64>,
+    center: &Vector3<f64>,
+    length: f64,
+) -> String {
+    let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
+    let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
+    let show = |v: &Vector3<f64>| {
+        let v = v / v.amax();
+        format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z)
+    };
+    if rotation.norm() * length < 1e-6 {
+        return format!("translation along {}", show(&translation));
+    }
+    // The axis passes through center + ω × v / ω².
+    let through = center + rotation.cross(&translation) / rotation.norm_squared();
+    format!(
+        "rotation about the direction {} through ({:.4}, {:.4}, {:.4})",
+        show(&rotation),
+        through.x,
+        through.y,
+        through.z
+    )
+}

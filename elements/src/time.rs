@@ -1,0 +1,177 @@
+//! Functions of time (or of the load parameter) for loads and prescribed motion.
+
+use std::fmt::Debug;
+
+/// A function of time with two derivatives.
+pub trait TimeFunction: Send + Sync + Debug {
+    /// Value, first and second derivative at `t`.
+    ///
+    /// At a kink these are the ones to the right of it.
+    fn at(&self, t: f64) -> [f64; 3];
+
+    /// Times at which a derivative jumps: step boundaries for an integrator.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+/// Why a time function cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TimeFunctionError {
+    /// A number is infinite or not a number.
+    #[error("a time function needs finite numbers, got {0}")]
+    NotFinite(f64),
+    /// Times do not increase.
+    #[error("times must increase strictly, but {previous} is followed by {next}")]
+    NotIncreasing {
+        /// A time.
+        previous: f64,
+        /// The one after it.
+        next: f64,
+    },
+    /// A table without points.
+    #[error("a table needs at least one point")]
+    Empty,
+}
+
+/// f(t) = value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant(pub f64);
+
+impl TimeFunction for Constant {
+    fn at(&self, _: f64) -> [f64; 3] {
+        [self.0, 0.0, 0.0]
+    }
+}
+
+/// f(t) = slope · t for all t: what a load parameter does in statics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proportional(pub f64);
+
+impl TimeFunction for Proportional {
+    fn at(&self, t: f64) -> [f64; 3] {
+        [self.0 * t, self.0, 0.0]
+    }
+}
+
+/// f(t) = offset + amplitude · sin(omega t + phase).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sine {
+    /// Amplitude.
+    pub amplitude: f64,
+    /// Angular frequency in rad per unit of time.
+    pub omega: f64,
+    /// Phase in radians.
+    pub phase: f64,
+    /// Mean value.
+    pub offset: f64,
+}
+
+impl TimeFunction for Sine {
+    fn at(&self, t: f64) -> [f64; 3] {
+        let (s, c) = (self.omega * t + self.phase).sin_cos();
+        let a = self.amplitude;
+        [
+            self.offset + a * s,
+            a * self.omega * c,
+            -a * self.omega * self.omega * s,
+        ]
+    }
+}
+
+/// Straight lines between points, constant before the first and after the last.
+///
+/// Ramps and hats are tables of two and three points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    points: Vec<[f64; 2]>,
+}
+
+impl Table {
+    /// A table of (time, value) pairs with increasing times.
+    ///
+    /// # Errors
+    /// [`TimeFunctionError`] for no points, numbers that are not finite, times that do not
+    /// increase.
+    pub fn new(points: Vec<[f64; 2]>) -> Result<Self, TimeFunctionError> {
+        if points.is_empty() {
+            return Err(TimeFunctionError::Empty);
+        }
+        if let Some(&x) = points.iter().flatten().find(|x| !x.is_finite()) {
+            return Err(TimeFunctionError::NotFinite(x));
+        }
+        if let Some(w) = points.windows(2).find(|w| w[1][0] <= w[0][0]) {
+            return Err(TimeFunctionError::NotIncreasing {
+                previous: w[0][0],
+                next: w[1][0],
+            });
+        }
+        Ok(Self { points })
+    }
+
+    /// From 0 at `start` to `value` at `end`, constant outside.
+    ///
+    /// # Errors
+    /// As [`Table::new`].
+    pub fn ramp(start: f64, end: f64, value: f64) -> Result<Self, TimeFunctionError> {
+        Self::new(vec![[start, 0.0], [end, value]])
+    }
+
+    /// From 0 at `start` up to `value` at `peak` and back to 0 at `end`.
+    ///
+    /// # Errors
+    /// As [`Table::new`].
+    pub fn hat(start: f64, peak: f64, end: f64, value: f64) -> Result<Self, TimeFunctionError> {
+        Self::new(vec![[start, 0.0], [peak, value], [end, 0.0]])
+    }
+}
+
+impl TimeFunction for Table {
+    fn at(&self, t: f64) -> [f64; 3] {
+        let after = self.points.partition_point(|p| p[0] <= t);
+        if after == 0 {
+            return [self.points[0][1], 0.0, 0.0];
+        }
+        let [t0, f0] = self.points[after - 1];
+        match self.points.get(after) {
+            None => [f0, 0.0, 0.0],
+            Some([t1, f1]) => {
+                let slope = (f1 - f0) / (t1 - t0);
+                [f0 + slope * (t - t0), slope, 0.0]
+            }
+        }
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.points.iter().map(|p| p[0]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hat_rises_peaks_and_falls() {
+        let hat = Table::hat(0.0, 0.5, 1.0, 40.0).unwrap();
+        assert_eq!(hat.at(-1.0), [0.0, 0.0, 0.0]);
+        assert_eq!(hat.at(0.25), [20.0, 80.0, 0.0]);
+        assert_eq!(hat.at(0.5), [40.0, -80.0, 0.0]);
+        assert_eq!(hat.at(0.75), [20.0, -80.0, 0.0]);
+        assert_eq!(hat.at(2.0), [0.0, 0.0, 0.0]);
+        assert_eq!(hat.kinks(), [0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn bad_tables_are_refused() {
+        assert_eq!(Table::new(vec![]), Err(TimeFunctionError::Empty));
+        assert!(Table::new(vec![[0.0, f64::NAN]]).is_err());
+        assert_eq!(
+            Table::ramp(1.0, 1.0, 2.0),
+            Err(TimeFunctionError::NotIncreasing {
+                previous: 1.0,
+                next: 1.0
+            })
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! The solver for users who do not want to choose.
+
+use pullback_manifold::sparse::BlockPattern;
+
+use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry};
+
+/// [`BlockLu`] where it suits, faer where it does not or where it fails.
+///
+/// A matrix is called singular only if both agree.
+#[derive(Default)]
+pub struct AutoSolver {
+    block: BlockLu,
+    cholesky: FaerCholesky,
+    lu: FaerLu,
+    pattern: Option<BlockPattern>,
+    symmetry: Symmetry,
+    chosen: Chosen,
+    /// Which of them holds the factors.
+    active: Option<Chosen>,
+    /// Factorisations in a row in which the block solver failed and the fallback did not.
+    failures: usize,
+    lu_analysed: bool,
+    values: Vec<f64>,
+    rhs: Vec<f64>,
+}
+
+/// One of the solvers behind [`AutoSolver`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chosen {
+    /// [`BlockLu`].
+    #[default]
+    Block,
+    /// [`FaerCholesky`].
+    Cholesky,
+    /// [`FaerLu`].
+    Lu,
+}
+
+/// Failures in a row after which the block solver is not asked any more.
+const FAILURES: usize = 3;
+
+impl AutoSolver {
+    /// A solver that knows no pattern yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The solver that made the last factorisation.
+    pub fn active(&self) -> Option<Chosen> {
+        self.active
+    }
+
+    fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        let Some(pattern) = &self.pattern else {
+            return Err(LinearError::NotReady { asked: "factorise" });
+        };
+        if !self.lu_analysed {
+            self.lu.analyse(pattern, self.symmetry)?;
+            self.lu_analysed = true;
+        }
+        self.lu.factorise(values)?;
+        self.active = Some(Chosen::Lu);
+        Ok(())
+    }
+}
+
+impl LinearSolver for AutoSolver {
+    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
+        self.pattern = Some(pattern.clone());
+        self.symmetry = symmetry;
+        self.active = None;
+        self.failures = 0;
+        self.lu_analysed = false;
+        self.rhs = vec![0.0; pattern.dim()];
+        self.chosen = match self.block.analyse(pattern, symmetry) {
+            Ok(()) if self.block.suits() => Chosen::Block,
+            Ok(()) | Err(LinearError::Fill { .. }) => {
+                self.block = BlockLu::new();
+                match symmetry {
+                    Symmetry::Symmetric => Chosen::Cholesky,
+                    Symmetry::General => Chosen::Lu,
+                }
+            }
+            Err(error) => return Err(error),
+        };
+        if self.chosen == Chosen::Cholesky {
+            self.cholesky.analyse(pattern, symmetry)?;
+        }
+        Ok(())
+    }
+
+    fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        self.active = None;
+        match self.chosen {
+            Chosen::Block if self.failures < FAILURES => {}
+            Chosen::Cholesky => {
+                self.cholesky.factorise(values)?;
+                self.active = Some(Chosen::Cholesky);
+                return Ok(());
+            }
+            _ => return self.fall_back(values),
+        }
+        let error = match self.block.factorise(values) {
+            Ok(()) => {
+                self.failures = 0;
+                self.active = Some(Chosen::Block);
+                return Ok(());
+            }
+            Err(error) => error,
+        };
+        let LinearError::VanishingPivot { unknown, .. } = error else {
+            return match error {
+                LinearError::Growth { .. } => self.fall_back(values),
+                other => Err(other),
+            };
+        };
+        match self.fall_back(values) {
+            Ok(()) => {
+                self.failures += 1;
+                Ok(())
+            }
+            // Both agree. The block solver names the last unknown that nothing holds (where a
+            // support is missing, as a rule), if that is part of the mechanism at all.
+            Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => Err(error),
+            Err(other) => Err(other),
+        }
+    }
+
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+        match self.active {
+            None => Err(LinearError::NotReady { asked: "solve" }),
+            Some(Chosen::Cholesky) => self.cholesky.solve(b),
+            Some(Chosen::Lu) => self.lu.solve(b),
+            Some(Chosen::Block) => {
+                match self.block.solve(b) {
+                    Err(LinearError::Residual { .. }) => {}
+                    result => return result,
+                }
+                // `b` is untouched when a solve fails.
+                let mut values = std::mem::take(&mut self.values);
+                self.block.values(&mut values);
+                let result = self.fall_back(&values);
+                self.values = values;
+                result.and_then(|()| self.lu.solve(b))
+            }
+        }
+    }
+}

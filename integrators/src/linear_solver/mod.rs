@@ -1,0 +1,207 @@
+//! Linear systems with block-sparse matrices: analyse once, factorise often, solve more often.
+//!
+//! | solver | for |
+//! |---|---|
+//! | [`AutoSolver`] | everybody: [`BlockLu`] where it suits, faer where it does not |
+//! | [`BlockLu`] | chains, trees, rings, small frames: blocks of a few unknowns, little fill |
+//! | [`FaerLu`] | matrices that need row interchanges between blocks, or that fill in a lot |
+//! | [`FaerCholesky`] | the same, symmetric positive definite |
+//!
+//! All of them work on the symmetrically scaled matrix `S A S`, `S` a diagonal of powers of two
+//! ([`scaling`]), so that "small" means the same for a metre and for a radian. The relative
+//! residual that every solve checks is that of the scaled system,
+//!
+//! ```text
+//! max|b - A x| / (‖A‖ max|x| + max|b|)
+//! ```
+//!
+//! with `‖A‖` a bound on the spectral norm (block rows of Frobenius norms). It says whether the
+//! answer solves a *nearby* system; it says nothing about how far the answer is from the exact
+//! one, which an ill-conditioned structure (a long cantilever) makes far.
+
+mod auto;
+mod block;
+mod faer;
+mod kernels;
+mod null_vector;
+mod ordering;
+pub mod scaling;
+mod symbolic;
+
+pub use auto::{AutoSolver, Chosen};
+pub use block::BlockLu;
+pub use faer::{FaerCholesky, FaerLu};
+pub use null_vector::{NullVector, null_vector};
+
+use pullback_manifold::sparse::BlockPattern;
+use thiserror::Error;
+
+/// What is known about the values beforehand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Symmetry {
+    /// Nothing; only the pattern is symmetric.
+    #[default]
+    General,
+    /// The values are symmetric, though possibly indefinite. Of a pair of blocks only one is read.
+    Symmetric,
+}
+
+/// A direct solver for matrices of one pattern.
+pub trait LinearSolver: Send {
+    /// Finds the elimination order and the structure of the factors.
+    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError>;
+
+    /// Factorises the matrix with these values; the values need not outlive the call.
+    fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError>;
+
+    /// Replaces `b` by the solution of `A x = b`.
+    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
+}
+
+/// Why a linear system could not be solved.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LinearError {
+    /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
+    #[error("the linear solver was asked to {asked} before it could")]
+    NotReady {
+        /// What it was asked for.
+        asked: &'static str,
+    },
+    /// A vector of the wrong length.
+    #[error("{what} has {found} entries where the pattern has {expected}")]
+    Length {
+        /// Which vector.
+        what: &'static str,
+        /// What the pattern wants.
+        expected: usize,
+        /// What was given.
+        found: usize,
+    },
+    /// A value that is infinite or not a number.
+    #[error("{what} is not finite at unknown {unknown}")]
+    NonFinite {
+        /// Matrix, right-hand side or solution.
+        what: &'static str,
+        /// The first unknown (row) concerned.
+        unknown: usize,
+    },
+    /// An unknown that occurs in no equation.
+    #[error("row and column {unknown} of the matrix are zero: nothing holds this unknown")]
+    ZeroRow {
+        /// The unknown.
+        unknown: usize,
+    },
+    /// A pivot that cancelled down to rounding errors.
+    #[error(
+        "pivot of unknown {unknown} is {pivot:.1e} of its original diagonal scale \
+         (rounding level {limit:.1e}): a mechanism, or equations that need another order"
+    )]
+    VanishingPivot {
+        /// The unknown whose pivot vanished.
+        unknown: usize,
+        /// Its pivot in units of the scaled matrix, where rows have entries of order one.
+        pivot: f64,
+        /// What counts as nothing but rounding.
+        limit: f64,
+    },
+    /// Numerically singular: a right-hand side of order one makes a solution beyond all bounds.
+    #[error(
+        "matrix is singular to working precision (condition at least {condition:.1e}, limit \
+         {limit:.1e}); unknown {unknown} moves most"
+    )]
+    Singular {
+        /// The largest component of the mechanism.
+        unknown: usize,
+        /// Lower bound of the condition number of the scaled matrix.
+        condition: f64,
+        /// The largest one accepted.
+        limit: f64,
+    },
+    /// Elements grew during elimination until nothing of the matrix was left.
+    #[error("elements grew by {growth:.1e} up to the pivot of unknown {unknown}")]
+    Growth {
+        /// The unknown with the largest pivot.
+        unknown: usize,
+        /// Its pivot relative to the largest entry of the scaled matrix.
+        growth: f64,
+    },
+    /// A residual that iterative refinement did not bring down.
+    #[error("relative residual {residual:.1e} of the linear system stays above {limit:.1e}")]
+    Residual {
+        /// Relative residual, see the module's front page.
+        residual: f64,
+        /// The largest one accepted.
+        limit: f64,
+    },
+    /// Factors so full that the block solver is the wrong tool.
+    #[error("elimination fills in more than {limit} block updates")]
+    Fill {
+        /// The limit that was exceeded.
+        limit: usize,
+    },
+    /// The sparse library gave up for reasons of its own.
+    #[error("sparse factorisation failed: {reason}")]
+    Library {
+        /// Its words.
+        reason: String,
+    },
+}
+
+/// Refinement starts above this relative residual.
+pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
+/// A solution is rejected above this relative residual.
+pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
+/// Steps of iterative refinement at most.
+pub(crate) const REFINEMENTS: usize = 2;
+
+/// What counts as rounding in a matrix of `blocks` nodes whose scaled rows are of order one.
+///
+/// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. Along
+/// a floating structure nothing damps these errors (the exact Schur complements carry rigid body
+/// motions unchanged), so that they add up like a random walk: the pivot that should vanish is
+/// about ε √blocks. A supported structure has smaller pivots than that only when its condition
+/// number exceeds 1/(ε √blocks), that is, when nobody can tell it from a mechanism.
+pub(crate) fn rounding_level(blocks: usize) -> f64 {
+    f64::EPSILON * (16.0 + 4.0 * (blocks as f64).sqrt())
+}
+
+pub(crate) fn check_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), LinearError> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(LinearError::Length {
+            what,
+            expected,
+            found,
+        })
+    }
+}
+
+/// Largest magnitude; NaN if any entry is NaN.
+pub(crate) fn max_abs(x: &[f64]) -> f64 {
+    // `f64::max` would drop a NaN; a sum of zero-weighted entries keeps it.
+    let (mut largest, mut poison) = ([0.0_f64; 4], [0.0_f64; 4]);
+    let (chunks, rest) = x.as_chunks::<4>();
+    for chunk in chunks {
+        for k in 0..4 {
+            let a = chunk[k].abs();
+            largest[k] = if a > largest[k] { a } else { largest[k] };
+            poison[k] += a * 0.0;
+        }
+    }
+    for &v in rest {
+        largest[0] = largest[0].max(v.abs());
+        poison[0] += v.abs() * 0.0;
+    }
+    let poison = poison[0] + poison[1] + poison[2] + poison[3];
+    largest[0].max(largest[1]).max(largest[2].max(largest[3])) + poison
+}
+
+/// The first entry that is not finite.
+pub(crate) fn first_non_finite(x: &[f64]) -> Option<usize> {
+    x.iter().position(|v| !v.is_finite())
+}

@@ -1,0 +1,122 @@
+//! The direction in which a singular structure moves.
+
+use pullback_manifold::sparse::BlockPattern;
+
+use super::{BlockLu, FaerLu, LinearError, LinearSolver, Symmetry, max_abs};
+
+/// A direction that the matrix (nearly) annihilates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NullVector {
+    /// The direction, its largest component ±1 (the first of them +1).
+    pub vector: Vec<f64>,
+    /// max|A v| / (‖A‖ max|v|) of the scaled matrix.
+    pub residual: f64,
+}
+
+/// Pivots replace vanishing ones at this size in the scaled matrix.
+const FLOOR: f64 = 1e-10;
+/// Directions with a larger residual are no mechanisms.
+const LIMIT: f64 = 1e-11;
+const ITERATIONS: usize = 6;
+
+/// Direction of the mechanism of a (nearly) singular matrix; `None` for a regular one.
+///
+/// Inverse iteration in the scaled matrix, with vanishing pivots replaced by a small number; where
+/// that is no use (a saddle point matrix, whose pivots vanish without being singular), with a
+/// small shift of the diagonal and row interchanges. Of several mechanisms any combination may
+/// come out.
+pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
+    if values.len() != pattern.len() || pattern.dim() == 0 {
+        return None;
+    }
+    let (mut scales, mut work) = (vec![1.0; pattern.dim()], vec![0.0; pattern.dim()]);
+    if let Err(error) = super::scaling::scales(pattern, values, &mut scales, &mut work) {
+        // A zero row and column is a mechanism by itself.
+        let LinearError::ZeroRow { unknown } = error else {
+            return None;
+        };
+        let mut vector = vec![0.0; pattern.dim()];
+        vector[unknown] = 1.0;
+        return Some(NullVector {
+            vector,
+            residual: 0.0,
+        });
+    }
+    let norm = super::scaling::norm(pattern, values, &scales);
+    let check = Check {
+        pattern,
+        values,
+        scales: &scales,
+        norm,
+    };
+    let mut block = BlockLu::perturbed(FLOOR);
+    let mut best: Option<NullVector> = None;
+    if block.analyse(pattern, Symmetry::General).is_ok() && block.factorise(values).is_ok() {
+        best = check.iterate(|x| block.solve_unchecked(x));
+    }
+    if best.as_ref().is_none_or(|v| v.residual > LIMIT) {
+        let mut lu = FaerLu::new();
+        if lu.analyse(pattern, Symmetry::General).is_ok() && lu.factorise_shifted(values).is_ok() {
+            let other = check.iterate(|x| lu.solve_unchecked(x));
+            if let Some(other) = other
+                && best.as_ref().is_none_or(|v| other.residual < v.residual)
+            {
+                best = Some(other);
+            }
+        }
+    }
+    best.filter(|v| v.residual <= LIMIT)
+}
+
+struct Check<'a> {
+    pattern: &'a BlockPattern,
+    values: &'a [f64],
+    scales: &'a [f64],
+    norm: f64,
+}
+
+impl Check<'_> {
+    /// Best direction of a few inverse iterations.
+    fn iterate(
+        &self,
+        mut inverse: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
+    ) -> Option<NullVector> {
+        // Start without symmetry, so that no mode is missed for being orthogonal to it. The
+        // iterate is the vector `y` of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
+        let mut y: Vec<f64> = (0..self.scales.len())
+            .map(|i| 1.0 + 0.5 * ((i * 7919 % 1009) as f64 / 1009.0))
+            .collect();
+        let mut best: Option<NullVector> = None;
+        for _ in 0..ITERATIONS {
+            let mut v: Vec<f64> = y.iter().zip(self.scales).map(|(y, s)| y / s).collect();
+            inverse(&mut v).ok()?;
+            for ((y, v), s) in y.iter_mut().zip(&v).zip(self.scales) {
+                *y = v / s;
+            }
+            let size = max_abs(&y);
+            if !(size > 0.0 && size <= f64::MAX) {
+                break;
+            }
+            y.iter_mut().for_each(|y| *y /= size);
+            let mut image = vec![0.0; y.len()];
+            let mut v: Vec<f64> = y.iter().zip(self.scales).map(|(y, s)| y * s).collect();
+            self.pattern.multiply_add(1.0, self.values, &v, &mut image);
+            image.iter_mut().zip(self.scales).for_each(|(a, s)| *a *= s);
+            let residual = max_abs(&image) / self.norm;
+            if best.as_ref().is_some_and(|b| residual >= b.residual) {
+                break;
+            }
+            let largest = max_abs(&v);
+            let sign = v
+                .iter()
+                .find(|x| x.abs() == largest)
+                .map_or(1.0, |x| x.signum());
+            v.iter_mut().for_each(|v| *v /= sign * largest);
+            best = Some(NullVector {
+                vector: v,
+                residual,
+            });
+        }
+        best
+    }
+}

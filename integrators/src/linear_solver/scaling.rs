@@ -1,0 +1,135 @@
+//! Symmetric scaling by powers of two.
+//!
+//! Rows of forces and rows of moments, stretching and bending differ by many orders of magnitude,
+//! and a pivot can only be called small against something. `S A S` with `s_i ≈ 1/√|A_ii|` is
+//! dimensionless and, for a positive definite matrix, within a factor of the best conditioned
+//! scaling there is; powers of two make it free of rounding, so that it changes no digit of the
+//! elimination.
+
+use pullback_manifold::sparse::BlockPattern;
+
+use super::LinearError;
+
+/// Scaled entries of a block may be this large in the mean square before the diagonal is declared
+/// unfit as a scale (a zero on the diagonal of a saddle point matrix, say).
+pub(crate) const MEAN_SQUARE_LIMIT: f64 = 64.0;
+
+/// A power of two near `1/√|d|`; infinite for a zero or subnormal `d`.
+#[inline(always)]
+pub(crate) fn inverse_root(d: f64) -> f64 {
+    let exponent = ((d.to_bits() >> 52) & 0x7ff) as i64;
+    if exponent == 0 {
+        return f64::INFINITY;
+    }
+    let half = (exponent - 1023) >> 1;
+    f64::from_bits(((1023 - half) as u64) << 52)
+}
+
+/// Scales by equilibration, for matrices whose diagonal is no measure of their rows.
+///
+/// Three sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and
+/// columns alike and needs no diagonal.
+///
+/// # Errors
+/// Values that are not finite, and rows that are zero.
+pub fn equilibrate(
+    pattern: &BlockPattern,
+    values: &[f64],
+    scales: &mut [f64],
+    largest: &mut [f64],
+) -> Result<(), LinearError> {
+    scales.fill(1.0);
+    for sweep in 0..3 {
+        largest.fill(0.0);
+        for j in 0..pattern.blocks() {
+            for (i, range) in pattern.column(j) {
+                let height = pattern.size(i).max(1);
+                for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
+                    for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+                        let scaled = (value * scales[r] * scales[c]).abs();
+                        if !value.is_finite() {
+                            return Err(LinearError::NonFinite {
+                                what: "matrix",
+                                unknown: r,
+                            });
+                        }
+                        largest[r] = largest[r].max(scaled);
+                        largest[c] = largest[c].max(scaled);
+                    }
+                }
+            }
+        }
+        for (unknown, (s, &m)) in scales.iter_mut().zip(&*largest).enumerate() {
+            let factor = inverse_root(m);
+            if !factor.is_finite() {
+                if sweep == 0 {
+                    return Err(LinearError::ZeroRow { unknown });
+                }
+                continue;
+            }
+            *s *= factor;
+        }
+    }
+    Ok(())
+}
+
+/// Scales of a matrix: from its diagonal if that is a fair measure, else by equilibration.
+///
+/// # Errors
+/// See [`equilibrate`].
+pub(crate) fn scales(
+    pattern: &BlockPattern,
+    values: &[f64],
+    scales: &mut [f64],
+    work: &mut [f64],
+) -> Result<(), LinearError> {
+    for j in 0..pattern.blocks() {
+        let Some(start) = pattern.find(j, j) else {
+            continue;
+        };
+        let n = pattern.size(j);
+        for (c, s) in scales[pattern.unknowns(j)].iter_mut().enumerate() {
+            *s = inverse_root(values[start + c * (n + 1)]);
+        }
+    }
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let height = pattern.size(i).max(1);
+            let mut sum = 0.0;
+            for (column, c) in values[range.clone()]
+                .chunks_exact(height)
+                .zip(pattern.unknowns(j))
+            {
+                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+                    let scaled = value * scales[r] * scales[c];
+                    sum += scaled * scaled;
+                }
+            }
+            // Written so that NaN fails, too.
+            if !(sum <= MEAN_SQUARE_LIMIT * range.len() as f64) {
+                return equilibrate(pattern, values, scales, work);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Bound on the spectral norm of the scaled matrix: block columns of Frobenius norms.
+pub(crate) fn norm(pattern: &BlockPattern, values: &[f64], scales: &[f64]) -> f64 {
+    let mut largest = 0.0_f64;
+    for j in 0..pattern.blocks() {
+        let (mut sum, mut blocks) = (0.0, 0.0);
+        for (i, range) in pattern.column(j) {
+            let height = pattern.size(i).max(1);
+            for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
+                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+                    let scaled = value * scales[r] * scales[c];
+                    sum += scaled * scaled;
+                }
+            }
+            blocks += 1.0;
+        }
+        largest = largest.max(sum * blocks);
+    }
+    largest.sqrt()
+}

@@ -1,0 +1,321 @@
+//! Holonomic constraints as maps x = φ(t, q): one generic function, everything else derived.
+//!
+//! [M04] chapter 4: a constraint is a map from a parameter space E^D into the embedding space
+//! E^N. Because the gradient in q and the time derivative commute, one run of φ over jets along
+//! the motion t + τ, q + q̇τ + ½q̈τ² gives (theory: [M04] (180), (183))
+//!
+//! ```text
+//! x, ẋ, ẍ     and     B = D_q φ,  Ḃ,  B̈
+//! ```
+//!
+//! and one run over second derivatives of f·φ gives the geometric stiffness
+//! K_σ(f) = D_q(Bᵀf) = Σ fᵢ D²φᵢ.
+
+#![allow(non_snake_case)]
+
+use crate::jet::{Grad, Hess, Taylor};
+use crate::scalar::Scalar;
+use nalgebra::{SMatrix, SVector};
+
+/// Value and gradient of a map at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent<const D: usize, const N: usize> {
+    /// x = φ(t, q).
+    pub x: SVector<f64, N>,
+    /// Kinematic operator B = D_q φ, N×D.
+    pub B: SMatrix<f64, N, D>,
+}
+
+/// Kinematics of a map along a motion q(t).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematics<const D: usize, const N: usize> {
+    /// x = φ(t, q).
+    pub x: SVector<f64, N>,
+    /// ẋ = B q̇ + ∂φ/∂t.
+    pub x_dot: SVector<f64, N>,
+    /// ẍ = B q̈ + Ḃ q̇ + d/dt ∂φ/∂t.
+    pub x_ddot: SVector<f64, N>,
+    /// Kinematic operator B = D_q φ, N×D.
+    pub B: SMatrix<f64, N, D>,
+    /// Total time derivative of B along the motion.
+    pub B_dot: SMatrix<f64, N, D>,
+    /// Second total time derivative of B along the motion.
+    pub B_ddot: SMatrix<f64, N, D>,
+}
+
+/// A holonomic constraint x = φ(t, q) from D coordinates into N.
+///
+/// Only [`Map::phi`] has to be written. The other methods follow from it by exact
+/// differentiation ([`derived`]); a map may replace any of them by a closed form, and
+/// [`crate::check::map`] then compares the two.
+pub trait Map<const D: usize, const N: usize>: Send + Sync {
+    /// The constraint itself, x = φ(t, q).
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N>;
+
+    /// Distance of q to the edge of the domain on which φ is a chart; a point with a margin ≤ 0
+    /// is refused by whoever evaluates the map. Infinite by default.
+    fn margin(&self, q: &SVector<f64, D>) -> f64 {
+        let _ = q;
+        f64::INFINITY
+    }
+
+    /// x and B.
+    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
+        derived::tangent(self, t, q)
+    }
+
+    /// x, ẋ, ẍ, B, Ḃ and B̈ along the motion with velocity v = q̇ and acceleration a = q̈.
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, N> {
+        derived::kinematics(self, t, q, v, a)
+    }
+
+    /// Geometric stiffness K_σ(f) = D_q(Bᵀ f) for a fixed covector f in E^N; symmetric D×D.
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, N>,
+    ) -> SMatrix<f64, D, D> {
+        derived::geometric_stiffness(self, t, q, f)
+    }
+
+    /// The same map behind the object-safe [`Parametrization`].
+    fn boxed(self) -> Box<dyn Parametrization>
+    where
+        Self: Sized + 'static,
+    {
+        Box::new(Erased::<Self, D, N>(self))
+    }
+}
+
+/// What every map gets from its φ alone; also the oracle for hand-derived closed forms.
+pub mod derived {
+    use super::*;
+
+    /// x and B by one run over gradients.
+    pub fn tangent<M, const D: usize, const N: usize>(
+        map: &M,
+        t: f64,
+        q: &SVector<f64, D>,
+    ) -> Tangent<D, N>
+    where
+        M: Map<D, N> + ?Sized,
+    {
+        let q = SVector::<Grad<f64, D>, D>::from_fn(|i, _| Grad::variable(q[i], i));
+        let x = map.phi(Grad::constant(t), &q);
+        Tangent {
+            x: x.map(|x| x.v),
+            B: SMatrix::from_fn(|i, j| x[i].g[j]),
+        }
+    }
+
+    /// x, ẋ, ẍ, B, Ḃ, B̈ by one run over gradients that carry two time derivatives.
+    pub fn kinematics<M, const D: usize, const N: usize>(
+        map: &M,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, N>
+    where
+        M: Map<D, N> + ?Sized,
+    {
+        type Jet<const D: usize> = Taylor<Grad<f64, D>>;
+        let time = Jet::<D> {
+            v: Grad::constant(t),
+            d: Grad::constant(1.0),
+            dd: Grad::constant(0.0),
+        };
+        let q = SVector::<Jet<D>, D>::from_fn(|i, _| Taylor {
+            v: Grad::variable(q[i], i),
+            d: Grad::constant(v[i]),
+            dd: Grad::constant(a[i]),
+        });
+        let x = map.phi(time, &q);
+        Kinematics {
+            x: x.map(|x| x.v.v),
+            x_dot: x.map(|x| x.d.v),
+            x_ddot: x.map(|x| x.dd.v),
+            B: SMatrix::from_fn(|i, j| x[i].v.g[j]),
+            B_dot: SMatrix::from_fn(|i, j| x[i].d.g[j]),
+            B_ddot: SMatrix::from_fn(|i, j| x[i].dd.g[j]),
+        }
+    }
+
+    /// K_σ(f), the Hessian of f·φ.
+    pub fn geometric_stiffness<M, const D: usize, const N: usize>(
+        map: &M,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, N>,
+    ) -> SMatrix<f64, D, D>
+    where
+        M: Map<D, N> + ?Sized,
+    {
+        let q = SVector::<Hess<D>, D>::from_fn(|i, _| Hess::variable(q[i], i));
+        let x = map.phi(Hess::constant(t), &q);
+        let mut K = SMatrix::<f64, D, D>::zeros();
+        for (xi, &fi) in x.iter().zip(f.iter()) {
+            for i in 0..D {
+                for j in 0..=i {
+                    K[(i, j)] += fi * xi.h[i][j];
+                }
+            }
+        }
+        K.fill_upper_triangle_with_lower_triangle();
+        K
+    }
+}
+
+/// The composed map `outer` ∘ `inner`: E^D → E^M → E^N.
+///
+/// Its pull-back is the pull-back of the pull-back.
+#[derive(Clone, Copy, Debug)]
+pub struct Composed<Outer, Inner, const M: usize> {
+    /// Applied last, E^M → E^N.
+    pub outer: Outer,
+    /// Applied first, E^D → E^M.
+    pub inner: Inner,
+}
+
+impl<Outer, Inner, const D: usize, const M: usize, const N: usize> Map<D, N>
+    for Composed<Outer, Inner, M>
+where
+    Outer: Map<M, N>,
+    Inner: Map<D, M>,
+{
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
+        self.outer.phi(t, &self.inner.phi(t, q))
+    }
+
+    fn margin(&self, q: &SVector<f64, D>) -> f64 {
+        // The inner map may depend on time, its value at t = 0 would be a guess: only its own
+        // domain is known here; the outer one is asked when it is evaluated.
+        self.inner.margin(q)
+    }
+
+    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
+        let inner = self.inner.tangent(t, q);
+        let outer = self.outer.tangent(t, &inner.x);
+        Tangent {
+            x: outer.x,
+            B: outer.B * inner.B,
+        }
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, N> {
+        let i = self.inner.kinematics(t, q, v, a);
+        let o = self.outer.kinematics(t, &i.x, &i.x_dot, &i.x_ddot);
+        Kinematics {
+            x: o.x,
+            x_dot: o.x_dot,
+            x_ddot: o.x_ddot,
+            B: o.B * i.B,
+            B_dot: o.B_dot * i.B + o.B * i.B_dot,
+            B_ddot: o.B_ddot * i.B + o.B_dot * i.B_dot * 2.0 + o.B * i.B_ddot,
+        }
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, N>,
+    ) -> SMatrix<f64, D, D> {
+        let inner = self.inner.tangent(t, q);
+        let outer = self.outer.tangent(t, &inner.x);
+        let middle = self.outer.geometric_stiffness(t, &inner.x, f);
+        inner.B.transpose() * middle * inner.B
+            + self.inner.geometric_stiffness(t, q, &(outer.B.transpose() * f))
+    }
+}
+
+/// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
+#[allow(missing_docs)]
+pub struct KinematicsMut<'a> {
+    pub x: &'a mut [f64],
+    pub x_dot: &'a mut [f64],
+    pub x_ddot: &'a mut [f64],
+    pub B: &'a mut [f64],
+    pub B_dot: &'a mut [f64],
+    pub B_ddot: &'a mut [f64],
+}
+
+/// A [`Map`] of any dimensions behind a pointer: slices outside, fixed sizes and no heap inside.
+///
+/// Implemented for every map by [`Map::boxed`]; nobody else needs to implement it. Slices have
+/// the lengths that [`Parametrization::dims`] says; matrices are stored column by column.
+pub trait Parametrization: Send + Sync {
+    /// (d, n): number of coordinates q and number of embedding coordinates x.
+    fn dims(&self) -> (usize, usize);
+
+    /// See [`Map::margin`].
+    fn margin(&self, q: &[f64]) -> f64;
+
+    /// Writes x (n) and B (n×d).
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
+
+    /// Writes x, ẋ, ẍ (n) and B, Ḃ, B̈ (n×d).
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>);
+
+    /// Writes K_σ(f) (d×d).
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
+}
+
+/// The bridge from fixed sizes to slices.
+struct Erased<M, const D: usize, const N: usize>(M);
+
+impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
+where
+    M: Map<D, N>,
+{
+    fn dims(&self) -> (usize, usize) {
+        (D, N)
+    }
+
+    fn margin(&self, q: &[f64]) -> f64 {
+        self.0.margin(&SVector::from_column_slice(q))
+    }
+
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        let out = self.0.tangent(t, &SVector::from_column_slice(q));
+        x.copy_from_slice(out.x.as_slice());
+        B.copy_from_slice(out.B.as_slice());
+    }
+
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        let k = self.0.kinematics(
+            t,
+            &SVector::from_column_slice(q),
+            &SVector::from_column_slice(v),
+            &SVector::from_column_slice(a),
+        );
+        out.x.copy_from_slice(k.x.as_slice());
+        out.x_dot.copy_from_slice(k.x_dot.as_slice());
+        out.x_ddot.copy_from_slice(k.x_ddot.as_slice());
+        out.B.copy_from_slice(k.B.as_slice());
+        out.B_dot.copy_from_slice(k.B_dot.as_slice());
+        out.B_ddot.copy_from_slice(k.B_ddot.as_slice());
+    }
+
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        let out = self.0.geometric_stiffness(
+            t,
+            &SVector::from_column_slice(q),
+            &SVector::from_column_slice(f),
+        );
+        K.copy_from_slice(out.as_slice());
+    }
+}

@@ -1,0 +1,143 @@
+//! The pull-back of a residual and its tangents through a map: written once, for any element and
+//! any map ([M04] (180), (183)).
+//!
+//! ```text
+//! r_mr = Bᵀ r
+//! M_mr = Bᵀ M B
+//! C_mr = Bᵀ (C B + 2 M Ḃ)
+//! K_mr = Bᵀ (K B + C Ḃ + M B̈) − K_σ(r)
+//! ```
+//!
+//! An element's coordinates x come in slots (its nodes), each with a map of its own, so B is
+//! block-diagonal; a slot without a map is the identity. With the integrator's weights the
+//! three tangents combine to
+//!
+//! ```text
+//! S_ij = B_iᵀ (W_ij B_j + Y_ij Ḃ_j + Z_ij B̈_j) − cK δ_ij K_σ,i(r_i)
+//! W = cK K + cC C + cM M,   Y = cK C + 2 cC M,   Z = cK M
+//! ```
+
+#![allow(non_snake_case)]
+
+use crate::system::Weights;
+
+/// Kinematic operators of one slot; matrices column by column.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slot<'a> {
+    /// Rows n: embedding coordinates of the slot.
+    pub n: usize,
+    /// Columns d: coordinates after the pull-back; equal to n for the identity.
+    pub d: usize,
+    /// B (n×d), or `None` for the identity (then the others are not read).
+    pub B: Option<&'a [f64]>,
+    /// Ḃ (n×d), empty where C and M are absent.
+    pub B_dot: &'a [f64],
+    /// B̈ (n×d), empty where M is absent.
+    pub B_ddot: &'a [f64],
+    /// K_σ(r) of the slot's own residual (d×d), empty when no tangent is asked for.
+    pub K_sigma: &'a [f64],
+}
+
+/// Tangents of an element in its own coordinates, n×n column by column; absent ones are zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tangents<'a> {
+    /// K = −∂r/∂x.
+    pub K: Option<&'a [f64]>,
+    /// C = −∂r/∂ẋ.
+    pub C: Option<&'a [f64]>,
+    /// M = −∂r/∂ẍ.
+    pub M: Option<&'a [f64]>,
+}
+
+/// r_mr = Bᵀ r, slot by slot.
+pub fn residual(slots: &[Slot<'_>], r: &[f64], r_mr: &mut [f64]) {
+    let (mut row, mut column) = (0, 0);
+    for slot in slots {
+        let r = &r[row..row + slot.n];
+        let out = &mut r_mr[column..column + slot.d];
+        match slot.B {
+            None => out.copy_from_slice(r),
+            Some(B) => {
+                for (out, B) in out.iter_mut().zip(B.chunks_exact(slot.n)) {
+                    *out = B.iter().zip(r).map(|(b, r)| b * r).sum();
+                }
+            }
+        }
+        row += slot.n;
+        column += slot.d;
+    }
+}
+
+/// The combined tangent S_mr (d×d, column by column, overwritten) of all slots.
+///
+/// `work` needs room for n values, n the number of embedding coordinates.
+pub fn tangent(
+    slots: &[Slot<'_>],
+    tangents: Tangents<'_>,
+    weights: Weights,
+    S_mr: &mut [f64],
+    work: &mut [f64],
+) {
+    let n: usize = slots.iter().map(|s| s.n).sum();
+    let d: usize = slots.iter().map(|s| s.d).sum();
+    let work = &mut work[..n];
+    let (mut x_j, mut q_j) = (0, 0);
+    for sj in slots {
+        for column in 0..sj.d {
+            // work = (W B + Y Ḃ + Z B̈) e_column: all rows of the element, one pulled-back column.
+            work.fill(0.0);
+            match sj.B {
+                None => weighted_column(work, tangents, weights, x_j + column, n, [1.0, 0.0, 0.0]),
+                Some(B) => {
+                    for k in 0..sj.n {
+                        let at = column * sj.n + k;
+                        let factors = [
+                            B[at],
+                            sj.B_dot.get(at).copied().unwrap_or(0.0),
+                            sj.B_ddot.get(at).copied().unwrap_or(0.0),
+                        ];
+                        if factors != [0.0; 3] {
+                            weighted_column(work, tangents, weights, x_j + k, n, factors);
+                        }
+                    }
+                }
+            }
+            let out = &mut S_mr[(q_j + column) * d..(q_j + column + 1) * d];
+            residual(slots, work, out);
+            if sj.B.is_some() {
+                let own = &mut out[q_j..q_j + sj.d];
+                for (s, k) in own.iter_mut().zip(&sj.K_sigma[column * sj.d..]) {
+                    *s -= weights.K * k;
+                }
+            }
+        }
+        x_j += sj.n;
+        q_j += sj.d;
+    }
+}
+
+/// out += b W e_k + ḃ Y e_k + b̈ Z e_k.
+fn weighted_column(
+    out: &mut [f64],
+    tangents: Tangents<'_>,
+    weights: Weights,
+    k: usize,
+    n: usize,
+    [b, b_dot, b_ddot]: [f64; 3],
+) {
+    let mut add = |matrix: Option<&[f64]>, factor: f64| {
+        if let Some(matrix) = matrix
+            && factor != 0.0
+        {
+            for (o, m) in out.iter_mut().zip(&matrix[k * n..(k + 1) * n]) {
+                *o += factor * m;
+            }
+        }
+    };
+    add(tangents.K, weights.K * b);
+    add(tangents.C, weights.C * b + weights.K * b_dot);
+    add(
+        tangents.M,
+        weights.M * b + 2.0 * weights.C * b_dot + weights.K * b_ddot,
+    );
+}

@@ -1,0 +1,140 @@
+//! Unit quaternions and the logarithm on both sheets of the rotation vector chart.
+//!
+//! A rotation has two rotation vectors with ψ < 2π, Ψ and Ψᶜ = Ψ − 2π e, and two unit quaternions,
+//! ±(w, v). The sign of the quaternion names the sheet: (cos ψ/2, sin(ψ/2) e) has w ≥ 0 for ψ ≤ π and
+//! w < 0 for π < ψ < 2π, and the two vectors of one rotation have opposite quaternions.
+
+use crate::quotients::{half_angle, log_factor};
+use crate::scalar::Scalar;
+use crate::so3::isotropic;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
+
+/// A quaternion w + v, scalar part first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quaternion<S> {
+    /// Scalar part, cos ψ/2.
+    pub w: S,
+    /// Vector part, sin(ψ/2) e.
+    pub v: Vector3<S>,
+}
+
+impl<S: Scalar> Quaternion<S> {
+    /// The product whose rotation is R(self) R(b).
+    #[must_use]
+    pub fn product(&self, b: &Self) -> Self {
+        Self {
+            w: self.w * b.w - self.v.dot(&b.v),
+            v: b.v * self.w + self.v * b.w + self.v.cross(&b.v),
+        }
+    }
+
+    /// The conjugate, whose rotation is Rᵀ.
+    #[must_use]
+    pub fn conjugate(&self) -> Self {
+        Self {
+            w: self.w,
+            v: -self.v,
+        }
+    }
+
+    /// The opposite quaternion: the same rotation on the other sheet.
+    #[must_use]
+    pub fn opposite(&self) -> Self {
+        Self {
+            w: -self.w,
+            v: -self.v,
+        }
+    }
+
+    /// Inner product; its sign tells whether two nearby rotations are on the same sheet.
+    #[must_use]
+    pub fn dot(&self, b: &Self) -> S {
+        self.w * b.w + self.v.dot(&b.v)
+    }
+
+    /// The rotation matrix of a unit quaternion.
+    #[must_use]
+    pub fn rotation(&self) -> Matrix3<S> {
+        let two = S::constant(2.0);
+        let alpha = S::one() - self.v.dot(&self.v) * 2.0;
+        isotropic(alpha, self.w * 2.0, two, &self.v)
+    }
+}
+
+/// The unit quaternion (cos ψ/2, sin(ψ/2)/ψ Ψ) of a rotation vector, ψ < 2π.
+#[must_use]
+pub fn quaternion<S: Scalar>(Psi: &Vector3<S>) -> Quaternion<S> {
+    let (w, factor) = half_angle(Psi.dot(Psi));
+    Quaternion { w, v: Psi * factor }
+}
+
+/// One of the two unit quaternions of a rotation matrix (the one whose largest entry is positive).
+///
+/// The largest entry is found first and divided by, so nothing degenerates at any angle.
+#[must_use]
+pub fn quaternion_from_rotation<S: Scalar>(R: &Matrix3<S>) -> Quaternion<S> {
+    let (a, b, c) = (R[(0, 0)], R[(1, 1)], R[(2, 2)]);
+    let v = Vector3::new(
+        R[(2, 1)] - R[(1, 2)],
+        R[(0, 2)] - R[(2, 0)],
+        R[(1, 0)] - R[(0, 1)],
+    );
+    // Four times the squares of w, x, y, z; their sum is 4, so the largest is at least 1.
+    let squares = [
+        S::one() + a + b + c,
+        S::one() + a - b - c,
+        S::one() - a + b - c,
+        S::one() - a - b + c,
+    ];
+    let mut k = 0;
+    for i in 1..4 {
+        if squares[i].re() > squares[k].re() {
+            k = i;
+        }
+    }
+    let sum = |i: usize, j: usize| R[(i, j)] + R[(j, i)];
+    // Four times the largest entry times (w, v).
+    let (w, v) = match k {
+        0 => (squares[0], v),
+        1 => (v.x, Vector3::new(squares[1], sum(0, 1), sum(0, 2))),
+        2 => (v.y, Vector3::new(sum(0, 1), squares[2], sum(1, 2))),
+        _ => (v.z, Vector3::new(sum(0, 2), sum(1, 2), squares[3])),
+    };
+    // Normalising also removes the round-off of a matrix that is not quite orthogonal.
+    let scale = (w * w + v.dot(&v)).sqrt().recip();
+    Quaternion {
+        w: w * scale,
+        v: v * scale,
+    }
+}
+
+/// The rotation vector of a unit quaternion: ψ ≤ π for w ≥ 0, π < ψ < 2π for w < 0.
+///
+/// As a function of w alone the factor ψ/sin(ψ/2) loses digits when w → −1, where its pole lies;
+/// there the opposite quaternion has a good logarithm, −L(−w) v, and Ψ is its complement.
+#[must_use]
+pub fn log_quaternion<S: Scalar>(q: &Quaternion<S>) -> Vector3<S> {
+    if q.w.re() >= 0.0 {
+        q.v * log_factor(q.w)
+    } else {
+        let pole = q.v.dot(&q.v).sqrt().recip() * TAU;
+        q.v * (pole - log_factor(-q.w))
+    }
+}
+
+/// The rotation vector of R on the sheet of `near`, stable at ψ = 0 and ψ = π.
+///
+/// Of the two vectors, the one whose quaternion has a positive inner product with that of `near`
+/// (ψ < 2π): it depends continuously on R along a motion that passes ψ = π.
+#[must_use]
+pub fn log_rotation<S: Scalar>(R: &Matrix3<S>, near: &Vector3<f64>) -> Vector3<S> {
+    let q = quaternion_from_rotation(R);
+    let p = quaternion(near);
+    let agreement = p.w * q.w.re() + p.v.dot(&q.v.map(|x| x.re()));
+    if agreement < 0.0 {
+        log_quaternion(&q.opposite())
+    } else {
+        log_quaternion(&q)
+    }
+}

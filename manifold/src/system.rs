@@ -1,0 +1,205 @@
+//! What an integrator solves: a second-order equation of motion in chart coordinates.
+//!
+//! ```text
+//! r(t, q, q̇, q̈) = f_ext − f_int − f_acc = 0,      K = −∂r/∂q,  C = −∂r/∂q̇,  M = −∂r/∂q̈
+//! ```
+//!
+//! Integrators see only [`System`]; they never know what a beam is.
+
+#![allow(non_snake_case)]
+
+use crate::sparse::BlockPattern;
+
+/// Time and state at which a system is evaluated. In statics t is the load parameter and the
+/// velocity and acceleration are zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Point<'a> {
+    /// Time, or load parameter.
+    pub t: f64,
+    /// Coordinates in their charts.
+    pub q: &'a [f64],
+    /// Velocities q̇.
+    pub v: &'a [f64],
+    /// Accelerations q̈.
+    pub a: &'a [f64],
+}
+
+/// Factors of the combined tangent S = K·(∂r/∂q part) + C·(...) + M·(...).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Factor of K = −∂r/∂q.
+    pub K: f64,
+    /// Factor of C = −∂r/∂q̇.
+    pub C: f64,
+    /// Factor of M = −∂r/∂q̈.
+    pub M: f64,
+}
+
+impl Weights {
+    /// The static tangent: K alone.
+    pub const STATIC: Self = Self {
+        K: 1.0,
+        C: 0.0,
+        M: 0.0,
+    };
+    /// The mass matrix alone.
+    pub const MASS: Self = Self {
+        K: 0.0,
+        C: 0.0,
+        M: 1.0,
+    };
+
+    /// Whether only the stiffness is asked for.
+    pub fn is_static(&self) -> bool {
+        self.C == 0.0 && self.M == 0.0
+    }
+}
+
+/// Where an evaluation goes; everything is overwritten.
+pub struct Evaluation<'a> {
+    /// Residual covector r.
+    pub r: &'a mut [f64],
+    /// Combined tangent cK·K + cC·C + cM·M, values in the system's [`BlockPattern`].
+    pub S: Option<(Weights, &'a mut [f64])>,
+    /// Partial derivative ∂r/∂t at fixed q, q̇, q̈.
+    pub r_t: Option<&'a mut [f64]>,
+}
+
+impl<'a> Evaluation<'a> {
+    /// The residual alone.
+    pub fn residual(r: &'a mut [f64]) -> Self {
+        Self {
+            r,
+            S: None,
+            r_t: None,
+        }
+    }
+
+    /// The residual and a combined tangent.
+    pub fn with_tangent(r: &'a mut [f64], weights: Weights, S: &'a mut [f64]) -> Self {
+        Self {
+            r,
+            S: Some((weights, S)),
+            r_t: None,
+        }
+    }
+}
+
+/// What a coordinate measures; its conjugate residual is then a force, a moment, or neither.
+/// Convergence tests and norms keep the kinds apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A length; the residual is a force.
+    Length,
+    /// An angle or rotation vector component; the residual is a moment.
+    Angle,
+    /// Anything else.
+    Other,
+}
+
+impl Kind {
+    /// All kinds, in the order of their indices.
+    pub const ALL: [Self; 3] = [Self::Length, Self::Angle, Self::Other];
+
+    /// Index in [`Kind::ALL`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Name of the conjugate residual.
+    pub fn conjugate(self) -> &'static str {
+        match self {
+            Self::Length => "force",
+            Self::Angle => "moment",
+            Self::Other => "residual",
+        }
+    }
+}
+
+/// Typical magnitudes per [`Kind`] (index [`Kind::index`]) that make norms and tests scale-aware.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Magnitude of applied and reaction forces, moments, others at the last evaluation.
+    pub force: [f64; 3],
+    /// Typical size of coordinates: a length of the model, one radian, one.
+    pub coordinate: [f64; 3],
+}
+
+impl Default for Scales {
+    fn default() -> Self {
+        Self {
+            force: [0.0; 3],
+            coordinate: [1.0; 3],
+        }
+    }
+}
+
+/// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SystemError {
+    /// Coordinates have left the domain of their chart or map.
+    #[error("{what} left the domain of its chart (margin {margin:.3e}); take smaller steps")]
+    OutsideChart {
+        /// The node or joint.
+        what: String,
+        /// Distance to the edge of validity, ≤ 0.
+        margin: f64,
+    },
+    /// A residual or tangent came out infinite or not a number.
+    #[error("{what} gives a value that is not finite")]
+    NotFinite {
+        /// The element, load or node.
+        what: String,
+    },
+}
+
+/// A second-order system in chart coordinates, as integrators see it.
+///
+/// Required: the pattern and the evaluation. Everything else has a default that is right for a
+/// small system on one global chart, a pendulum of thirty lines, say.
+pub trait System {
+    /// Block pattern of all tangents; its dimension is the number of coordinates. Never changes.
+    fn pattern(&self) -> &BlockPattern;
+
+    /// Fills `out` at the given point.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside the domain of a chart or gives non-finite values.
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
+
+    /// Changes charts where that is due, after a converged step at time `t`.
+    ///
+    /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of
+    /// acceleration-like vectors (ä ↦ B a + Ḃ v) in place, and returns how many charts changed.
+    fn change_charts(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let _ = (t, q, v, accelerations);
+        0
+    }
+
+    /// Whether the tangents are symmetric (conservative loads).
+    fn is_symmetric(&self) -> bool {
+        false
+    }
+
+    /// What coordinate `i` measures.
+    fn kind(&self, i: usize) -> Kind {
+        let _ = i;
+        Kind::Other
+    }
+
+    /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
+    fn name(&self, i: usize) -> String {
+        format!("coordinate {i}")
+    }
+
+    /// Magnitudes found at the last evaluation.
+    fn scales(&self) -> Scales {
+        Scales::default()
+    }
+}

@@ -1,0 +1,436 @@
+//! Rotation vectors: against an independent implementation, against exact forward derivatives, and
+//! the identities that tie the tensors together.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::jet::{Grad, Hess, Taylor};
+use pullback_manifold::quotients::{InverseQuotients, Quotients};
+use pullback_manifold::so3::*;
+use std::f64::consts::{PI, TAU};
+
+type V3 = Vector3<f64>;
+type M3 = Matrix3<f64>;
+
+/// Largest difference relative to the largest entry of the expected value.
+#[track_caller]
+fn close<const C: usize>(
+    name: &str,
+    value: &nalgebra::SMatrix<f64, 3, C>,
+    expected: &nalgebra::SMatrix<f64, 3, C>,
+    tolerance: f64,
+) {
+    let error = (value - expected).amax() / expected.amax().max(f64::MIN_POSITIVE);
+    assert!(
+        error <= tolerance,
+        "{name}: {error:e}\n{value:e}{expected:e}"
+    );
+}
+
+/// As [`close`], in absolute terms: Ṫ holds c₄Ψ̇~, which leaves a last place in ṪΨ̇ though Ψ̇~Ψ̇ = 0,
+/// so for small Ψ the definitions of ṪΨ̇ and C₄ (both O(ψ)) are not relatively accurate themselves.
+#[track_caller]
+fn close_to_unit<const C: usize>(
+    name: &str,
+    value: &nalgebra::SMatrix<f64, 3, C>,
+    expected: &nalgebra::SMatrix<f64, 3, C>,
+    tolerance: f64,
+) {
+    let error = (value - expected).amax() / expected.amax().max(1.0);
+    assert!(
+        error <= tolerance,
+        "{name}: {error:e}\n{value:e}{expected:e}"
+    );
+}
+
+fn reference(section: &str) -> Vec<serde_json::Value> {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../tests/reference/tensors.json"
+    );
+    let text = std::fs::read_to_string(path).expect("reference file");
+    let data: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+    let rows = data[section].as_array().expect("rows").clone();
+    assert_eq!(rows.len(), 4);
+    rows
+}
+
+fn vector(v: &serde_json::Value) -> V3 {
+    V3::from_fn(|i, _| v[i].as_f64().expect("number"))
+}
+
+fn matrix(m: &serde_json::Value) -> M3 {
+    M3::from_fn(|i, j| m[i][j].as_f64().expect("number"))
+}
+
+/// Uniform numbers in (−1, 1) from a fixed seed.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> V3 {
+        V3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// Rotation vectors at the angles where formulas are apt to fail, in random directions.
+fn rotation_vectors() -> Vec<V3> {
+    let mut random = Random(2004);
+    let mut angles = vec![
+        0.0,
+        1e-300,
+        1e-160,
+        1e-100,
+        1e-20,
+        1e-8,
+        1e-4,
+        1e-2,
+        0.3,
+        1.0,
+        2.4,
+        2.449,
+        2.45,
+        2.5,
+        3.0,
+        PI - 1e-4,
+        PI - 1e-9,
+        PI.next_down(),
+        PI,
+        PI.next_up(),
+        PI + 1e-9,
+        PI + 1e-4,
+        3.5,
+        4.493_409_457_909_064,
+        5.0,
+        5.763_459_196_894_55,
+        6.0,
+        TAU - 0.1,
+        TAU - 0.05,
+    ];
+    angles.extend((0..100).map(|_| 0.5 * (random.number() + 1.0) * (TAU - 0.05)));
+    let mut vectors: Vec<V3> = angles
+        .iter()
+        .map(|psi| random.vector().normalize() * *psi)
+        .collect();
+    // The axes, where entries vanish exactly.
+    for i in 0..3 {
+        for psi in [1e-8, 1.0, PI, 5.0] {
+            vectors.push(V3::ith(i, psi));
+            vectors.push(V3::ith(i, -psi));
+        }
+    }
+    vectors
+}
+
+#[test]
+fn agree_with_the_reference() {
+    for row in reference("rotation") {
+        let get = |key: &str| vector(&row[key]);
+        let (Psi, v, Psi_dot, Psi_ddot) = (get("psi"), get("v"), get("psi_dot"), get("psi_ddot"));
+        let Psi_prime = get("psi_prime");
+        let c = Quotients::new(Psi.norm());
+        let a = InverseQuotients::new(Psi.norm());
+        let expect = |key: &str, value: M3| close(key, &value, &matrix(&row[key]), 1e-13);
+        expect("R", rotation(&Psi));
+        expect("R", R(&Psi, &c.tangent()));
+        expect("T", tangent(&Psi));
+        expect("T", T(&Psi, &c.tangent()));
+        expect("T_inverse", tangent_inverse(&Psi));
+        expect("T_inverse", T_inverse(&Psi, &a));
+        expect("C1", C1(&v, &Psi, &c));
+        expect("C2", C2(&v, &Psi, &c));
+        expect("C3", C3(&v, &Psi_prime, &Psi, &c));
+        expect("T_dot", T_dot(&Psi_dot, &Psi, &c));
+        expect("C4", C4(&Psi_dot, &Psi, &c));
+        expect("C5", C5(&Psi_dot, &Psi, &c));
+        expect("C6", C6(&v, &Psi, &a));
+        let T = tangent(&Psi);
+        close("Omega", &(T * Psi_dot), &get("Omega"), 1e-13);
+        let A = T * Psi_ddot + T_dot_psi_dot(&Psi_dot, &Psi, &c);
+        close("A", &A, &get("angular_acceleration"), 1e-13);
+    }
+}
+
+#[test]
+fn switching_agrees_with_the_reference() {
+    for row in reference("switching") {
+        let get = |key: &str| vector(&row[key]);
+        let (Psi, Psi_dot, Psi_ddot) = (get("psi"), get("psi_dot"), get("psi_ddot"));
+        let expect = |key: &str, value: M3| close(key, &value, &matrix(&row[key]), 1e-13);
+        close(
+            "complement",
+            &complement(&Psi),
+            &get("psi_complement"),
+            1e-13,
+        );
+        expect("B", B_s(&Psi));
+        expect("B_dot", B_s_dot(&Psi_dot, &Psi));
+        expect("B_ddot", B_s_ddot(&Psi_ddot, &Psi_dot, &Psi));
+        expect("K_sigma", K_sigma_s(&get("f"), &Psi));
+    }
+}
+
+#[test]
+fn identities_hold() {
+    let mut random = Random(38);
+    let I = M3::identity();
+    for Psi in rotation_vectors() {
+        let (R, T) = (rotation(&Psi), tangent(&Psi));
+        let c = Quotients::new(Psi.norm());
+        let (V, W) = (random.vector(), random.vector());
+        close("orthogonal", &(R.transpose() * R), &I, 2e-15);
+        assert!((R.determinant() - 1.0).abs() < 4e-15);
+        close("R T = Tᵀ (38)", &(R * T), &T.transpose(), 4e-15);
+        close("R Ψ = Ψ", &(R * Psi), &Psi, 2e-15);
+        // T⁻¹ grows as 1/(2π − ψ) and with it the error of the product.
+        let size = tangent_inverse(&Psi).amax();
+        close("T T⁻¹ = I", &(T * tangent_inverse(&Psi)), &I, 4e-15 * size);
+        close("axial", &axial(&skew(&V)), &V, 1e-16);
+        close(
+            "(49)",
+            &C2(&V, &Psi, &c),
+            &(C1(&(R * V), &Psi, &c) - T.transpose() * skew(&V) * T),
+            1e-14,
+        );
+        let C3 = C3(&V, &W, &Psi, &c);
+        close("C₃ symmetric", &C3, &C3.transpose(), 0.0);
+        let quadratic = T_dot_psi_dot(&V, &Psi, &c);
+        close_to_unit("ṪΨ̇", &(T_dot(&V, &Psi, &c) * V), &quadratic, 2e-15);
+        close("quaternion", &quaternion(&Psi).rotation(), &R, 2e-15);
+        let other = rotation(&W);
+        let product = quaternion(&Psi).product(&quaternion(&W));
+        close("product", &product.rotation(), &(R * other), 4e-15);
+        close(
+            "conjugate",
+            &quaternion(&Psi).conjugate().rotation(),
+            &R.transpose(),
+            2e-15,
+        );
+        assert!((product.dot(&product) - 1.0).abs() < 2e-15);
+    }
+}
+
+#[test]
+fn the_complement_is_the_same_rotation() {
+    for Psi in rotation_vectors() {
+        if Psi.norm() < 1e-4 {
+            continue;
+        }
+        let other = complement(&Psi);
+        assert!((other.norm() - (TAU - Psi.norm())).abs() < 2e-15);
+        close("R(Ψᶜ) = R(Ψ)", &rotation(&other), &rotation(&Psi), 3e-15);
+        // 2π − ψ is rounded to an ulp of 2π.
+        assert!((complement(&other) - Psi).norm() < 3e-15);
+        let (p, q) = (quaternion(&Psi), quaternion(&other));
+        assert!((p.dot(&q) + 1.0).abs() < 2e-15, "opposite quaternions");
+        // T on both sheets gives the same material spin.
+        let (I, B, B_back) = (M3::identity(), B_s(&Psi), B_s(&other));
+        let size = B.amax() + B_back.amax();
+        close("B_s(Ψᶜ) B_s(Ψ) = I", &(B_back * B), &I, 2e-15 * size);
+        let T = tangent(&Psi);
+        close("T(Ψᶜ) B_s = T", &(tangent(&other) * B), &T, 2e-15 * size);
+    }
+}
+
+#[test]
+fn logarithm_inverts_both_sheets() {
+    for Psi in rotation_vectors() {
+        let psi = Psi.norm();
+        let q = quaternion(&Psi);
+        // At π itself the sheet is a matter of the last place; either vector is right.
+        let expected = |log: &V3| {
+            let on_sheet = (psi - PI).abs() > 1e-15 || log.dot(&Psi) > 0.0;
+            if on_sheet { Psi } else { complement(&Psi) }
+        };
+        let log = log_quaternion(&q);
+        // Close to 2π the vector part is small and only absolutely accurate to the last place of 2π.
+        let edge = 1.0 + 1.0 / (TAU - psi);
+        close("log of quaternion", &log, &expected(&log), 1e-15 * edge);
+        let R = rotation(&Psi);
+        let log = log_rotation(&R, &Psi);
+        assert!((log - Psi).norm() <= 4e-15 * edge, "log of {Psi}: {log}");
+        if psi > 1e-4 {
+            let other = complement(&Psi);
+            let log = log_rotation(&R, &other);
+            let edge = 1.0 + 1.0 / psi;
+            assert!(
+                (log - other).norm() <= 4e-15 * edge,
+                "other log of {Psi}: {log}"
+            );
+        }
+        // The opposite quaternion lies on the other sheet.
+        if psi > 1e-4 && (psi - PI).abs() > 1e-15 {
+            let log = log_quaternion(&q.opposite());
+            let edge = 1.0 + 1.0 / psi;
+            assert!((log - complement(&Psi)).norm() <= 2e-15 * edge);
+        }
+        // A small rotation keeps its relative accuracy.
+        if psi < 0.1 && psi > 1e-150 {
+            close("small log", &log_rotation(&R, &V3::zeros()), &Psi, 1e-15);
+        }
+    }
+}
+
+#[test]
+fn logarithm_follows_a_motion_through_pi() {
+    let axis = V3::new(1.0, -2.0, 0.5).normalize();
+    let mut near = axis * 0.1;
+    for k in 1..=60 {
+        let Psi = axis * (0.1 * f64::from(k));
+        let log: V3 = log_rotation(&rotation(&Psi), &near);
+        assert!((log - Psi).norm() < 1e-13, "{k}");
+        near = log;
+    }
+}
+
+/// Ψ with unit gradient in its three components.
+fn seeded(Psi: &V3) -> Vector3<Grad<f64, 3>> {
+    Vector3::from_fn(|i, _| Grad::variable(Psi[i], i))
+}
+
+/// The gradient of a vector function: row i holds that of component i.
+fn gradient(y: &Vector3<Grad<f64, 3>>) -> M3 {
+    M3::from_fn(|i, j| y[i].g[j])
+}
+
+fn constant<S: pullback_manifold::scalar::Scalar>(v: &V3) -> Vector3<S> {
+    v.map(S::constant)
+}
+
+#[test]
+fn tensors_are_exact_derivatives() {
+    let mut random = Random(152);
+    for Psi in rotation_vectors() {
+        let psi = Psi.norm();
+        if psi > TAU - 0.1 + 1e-9 {
+            continue;
+        }
+        let (V, W) = (random.vector(), random.vector());
+        let c = Quotients::new(psi);
+        let a = InverseQuotients::new(psi);
+        let x = seeded(&Psi);
+        let v = constant(&V);
+        let expect = |name: &str, value: M3, y: Vector3<Grad<f64, 3>>| {
+            close(name, &value, &gradient(&y), 1e-13);
+        };
+        expect("C₁", C1(&V, &Psi, &c), tangent(&x) * v);
+        expect("C₂", C2(&V, &Psi, &c), tangent(&x).transpose() * v);
+        expect("C₆", C6(&V, &Psi, &a), tangent_inverse(&x).transpose() * v);
+        // D_Ψ(R V) = −R V~ T.
+        let D = -rotation(&Psi) * skew(&V) * tangent(&Psi);
+        expect("D(R V)", D, rotation(&x) * v);
+        // C₃ is the Hessian of V·T(Ψ)Ψ′.
+        let x = Vector3::from_fn(|i, _| Hess::<3>::variable(Psi[i], i));
+        let energy = constant(&V).dot(&(tangent(&x) * constant(&W)));
+        let hessian = M3::from_fn(|i, j| energy.h[i.max(j)][i.min(j)]);
+        close("C₃", &C3(&V, &W, &Psi, &c), &hessian, 1e-13);
+        // Ṫ along Ψ + Ψ̇ t, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
+        let t = Vector3::from_fn(|i, _| Taylor {
+            v: Psi[i],
+            d: V[i],
+            dd: 0.0,
+        });
+        close("Ṫ", &T_dot(&V, &Psi, &c), &tangent(&t).map(|y| y.d), 1e-13);
+        let spin_rate = |Psi: Vector3<Grad<f64, 3>>, Psi_dot: Vector3<Grad<f64, 3>>| {
+            let motion = Vector3::from_fn(|i, _| Taylor {
+                v: Psi[i],
+                d: Psi_dot[i],
+                dd: Grad {
+                    v: 0.0,
+                    g: [0.0; 3],
+                },
+            });
+            tangent(&motion).map(|y| y.d) * Psi_dot
+        };
+        let y = gradient(&spin_rate(constant(&Psi), seeded(&V)));
+        close_to_unit("C₄", &C4(&V, &Psi, &c), &y, 1e-13);
+        expect(
+            "C₅",
+            C5(&V, &Psi, &c),
+            spin_rate(seeded(&Psi), constant(&V)),
+        );
+    }
+}
+
+#[test]
+fn spin_is_the_rate_of_rotation() {
+    let mut random = Random(118);
+    for Psi in rotation_vectors() {
+        let (V, W) = (random.vector(), random.vector());
+        let t = Vector3::from_fn(|i, _| Taylor {
+            v: Psi[i],
+            d: V[i],
+            dd: W[i],
+        });
+        let R = rotation(&t);
+        let (R0, R1, R2) = (R.map(|y| y.v), R.map(|y| y.d), R.map(|y| y.dd));
+        // Ω~ = Rᵀ Ṙ, and A~ = d/dt (Rᵀ Ṙ) = Ṙᵀ Ṙ + Rᵀ R̈.
+        let Omega = tangent(&Psi) * V;
+        close("Ω", &skew(&Omega), &(R0.transpose() * R1), 1e-14);
+        let c = Quotients::new(Psi.norm());
+        let A = tangent(&Psi) * W + T_dot_psi_dot(&V, &Psi, &c);
+        let expected = axial(&(R1.transpose() * R1 + R0.transpose() * R2));
+        close("A", &A, &expected, 1e-13);
+    }
+}
+
+#[test]
+fn complement_and_logarithm_have_exact_derivatives() {
+    let mut random = Random(187);
+    for Psi in rotation_vectors() {
+        let psi = Psi.norm();
+        if psi > TAU - 0.1 + 1e-9 {
+            continue;
+        }
+        let (V, W) = (random.vector(), random.vector());
+        // T⁻¹T = I through quaternion, its matrix and both logarithms, derivative included.
+        let x = seeded(&Psi);
+        let I = M3::identity();
+        let near_pi = (psi - PI).abs() < 1e-15;
+        if !near_pi {
+            let size = 1.0 + 1.0 / (TAU - psi);
+            close(
+                "D log q",
+                &gradient(&log_quaternion(&quaternion(&x))),
+                &I,
+                1e-14 * size * size,
+            );
+            let D = gradient(&log_rotation(&rotation(&x), &Psi));
+            close("D log R", &D, &I, 1e-14 * size * size);
+        }
+        if psi < 1e-4 {
+            continue;
+        }
+        close("B_s", &B_s(&Psi), &gradient(&complement(&x)), 1e-14);
+        let t = Vector3::from_fn(|i, _| Taylor {
+            v: Grad::variable(Psi[i], i),
+            d: Grad {
+                v: V[i],
+                g: [0.0; 3],
+            },
+            dd: Grad {
+                v: W[i],
+                g: [0.0; 3],
+            },
+        });
+        let y = complement(&t);
+        close("Ḃ_s", &B_s_dot(&V, &Psi), &gradient(&y.map(|y| y.d)), 1e-13);
+        close(
+            "B̈_s",
+            &B_s_ddot(&W, &V, &Psi),
+            &gradient(&y.map(|y| y.dd)),
+            1e-13,
+        );
+        let h = complement(&Vector3::from_fn(|i, _| Hess::<3>::variable(Psi[i], i)));
+        let fy = constant(&V).dot(&h);
+        let hessian = M3::from_fn(|i, j| fy.h[i.max(j)][i.min(j)]);
+        close("K_σs", &K_sigma_s(&V, &Psi), &hessian, 1e-13);
+    }
+}
