@@ -1,1 +1,4 @@
-//! i
+//! Solvers for systems of `pullback-manifold`: statics and the linear algebra under them.
+
+pub mod linear_solver;
+pub mod statics;

@@ -1,6 +1,7 @@
 //! Manifolds, charts and maps: the mathematics under `pullback`.
 
 pub mod chart;
+pub mod check;
 pub mod jet;
 pub mod map;
 pub mod pullback;

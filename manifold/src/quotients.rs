@@ -206,7 +206,7 @@ fn in_z(f: Orders) -> Orders {
     [f[0], -0.5 * f[1], 0.25 * f[2], -0.125 * f[3]]
 }
 
-/// What R, T and their derivative tensors C₁…C₅ need at one angle ψ; [M04] (45), (53).
+/// What R, T and their derivative tensors C₁…C₅ need at one angle ψ; \[M04\] (45), (53).
 ///
 /// The primed coefficients are divided by ψ: `dc1` = (dc₁/dψ)/ψ, smooth at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,7 +264,7 @@ impl Quotients {
     }
 }
 
-/// What R and T alone need, as functions of z = ψ²; [M04] Def 14, (21).
+/// What R and T alone need, as functions of z = ψ²; \[M04\] Def 14, (21).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentQuotients<S> {
     /// sin ψ/ψ.

@@ -167,6 +167,22 @@ pub trait System {
     /// [`SystemError`] when the point is outside the domain of a chart or gives non-finite values.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
 
+    /// As [`System::evaluate`], in a Newton iteration that came from the state `previous`: the
+    /// tangent may use this to be a better guide, at a difference of the second order in the step.
+    /// Ignored by default.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn evaluate_from(
+        &mut self,
+        previous: Point<'_>,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let _ = previous;
+        self.evaluate(at, out)
+    }
+
     /// Changes charts where that is due, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of

@@ -147,23 +147,15 @@ impl<const NN: usize> Beam<NN> {
         }
         line
     }
-}
 
-/// The smallest rotation that takes unit vector `a` to unit vector `b` (a·b > 0).
-fn turn_to(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-    let v = so3::skew(&a.cross(b));
-    Matrix3::identity() + v + v * v / (1.0 + a.dot(b))
-}
-
-/// Rotations beyond this angle are refused: T is singular at 2π.
-const EDGE: f64 = TAU - 1e-3;
-
-impl<const NN: usize> Element for Beam<NN> {
-    fn dim(&self) -> usize {
-        6 * NN
-    }
-
-    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+    /// Adds residual and tangent; with a `previous` iterate, K_σ takes its stresses extrapolated.
+    #[inline]
+    fn add(
+        &self,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        out: &mut Response<'_>,
+    ) -> Result<(), ElementError> {
         let n = 6 * NN;
         for p in &self.points {
             let line = Self::line(p, at.x);
@@ -183,7 +175,14 @@ impl<const NN: usize> Element for Beam<NN> {
             let Some(K) = out.K.as_deref_mut() else {
                 continue;
             };
-            let D = strained.stiffness(&line, &p.law);
+            let (N, M) = match previous {
+                None => (strained.N, strained.M),
+                Some(x) => {
+                    let from = Self::line(p, x);
+                    Strained::new(&from, &p.X_prime, &p.law).extrapolated(&from, &line, &p.law)
+                }
+            };
+            let D = strained.stiffness(&line, &p.law, &N, &M);
             for j in 0..NN {
                 for i in 0..=j {
                     // Upper blocks only; the lower ones are their mirror images.
@@ -212,6 +211,34 @@ impl<const NN: usize> Element for Beam<NN> {
             mirror::<NN>(K);
         }
         Ok(())
+    }
+}
+
+/// The smallest rotation that takes unit vector `a` to unit vector `b` (a·b > 0).
+fn turn_to(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    let v = so3::skew(&a.cross(b));
+    Matrix3::identity() + v + v * v / (1.0 + a.dot(b))
+}
+
+/// Rotations beyond this angle are refused: T is singular at 2π.
+const EDGE: f64 = TAU - 1e-3;
+
+impl<const NN: usize> Element for Beam<NN> {
+    fn dim(&self) -> usize {
+        6 * NN
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        self.add(None, at, out)
+    }
+
+    fn evaluate_from(
+        &self,
+        previous: &[f64],
+        at: &Motion<'_>,
+        out: &mut Response<'_>,
+    ) -> Result<(), ElementError> {
+        self.add(Some(previous), at, out)
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {

@@ -108,17 +108,37 @@ impl Strained {
         }
     }
 
-    /// BᵀCB + K_σ, [M04] (167).
+    /// Stress resultants extrapolated linearly to the line `to` from this one, `line`.
+    pub(super) fn extrapolated(
+        &self,
+        line: &Line,
+        to: &Line,
+        law: &Law,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let psi = to.psi - line.psi;
+        let Gamma = self.R.tr_mul(&(to.x_prime - line.x_prime)) + self.g.cross(&(self.T * psi));
+        let K = self.T * (to.psi_prime - line.psi_prime) + self.C1 * psi;
+        (
+            self.N + law.GG * Gamma + law.GK * K,
+            self.M + law.GK.tr_mul(&Gamma) + law.KK * K,
+        )
+    }
+
+    /// BᵀCB + K_σ, [M04] (167), with the stress resultants N, M in K_σ.
     #[inline]
-    pub(super) fn stiffness(&self, line: &Line, law: &Law) -> Stiffness {
+    pub(super) fn stiffness(
+        &self,
+        line: &Line,
+        law: &Law,
+        N: &Vector3<f64>,
+        M: &Vector3<f64>,
+    ) -> Stiffness {
         let Self {
             R,
             T,
             C1,
             quotients,
             g,
-            N,
-            M,
             ..
         } = self;
         // Columns of C B that belong to Ψ: A = (Rᵀx′)~ T, and C₁.

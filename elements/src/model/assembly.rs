@@ -25,6 +25,9 @@ pub(super) struct Workspace {
     /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
+    /// Coordinates of all nodes at the previous iterate, while there is one.
+    previous: Vec<f64>,
+    has_previous: bool,
     /// Kinematic operators of mapped nodes, one after the other.
     pub B: Vec<f64>,
     pub B_dot: Vec<f64>,
@@ -37,6 +40,7 @@ pub(super) struct Workspace {
 #[derive(Default)]
 struct Local {
     x: Vec<f64>,
+    previous: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
     r: Vec<f64>,
@@ -76,11 +80,14 @@ impl Workspace {
             a: zeros(total),
             r: zeros(total),
             r_t: zeros(total),
+            previous: zeros(total),
+            has_previous: false,
             B: zeros(operators),
             B_dot: zeros(operators),
             B_ddot: zeros(operators),
             local: Local {
                 x: zeros(n),
+                previous: zeros(n),
                 v: zeros(n),
                 a: zeros(n),
                 r: zeros(n),
@@ -192,10 +199,13 @@ impl Model {
         for e in &self.elements {
             let n = e.element.dim();
             local.gather(e, &self.nodes, &w.x, &w.v, &w.a);
+            if w.has_previous {
+                local.gather_previous(e, &self.nodes, &w.previous);
+            }
             let switched = local.switch(e, &self.nodes);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
-                .evaluate(e, t, statics, weights, rates)
+                .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
             if e.element.is_load() {
                 local.measure_load(e, &self.nodes, &mut w.scales);
@@ -331,6 +341,21 @@ impl Local {
         }
     }
 
+    /// The previous iterate in the element's chart.
+    fn gather_previous(&mut self, e: &Attached, nodes: &[Node], x: &[f64]) {
+        let mut k = 0;
+        for (i, &node) in e.nodes.iter().enumerate() {
+            let range = nodes[node as usize].range();
+            let end = k + range.len();
+            self.previous[k..end].copy_from_slice(&x[range]);
+            if e.switched & (1 << i) != 0 {
+                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
+                self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
+            }
+            k = end;
+        }
+    }
+
     /// Takes the nodes that the element wants in the other chart through the complement map.
     fn switch(&mut self, e: &Attached, nodes: &[Node]) -> bool {
         if e.switched == 0 {
@@ -359,6 +384,7 @@ impl Local {
         statics: bool,
         weights: Option<Weights>,
         rates: bool,
+        previous: bool,
     ) -> Result<(), ElementError> {
         let n = e.element.dim();
         let tangent = weights.is_some() || rates;
@@ -388,7 +414,12 @@ impl Local {
             M: moving.then_some(&mut self.M[..n * n]),
             r_t: rates.then_some(&mut self.r_t[..n]),
         };
-        e.element.evaluate(&at, &mut out)
+        if previous {
+            e.element
+                .evaluate_from(&self.previous[..n], &at, &mut out)
+        } else {
+            e.element.evaluate(&at, &mut out)
+        }
     }
 
     fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
@@ -576,6 +607,20 @@ impl System for Model {
             }
         }
         Ok(())
+    }
+
+    fn evaluate_from(
+        &mut self,
+        previous: Point<'_>,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.expand(previous)?;
+        std::mem::swap(&mut self.work.x, &mut self.work.previous);
+        self.work.has_previous = true;
+        let outcome = self.evaluate(at, out);
+        self.work.has_previous = false;
+        outcome
     }
 
     fn change_charts(

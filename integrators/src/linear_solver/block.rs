@@ -240,13 +240,11 @@ impl Ready {
                     scaled,
                     &mut self.scales,
                     &mut self.squares,
-                    &mut self.matrix[read..],
+                    [&mut self.matrix[read..], &mut self.factors[load.start..]],
                 );
                 let Some(count) = copied else {
                     return Err(Failure::Scale);
                 };
-                self.factors[load.start..load.start + count]
-                    .copy_from_slice(&self.matrix[read..read + count]);
                 read += count;
             }
             for &(start, count) in &symbolic.fills[fills..panel.fills] {
@@ -267,7 +265,16 @@ impl Ready {
             for link in my_links {
                 let (pair, others) = rest.split_at_mut(2 * link.size * n);
                 let (l, ut) = pair.split_at_mut(link.size * n);
-                finish_link(symbolic.symmetry, link.size, n, d, l, ut, swaps, pivots.swapped);
+                finish_link(
+                    symbolic.symmetry,
+                    link.size,
+                    n,
+                    d,
+                    l,
+                    ut,
+                    swaps,
+                    pivots.swapped,
+                );
                 rest = others;
             }
             let offset = panel.start + n * n;
@@ -287,15 +294,16 @@ impl Ready {
                     }
                 }
             }
-            (links, targets, loads, fills) =
-                (panel.links, panel.targets, panel.loads, panel.fills);
+            (links, targets, loads, fills) = (panel.links, panel.targets, panel.loads, panel.fills);
         }
         let largest = self
             .symbolic
             .panels
             .iter()
             .zip(&self.squares)
-            .fold(0.0_f64, |m, (panel, square)| m.max(square * panel.blocks as f64));
+            .fold(0.0_f64, |m, (panel, square)| {
+                m.max(square * panel.blocks as f64)
+            });
         self.norm = largest.sqrt();
         Ok(())
     }
@@ -305,7 +313,11 @@ impl Ready {
         for panel in &self.symbolic.panels {
             let range = panel.first..panel.first + panel.size;
             let b = &b[panel.unknown..panel.unknown + panel.size];
-            for ((y, b), s) in self.rhs[range.clone()].iter_mut().zip(b).zip(&self.scales[range]) {
+            for ((y, b), s) in self.rhs[range.clone()]
+                .iter_mut()
+                .zip(b)
+                .zip(&self.scales[range])
+            {
                 *y = b * s;
             }
         }
@@ -317,7 +329,11 @@ impl Ready {
         for panel in &self.symbolic.panels {
             let range = panel.first..panel.first + panel.size;
             let b = &mut b[panel.unknown..panel.unknown + panel.size];
-            for ((b, x), s) in b.iter_mut().zip(&self.x[range.clone()]).zip(&self.scales[range]) {
+            for ((b, x), s) in b
+                .iter_mut()
+                .zip(&self.x[range.clone()])
+                .zip(&self.scales[range])
+            {
                 *b = x * s;
             }
         }
@@ -435,7 +451,7 @@ impl Ready {
 }
 
 /// Copies one block or pair with scales; the number of values, or none if they are out of scale.
-#[inline]
+#[inline(always)]
 fn copy_block(
     symbolic: &Symbolic,
     load: &Load,
@@ -443,7 +459,7 @@ fn copy_block(
     scaled: bool,
     scales: &mut [f64],
     squares: &mut [f64],
-    out: &mut [f64],
+    [matrix, factors]: [&mut [f64]; 2],
 ) -> Option<usize> {
     let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
     let (m, n) = (row.size, column.size);
@@ -455,7 +471,7 @@ fn copy_block(
                 *s = scaling::inverse_root(lower[c * (n + 1)]);
             }
         }
-        let square = kernels::scale(n, n, lower, s, s, out);
+        let square = kernels::scale(n, n, lower, s, s, matrix, factors);
         squares[load.row] += square;
         return (square <= scaling::MEAN_SQUARE_LIMIT * (n * n) as f64).then_some(n * n);
     }
@@ -464,10 +480,11 @@ fn copy_block(
         &scales[column.first..column.first + n],
     );
     let mut count = m * n;
-    let mut square = kernels::scale(m, n, lower, rows, columns, out);
+    let mut square = kernels::scale(m, n, lower, rows, columns, matrix, factors);
     if symbolic.symmetry == Symmetry::General {
         let upper = &values[load.upper..load.upper + m * n];
-        square += kernels::scale_transposed(m, n, upper, rows, columns, &mut out[count..]);
+        let (matrix, factors) = (&mut matrix[count..], &mut factors[count..]);
+        square += kernels::scale_transposed(m, n, upper, rows, columns, matrix, factors);
         count *= 2;
     }
     squares[load.row] += square;
@@ -477,7 +494,7 @@ fn copy_block(
 
 /// Turns the blocks of one link into those of `L` and `Uᵀ`.
 #[allow(clippy::too_many_arguments)]
-#[inline]
+#[inline(always)]
 fn finish_link(
     symmetry: Symmetry,
     m: usize,

@@ -9,7 +9,8 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::lu::{
     LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
@@ -114,7 +115,11 @@ impl Columns {
             state ^= state >> 7;
             state ^= state << 17;
             let magnitude = 0.5 + (state >> 12) as f64 / (1u64 << 53) as f64;
-            *x = if state & 1 == 0 { magnitude } else { -magnitude };
+            *x = if state & 1 == 0 {
+                magnitude
+            } else {
+                -magnitude
+            };
         }
     }
 

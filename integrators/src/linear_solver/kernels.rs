@@ -66,40 +66,72 @@ pub(super) fn lu(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivo
 
 fn lu_fixed<const N: usize>(d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
     let mut pivots = Pivots::new();
-    let Some(d) = columns_mut::<N, N>(d) else {
+    let Some(block) = columns_mut::<N, N>(d) else {
         return pivots;
     };
-    for k in 0..N {
-        let mut below = 0.0_f64;
-        for r in k + 1..N {
-            below = below.max(d[k][r].abs());
-        }
-        if !(d[k][k].abs() >= KEEP_DIAGONAL * below) {
-            let mut row = k;
-            for r in k + 1..N {
-                if d[k][r].abs() > d[k][row].abs() {
-                    row = r;
-                }
-            }
-            pivots.swap(swaps, N, k, row);
-            for column in d.iter_mut() {
-                column.swap(k, row);
-            }
-        }
-        let reciprocal = pivots.accept(d[k][k], floor);
-        d[k][k] = reciprocal;
-        for r in k + 1..N {
-            d[k][r] *= reciprocal;
-        }
-        let lower = d[k];
-        for column in &mut d[k + 1..] {
-            let factor = column[k];
-            for r in k + 1..N {
-                column[r] -= lower[r] * factor;
-            }
+    // Spelled out, so that every step has constant extents: a diagonal block is on the critical
+    // path of a chain, where nothing else can be done meanwhile.
+    let mut d = *block;
+    step::<N, 0>(&mut d, swaps, floor, &mut pivots);
+    step::<N, 1>(&mut d, swaps, floor, &mut pivots);
+    step::<N, 2>(&mut d, swaps, floor, &mut pivots);
+    step::<N, 3>(&mut d, swaps, floor, &mut pivots);
+    step::<N, 4>(&mut d, swaps, floor, &mut pivots);
+    step::<N, 5>(&mut d, swaps, floor, &mut pivots);
+    *block = d;
+    pivots
+}
+
+/// Elimination of one column.
+#[inline(always)]
+fn step<const N: usize, const K: usize>(
+    d: &mut [[f64; N]; N],
+    swaps: &mut [u32],
+    floor: f64,
+    pivots: &mut Pivots,
+) {
+    if K >= N {
+        return;
+    }
+    let size = d[K][K].abs();
+    let mut keep = true;
+    for r in K + 1..N {
+        keep &= size >= KEEP_DIAGONAL * d[K][r].abs();
+    }
+    if !keep {
+        interchange(d, K, swaps, pivots);
+    }
+    let reciprocal = pivots.accept(d[K][K], floor);
+    for r in K + 1..N {
+        d[K][r] *= reciprocal;
+    }
+    d[K][K] = reciprocal;
+    for c in K + 1..N {
+        let factor = d[c][K];
+        for r in K + 1..N {
+            d[c][r] -= d[K][r] * factor;
         }
     }
-    pivots
+}
+
+#[cold]
+#[inline(never)]
+fn interchange<const N: usize>(
+    d: &mut [[f64; N]; N],
+    k: usize,
+    swaps: &mut [u32],
+    pivots: &mut Pivots,
+) {
+    let mut row = k;
+    for r in k + 1..N {
+        if d[k][r].abs() > d[k][row].abs() {
+            row = r;
+        }
+    }
+    pivots.swap(swaps, N, k, row);
+    for column in d.iter_mut() {
+        column.swap(k, row);
+    }
 }
 
 fn lu_any(n: usize, d: &mut [f64], swaps: &mut [u32], floor: f64) -> Pivots {
@@ -153,7 +185,11 @@ impl Pivots {
         }
         let size = pivot.abs();
         // Comparisons arranged so that NaN ends up as the smallest and stays there.
-        self.smallest = if size >= self.smallest { self.smallest } else { size };
+        self.smallest = if size >= self.smallest {
+            self.smallest
+        } else {
+            size
+        };
         self.largest = self.largest.max(size);
         1.0 / pivot
     }
@@ -210,7 +246,13 @@ fn right_upper_any(m: usize, n: usize, d: &[f64], x: &mut [f64]) {
 
 /// The same with the transposed right block of a symmetric matrix as by-product: `Uᵀ = L D`.
 pub(super) fn right_upper_pair(m: usize, n: usize, d: &[f64], x: &mut [f64], ut: &mut [f64]) {
-    by_size!(m, n, right_upper_pair_fixed, right_upper_pair_any, (d, x, ut))
+    by_size!(
+        m,
+        n,
+        right_upper_pair_fixed,
+        right_upper_pair_any,
+        (d, x, ut)
+    )
 }
 
 fn right_upper_pair_fixed<const M: usize, const N: usize>(
@@ -417,14 +459,16 @@ fn subtract_any(m: usize, n: usize, l: &[f64], x: &[f64], y: &mut [f64]) {
 
 /// `y ← y - Uᵀᵀ x`, `Uᵀ` m × n, `x` of length m, `y` of length n.
 pub(super) fn subtract_transposed(m: usize, n: usize, ut: &[f64], x: &[f64], y: &mut [f64]) {
-    by_size!(m, n, subtract_transposed_fixed, subtract_transposed_any, (ut, x, y))
+    by_size!(
+        m,
+        n,
+        subtract_transposed_fixed,
+        subtract_transposed_any,
+        (ut, x, y)
+    )
 }
 
-fn subtract_transposed_fixed<const M: usize, const N: usize>(
-    ut: &[f64],
-    x: &[f64],
-    y: &mut [f64],
-) {
+fn subtract_transposed_fixed<const M: usize, const N: usize>(ut: &[f64], x: &[f64], y: &mut [f64]) {
     let (Some(ut), Some(x), Some(y)) = (
         columns::<M, N>(ut),
         x.first_chunk::<M>(),
@@ -447,7 +491,7 @@ fn subtract_transposed_any(m: usize, n: usize, ut: &[f64], x: &[f64], y: &mut [f
     }
 }
 
-/// `out ← R B C` for the scales of rows and columns; returns the sum of squares.
+/// `out ← R B C`, twice, for the scales of rows and columns; returns the sum of squares.
 pub(super) fn scale(
     m: usize,
     n: usize,
@@ -455,8 +499,15 @@ pub(super) fn scale(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
-    by_size!(m, n, scale_fixed, scale_any, (block, rows, columns, out))
+    by_size!(
+        m,
+        n,
+        scale_fixed,
+        scale_any,
+        (block, rows, columns, out, copy)
+    )
 }
 
 fn scale_fixed<const M: usize, const N: usize>(
@@ -464,12 +515,14 @@ fn scale_fixed<const M: usize, const N: usize>(
     rows: &[f64],
     scales: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
-    let (Some(block), Some(rows), Some(scales), Some(out)) = (
+    let (Some(block), Some(rows), Some(scales), Some(out), Some(copy)) = (
         columns::<M, N>(block),
         rows.first_chunk::<M>(),
         scales.first_chunk::<N>(),
         columns_mut::<M, N>(out),
+        columns_mut::<M, N>(copy),
     ) else {
         return f64::NAN;
     };
@@ -478,6 +531,7 @@ fn scale_fixed<const M: usize, const N: usize>(
         for r in 0..M {
             let value = block[c][r] * rows[r] * scales[c];
             out[c][r] = value;
+            copy[c][r] = value;
             sum[r] += value * value;
         }
     }
@@ -491,6 +545,7 @@ fn scale_any(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
     let mut sum = 0.0;
     for ((out, block), &c) in out
@@ -505,10 +560,11 @@ fn scale_any(
             sum += value * value;
         }
     }
+    copy[..m * n].copy_from_slice(&out[..m * n]);
     sum
 }
 
-/// `out ← (C B R)ᵀ`, `B` n × m, `out` m × n; returns the sum of squares.
+/// `out ← (C B R)ᵀ`, twice, `B` n × m, `out` m × n; returns the sum of squares.
 pub(super) fn scale_transposed(
     m: usize,
     n: usize,
@@ -516,13 +572,14 @@ pub(super) fn scale_transposed(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
     by_size!(
         m,
         n,
         scale_transposed_fixed,
         scale_transposed_any,
-        (block, rows, columns, out)
+        (block, rows, columns, out, copy)
     )
 }
 
@@ -531,12 +588,14 @@ fn scale_transposed_fixed<const M: usize, const N: usize>(
     rows: &[f64],
     scales: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
-    let (Some(block), Some(rows), Some(scales), Some(out)) = (
+    let (Some(block), Some(rows), Some(scales), Some(out), Some(copy)) = (
         columns::<N, M>(block),
         rows.first_chunk::<M>(),
         scales.first_chunk::<N>(),
         columns_mut::<M, N>(out),
+        columns_mut::<M, N>(copy),
     ) else {
         return f64::NAN;
     };
@@ -545,6 +604,7 @@ fn scale_transposed_fixed<const M: usize, const N: usize>(
         for r in 0..M {
             let value = block[r][c] * rows[r] * scales[c];
             out[c][r] = value;
+            copy[c][r] = value;
             sum[r] += value * value;
         }
     }
@@ -558,6 +618,7 @@ fn scale_transposed_any(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
+    copy: &mut [f64],
 ) -> f64 {
     let mut sum = 0.0;
     for (c, (out, scale)) in out.chunks_exact_mut(m).zip(columns).take(n).enumerate() {
@@ -567,5 +628,6 @@ fn scale_transposed_any(
             sum += value * value;
         }
     }
+    copy[..m * n].copy_from_slice(&out[..m * n]);
     sum
 }

@@ -182,6 +182,7 @@ pub(crate) fn check_length(
 }
 
 /// Largest magnitude; NaN if any entry is NaN.
+#[inline(always)]
 pub(crate) fn max_abs(x: &[f64]) -> f64 {
     // `f64::max` would drop a NaN; a sum of zero-weighted entries keeps it.
     let (mut largest, mut poison) = ([0.0_f64; 4], [0.0_f64; 4]);

@@ -112,7 +112,10 @@ const SHORT: usize = 8;
 /// Adds the clique's nodes other than `own` to a sorted list and drops the eliminated ones.
 fn merge(list: &mut Vec<u32>, clique: &[u32], own: u32, alive: &[bool], merged: &mut Vec<u32>) {
     merged.clear();
-    let (mut a, mut b) = (list.iter().copied().peekable(), clique.iter().copied().peekable());
+    let (mut a, mut b) = (
+        list.iter().copied().peekable(),
+        clique.iter().copied().peekable(),
+    );
     loop {
         let next = match (a.peek(), b.peek()) {
             (Some(&x), Some(&y)) => x.min(y),

@@ -103,12 +103,7 @@ impl Symbolic {
     }
 
     /// Panels and links.
-    fn place(
-        &mut self,
-        pattern: &BlockPattern,
-        nodes: &[(usize, &Vec<u32>)],
-        position: &[usize],
-    ) {
+    fn place(&mut self, pattern: &BlockPattern, nodes: &[(usize, &Vec<u32>)], position: &[usize]) {
         let mut first = 0;
         let mut firsts = Vec::with_capacity(nodes.len());
         for &(node, _) in nodes {

@@ -73,7 +73,7 @@ fn half_cotangent(psi: f64, a3: f64) -> f64 {
     0.5 * psi * c / s
 }
 
-/// What T⁻¹ and C₆ need at one angle 0 ≤ ψ < 2π; [M04] (65), (68).
+/// What T⁻¹ and C₆ need at one angle 0 ≤ ψ < 2π; \[M04\] (65), (68).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseQuotients {
     /// g = (ψ/2) cot(ψ/2).

@@ -1,4 +1,4 @@
-//! The change of chart Ψ → Ψᶜ = Ψ − 2π e and its derivatives; [M04] Def 15, 4.1.1.
+//! The change of chart Ψ → Ψᶜ = Ψ − 2π e and its derivatives; \[M04\] Def 15, 4.1.1.
 //!
 //! e = Ψ/ψ, 0 < ψ < 2π. Both vectors describe the same rotation, (Ψᶜ)ᶜ = Ψ, and the vector with
 //! ψ > π is exchanged for one with ψ < π. At Ψ = 0 the complement does not exist and the results
@@ -9,7 +9,7 @@ use crate::so3::tensors::symmetric_outer;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// Ψᶜ = (1 − 2π/ψ) Ψ; [M04] Def 15.
+/// Ψᶜ = (1 − 2π/ψ) Ψ; \[M04\] Def 15.
 #[must_use]
 pub fn complement<S: Scalar>(Psi: &Vector3<S>) -> Vector3<S> {
     let psi = Psi.dot(Psi).sqrt();
@@ -17,7 +17,7 @@ pub fn complement<S: Scalar>(Psi: &Vector3<S>) -> Vector3<S> {
     Psi * ((psi - TAU) / psi)
 }
 
-/// B_s = D_Ψ Ψᶜ, symmetric: Ψ̇ᶜ = B_s Ψ̇; [M04] (187).
+/// B_s = D_Ψ Ψᶜ, symmetric: Ψ̇ᶜ = B_s Ψ̇; \[M04\] (187).
 #[must_use]
 pub fn B_s(Psi: &Vector3<f64>) -> Matrix3<f64> {
     let psi = Psi.norm();
@@ -31,7 +31,7 @@ fn bend(a: &Vector3<f64>, e: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(u) + symmetric_outer(a, e) - e * e.transpose() * (3.0 * u)
 }
 
-/// Ḃ_s, symmetric: Ψ̈ᶜ = B_s Ψ̈ + Ḃ_s Ψ̇; [M04] (187).
+/// Ḃ_s, symmetric: Ψ̈ᶜ = B_s Ψ̈ + Ḃ_s Ψ̇; \[M04\] (187).
 #[must_use]
 pub fn B_s_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>) -> Matrix3<f64> {
     let psi = Psi.norm();
@@ -58,7 +58,7 @@ pub fn B_s_ddot(
     (bend(Psi_ddot, &e) + turn - bend(Psi_dot, &e) * (2.0 * u / psi)) * (TAU / (psi * psi))
 }
 
-/// K_σs(f) = D_Ψ(B_sᵀ f), f fixed; symmetric; [M04] (191).
+/// K_σs(f) = D_Ψ(B_sᵀ f), f fixed; symmetric; \[M04\] (191).
 #[must_use]
 pub fn K_sigma_s(f: &Vector3<f64>, Psi: &Vector3<f64>) -> Matrix3<f64> {
     // B_s is itself a gradient, so its derivative is symmetric in direction and operand.

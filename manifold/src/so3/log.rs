@@ -109,7 +109,8 @@ pub fn quaternion_from_rotation<S: Scalar>(R: &Matrix3<S>) -> Quaternion<S> {
     }
 }
 
-/// The rotation vector of a unit quaternion: ψ ≤ π for w ≥ 0, π < ψ < 2π for w < 0.
+/// The rotation vector of a unit quaternion: ψ ≤ π for w ≥ 0, π < ψ < 2π for w < 0; not finite at
+/// w = −1 (ψ = 2π).
 ///
 /// As a function of w alone the factor ψ/sin(ψ/2) loses digits when w → −1, where its pole lies;
 /// there the opposite quaternion has a good logarithm, −L(−w) v, and Ψ is its complement.
@@ -126,7 +127,8 @@ pub fn log_quaternion<S: Scalar>(q: &Quaternion<S>) -> Vector3<S> {
 /// The rotation vector of R on the sheet of `near`, stable at ψ = 0 and ψ = π.
 ///
 /// Of the two vectors, the one whose quaternion has a positive inner product with that of `near`
-/// (ψ < 2π): it depends continuously on R along a motion that passes ψ = π.
+/// (ψ < 2π): it depends continuously on R along a motion that passes ψ = π. Not finite where that
+/// vector would have ψ = 2π, that is for R = I and a `near` beyond π.
 #[must_use]
 pub fn log_rotation<S: Scalar>(R: &Matrix3<S>, near: &Vector3<f64>) -> Vector3<S> {
     let q = quaternion_from_rotation(R);

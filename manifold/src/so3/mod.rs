@@ -1,4 +1,4 @@
-//! Rotation vectors: the chart ψ = ‖Ψ‖ < 2π of the rotation group; [M04] 2.2–2.8.
+//! Rotation vectors: the chart ψ = ‖Ψ‖ < 2π of the rotation group; \[M04\] 2.2–2.8.
 //!
 //! R(Ψ) maps components of the initial frame to the spatial frame. Material quantities have
 //! components in the initial frame:
@@ -47,7 +47,7 @@ pub fn axial<S: Scalar>(A: &Matrix3<S>) -> Vector3<S> {
     ) * S::constant(0.5)
 }
 
-/// α I + β Ψ~ + γ Ψ⊗Ψ, the form of R, T, T⁻¹ and Ṫ (but for one term).
+/// α I + β Ψ~ + γ Ψ⊗Ψ, the form of R, T, T⁻¹ and of the isotropic part of every tensor.
 #[inline]
 pub(crate) fn isotropic<S: Scalar>(alpha: S, beta: S, gamma: S, Psi: &Vector3<S>) -> Matrix3<S> {
     let (x, y, z) = (Psi.x, Psi.y, Psi.z);
@@ -90,19 +90,19 @@ pub fn T_inverse(Psi: &Vector3<f64>, a: &InverseQuotients) -> Matrix3<f64> {
     isotropic(a.g, 0.5, a.a3, Psi)
 }
 
-/// R(Ψ), 3×3: the rotation by ψ about Ψ, initial to spatial components; [M04] Def 14.
+/// R(Ψ), 3×3: the rotation by ψ about Ψ, initial to spatial components; \[M04\] Def 14.
 #[must_use]
 pub fn rotation<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {
     R(Psi, &TangentQuotients::new(Psi.dot(Psi)))
 }
 
-/// T(Ψ), 3×3: δΘ = T δΨ with δΘ~ = Rᵀ δR material; [M04] (21). R T = Tᵀ (38).
+/// T(Ψ), 3×3: δΘ = T δΨ with δΘ~ = Rᵀ δR material; \[M04\] (21). R T = Tᵀ (38).
 #[must_use]
 pub fn tangent<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {
     T(Psi, &TangentQuotients::new(Psi.dot(Psi)))
 }
 
-/// T⁻¹(Ψ), 3×3: δΨ = T⁻¹ δΘ; unbounded as ψ → 2π; [M04] (65).
+/// T⁻¹(Ψ), 3×3: δΨ = T⁻¹ δΘ; unbounded as ψ → 2π; \[M04\] (65).
 #[must_use]
 pub fn tangent_inverse<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {
     let (g, a3) = inverse_quotients(Psi.dot(Psi));

@@ -1,4 +1,4 @@
-//! Derivatives of T and its relatives in closed form; [M04] (44)–(53), (63), (68).
+//! Derivatives of T and its relatives in closed form; \[M04\] (44)–(53), (63), (68).
 //!
 //! Arguments come in the order of the thesis: the vector acted upon, then Ψ, then the quotients at
 //! ψ = ‖Ψ‖. Every tensor is 3×3, with the direction of differentiation in the column.
@@ -29,19 +29,19 @@ fn C12(sign: f64, V: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix
     outer(&left, Psi) + isotropic(c.c5 * s, -sign * c.c4, 0.0, V) + outer(&(Psi * c.c5), V)
 }
 
-/// C₁(V,Ψ) = D_Ψ(T V), V fixed; [M04] (44).
+/// C₁(V,Ψ) = D_Ψ(T V), V fixed; \[M04\] (44).
 #[must_use]
 pub fn C1(V: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     C12(1.0, V, Psi, c)
 }
 
-/// C₂(V,Ψ) = D_Ψ(Tᵀ V), V fixed; equals C₁(R V,Ψ) − Tᵀ V~ T; [M04] (47), (49).
+/// C₂(V,Ψ) = D_Ψ(Tᵀ V), V fixed; equals C₁(R V,Ψ) − Tᵀ V~ T; \[M04\] (47), (49).
 #[must_use]
 pub fn C2(V: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     C12(-1.0, V, Psi, c)
 }
 
-/// C₃(V,Ψ′,Ψ) = D_Ψ(C₁(Ψ′,Ψ)ᵀ V), V and Ψ′ fixed; symmetric; [M04] (52).
+/// C₃(V,Ψ′,Ψ) = D_Ψ(C₁(Ψ′,Ψ)ᵀ V), V and Ψ′ fixed; symmetric; \[M04\] (52).
 #[must_use]
 pub fn C3(
     V: &Vector3<f64>,
@@ -61,7 +61,7 @@ pub fn C3(
         + symmetric_outer(&(V * c.c5), Psi_prime)
 }
 
-/// Ṫ, the time derivative of T(Ψ(t)); [M04] (50).
+/// Ṫ, the time derivative of T(Ψ(t)); \[M04\] (50).
 #[must_use]
 pub fn T_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     let d = Psi.dot(Psi_dot);
@@ -79,7 +79,7 @@ pub fn T_dot_psi_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) 
         + Psi * (c.c3 * d * d + c.c5 * n)
 }
 
-/// C₄(Ψ̇,Ψ) = D_Ψ̇(Ṫ Ψ̇), Ψ fixed; [M04] (63).
+/// C₄(Ψ̇,Ψ) = D_Ψ̇(Ṫ Ψ̇), Ψ fixed; \[M04\] (63).
 #[must_use]
 pub fn C4(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     let d = Psi.dot(Psi_dot);
@@ -90,7 +90,7 @@ pub fn C4(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<
         + outer(&(Psi * (2.0 * c.c5)), Psi_dot)
 }
 
-/// C₅(Ψ̇,Ψ) = D_Ψ(Ṫ Ψ̇), Ψ̇ fixed; [M04] (63).
+/// C₅(Ψ̇,Ψ) = D_Ψ(Ṫ Ψ̇), Ψ̇ fixed; \[M04\] (63).
 #[must_use]
 pub fn C5(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     let d = Psi.dot(Psi_dot);
@@ -105,7 +105,7 @@ pub fn C5(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<
         + isotropic(c.c3 * d * d + c.c5 * n, c.c2 * d, 0.0, Psi_dot)
 }
 
-/// C₆(V,Ψ) = D_Ψ(T⁻ᵀ V), V fixed; [M04] (68).
+/// C₆(V,Ψ) = D_Ψ(T⁻ᵀ V), V fixed; \[M04\] (68).
 #[must_use]
 pub fn C6(V: &Vector3<f64>, Psi: &Vector3<f64>, a: &InverseQuotients) -> Matrix3<f64> {
     let s = Psi.dot(V);

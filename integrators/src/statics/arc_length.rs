@@ -1,0 +1,397 @@
+//! Path following: pseudo-arc-length continuation (Riks 1979; Keller 1977) with located events.
+//!
+//! The path (q, λ)(s) is followed with unit tangents in the norm ‖(q, λ)‖² = Σ (qᵢ/scaleᵢ)²/n +
+//! (λ/λ_scale)², so that neither the mesh nor the units decide the step. Each step solves on the
+//! hyperplane normal to the tangent of its start; limit points in λ are passed without notice,
+//! and located afterwards where they are asked for.
+
+#![allow(non_snake_case)]
+
+use super::error::{FailedStep, StaticsError};
+use super::load_steps::analyse;
+use super::newton::{Condition, Failure, Newton};
+use super::{Iteration, NewtonOptions, Step, Summary};
+use crate::linear_solver::{AutoSolver, LinearSolver};
+use pullback_manifold::system::System;
+use std::ops::ControlFlow;
+
+/// Something on the path to be located and reported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The load has a maximum or minimum.
+    TurningPoint,
+    /// The load parameter passes a value.
+    Load(f64),
+    /// A coordinate passes a value.
+    Coordinate {
+        /// Which unknown.
+        unknown: usize,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// Options of [`trace_path`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArcLengthOptions {
+    /// Load parameter at the start.
+    pub from: f64,
+    /// First step along the path. With the default scale, 0.05 changes the load by at most 0.05.
+    pub first_step: f64,
+    /// Largest step along the path.
+    pub max_step: f64,
+    /// A failed step is halved until it is smaller than this.
+    pub min_step: f64,
+    /// Steps at most.
+    pub max_steps: usize,
+    /// Change of the load parameter that counts as much as a change of the coordinates by their
+    /// scales.
+    pub load_scale: f64,
+    /// Iterations a step should take; fewer make the next one larger, more make it smaller.
+    pub target_iterations: usize,
+    /// Events to be located and reported, each with its index; `true` ends the path there.
+    pub events: Vec<(Event, bool)>,
+    /// Sense in which the load changes at the start: true for growing.
+    pub forward: bool,
+    /// Newton's method.
+    pub newton: NewtonOptions,
+}
+
+impl Default for ArcLengthOptions {
+    fn default() -> Self {
+        Self {
+            from: 0.0,
+            first_step: 0.05,
+            max_step: 0.1,
+            min_step: 1e-7,
+            max_steps: 500,
+            load_scale: 1.0,
+            target_iterations: 5,
+            events: vec![(Event::Load(1.0), true)],
+            forward: true,
+            newton: NewtonOptions::default(),
+        }
+    }
+}
+
+/// What a path did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PathSummary {
+    /// Counts as in load stepping; `finished` says that an ending event was reached.
+    pub summary: Summary,
+    /// Events in the order in which they were met: index and load parameter.
+    pub events: Vec<(usize, f64)>,
+}
+
+/// Follows the equilibrium path of `system` from `q`, with the default solver.
+///
+/// # Errors
+/// [`StaticsError`]: which step at which load failed, why, and with what residuals.
+pub fn trace_path<Y: System + ?Sized>(
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &ArcLengthOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<PathSummary, StaticsError> {
+    trace_path_with(&mut AutoSolver::new(), system, q, options, observer)
+}
+
+/// Position on the path with its unit tangent.
+#[derive(Clone)]
+struct Place {
+    q: Vec<f64>,
+    lambda: f64,
+    /// dq/ds and dλ/ds.
+    dq: Vec<f64>,
+    d_lambda: f64,
+}
+
+/// The norm in which arc length is measured.
+struct Norm {
+    /// Weight of each coordinate, 1/(n scale²).
+    weights: Vec<f64>,
+    /// Weight of the load, 1/load_scale².
+    load: f64,
+}
+
+impl Norm {
+    fn dot(&self, a: (&[f64], f64), b: (&[f64], f64)) -> f64 {
+        let q: f64 = (a.0.iter().zip(b.0).zip(&self.weights))
+            .map(|((a, b), w)| a * b * w)
+            .sum();
+        q + a.1 * b.1 * self.load
+    }
+}
+
+/// As [`trace_path`], with a linear solver of the caller's choice.
+///
+/// # Errors
+/// As [`trace_path`].
+pub fn trace_path_with<Y: System + ?Sized>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &ArcLengthOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<PathSummary, StaticsError> {
+    check(options)?;
+    let n = system.pattern().dim();
+    q.resize(n, 0.0);
+    analyse(solver, system)?;
+    let mut newton = Newton::new(system, &options.newton);
+    let norm = Norm {
+        weights: newton
+            .inverse_scale
+            .iter()
+            .map(|s| s * s / n as f64)
+            .collect(),
+        load: 1.0 / (options.load_scale * options.load_scale),
+    };
+    let mut out = PathSummary::default();
+    let mut at = Place {
+        q: q.clone(),
+        lambda: options.from,
+        dq: vec![0.0; n],
+        d_lambda: if options.forward { 1.0 } else { -1.0 },
+    };
+    out.summary.t = at.lambda;
+    let mut ds = options.first_step;
+    let mut next = at.clone();
+    while out.summary.steps < options.max_steps {
+        let changes = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
+        out.summary.chart_changes += changes;
+        newton.history.clear();
+        let mut outcome = tangent(&mut newton, solver, system, &mut at, &norm);
+        if outcome.is_ok() {
+            outcome = advance(&mut newton, solver, system, &at, ds, &norm, options, &mut next);
+        }
+        out.summary.evaluations = newton.evaluations;
+        out.summary.factorisations = newton.factorisations;
+        if let Err(failure) = outcome {
+            out.summary.rejected += 1;
+            let to = at.lambda + ds * at.d_lambda;
+            let failed = FailedStep::new(system, &newton, failure, &out.summary, to);
+            ds *= 0.5;
+            if ds < options.min_step {
+                q.copy_from_slice(&at.q);
+                return Err(StaticsError::Step(Box::new(failed)));
+            }
+            continue;
+        }
+        let iterations = newton.history.len() - 1;
+        let history = newton.history.clone();
+        out.summary.steps += 1;
+        out.summary.iterations += iterations;
+        // The tangent at the new place tells how the path bends, and whether the load turned.
+        next.dq.copy_from_slice(&at.dq);
+        next.d_lambda = at.d_lambda;
+        let bend = tangent(&mut newton, solver, system, &mut next, &norm)
+            .map(|()| norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda)))
+            .unwrap_or(1.0);
+        let located = locate_events(
+            &mut newton, solver, system, &at, &next, ds, &norm, options,
+        );
+        for (index, s) in located {
+            let mut place = at.clone();
+            let ok = advance(&mut newton, solver, system, &at, s, &norm, options, &mut place);
+            if ok.is_err() {
+                continue;
+            }
+            out.events.push((index, place.lambda));
+            let report = Step {
+                number: out.summary.steps,
+                t: place.lambda,
+                step_size: s,
+                q: &place.q,
+                iterations: newton.history.len() - 1,
+                residuals: &newton.history,
+                chart_changes: changes,
+                event: Some(index),
+            };
+            let flow = observer(system, &report);
+            if options.events[index].1 || flow.is_break() {
+                q.copy_from_slice(&place.q);
+                out.summary.t = place.lambda;
+                out.summary.finished = options.events[index].1;
+                return Ok(out);
+            }
+        }
+        std::mem::swap(&mut at, &mut next);
+        out.summary.t = at.lambda;
+        // Locating events has moved the system: bring it back for the observer.
+        newton
+            .evaluate(system, None, &at.q, at.lambda)
+            .ok();
+        let report = Step {
+            number: out.summary.steps,
+            t: at.lambda,
+            step_size: ds,
+            q: &at.q,
+            iterations,
+            residuals: &history,
+            chart_changes: changes,
+            event: None,
+        };
+        if observer(system, &report).is_break() {
+            q.copy_from_slice(&at.q);
+            return Ok(out);
+        }
+        let ease = (options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
+        // A sharply bending path needs short steps whatever Newton's method says.
+        let straightness = if bend < 0.9 { 0.7 } else { 1.5 };
+        ds = (ds * ease.clamp(0.5, straightness)).min(options.max_step);
+    }
+    q.copy_from_slice(&at.q);
+    Ok(out)
+}
+
+/// Unit tangent at a place, in the sense of the one it has.
+fn tangent<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    at: &mut Place,
+    norm: &Norm,
+) -> Result<(), Failure> {
+    newton
+        .evaluate(system, None, &at.q, at.lambda)
+        .map_err(Failure::System)?;
+    newton.factorise(solver)?;
+    newton.solve_rate(solver)?;
+    let rate = (newton.q_lambda.as_slice(), 1.0);
+    let length = norm.dot(rate, rate).sqrt();
+    let sense = norm.dot(rate, (&at.dq, at.d_lambda)).signum() / length;
+    if !sense.is_finite() {
+        return Err(Failure::Diverged);
+    }
+    for (dq, rate) in at.dq.iter_mut().zip(rate.0) {
+        *dq = sense * rate;
+    }
+    at.d_lambda = sense;
+    Ok(())
+}
+
+/// Predict along the tangent and correct on the hyperplane normal to it.
+#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
+fn advance<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    at: &Place,
+    ds: f64,
+    norm: &Norm,
+    options: &ArcLengthOptions,
+    next: &mut Place,
+) -> Result<(), Failure> {
+    for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
+        *q = q0 + ds * dq;
+    }
+    next.lambda = at.lambda + ds * at.d_lambda;
+    newton.history.clear();
+    newton.history.push(Iteration {
+        residual: [0.0; 3],
+        ratio: f64::INFINITY,
+        correction: ds.abs() * newton.size(&at.dq),
+        damping: 1.0,
+    });
+    let c: Vec<f64> = (at.dq.iter().zip(&norm.weights))
+        .map(|(dq, w)| dq * w)
+        .collect();
+    let condition = Condition {
+        c: &c,
+        c_lambda: at.d_lambda * norm.load,
+        q0: &at.q,
+        lambda0: at.lambda,
+        ds,
+    };
+    newton.correct(
+        system,
+        solver,
+        &mut next.q,
+        &mut next.lambda,
+        Some(&condition),
+        Some((at.lambda, &at.q)),
+        &options.newton,
+    )
+}
+
+/// Value of an event's function at a place: zero where it happens.
+fn event_value(event: Event, place: &Place) -> f64 {
+    match event {
+        Event::TurningPoint => place.d_lambda,
+        Event::Load(load) => place.lambda - load,
+        Event::Coordinate { unknown, value } => {
+            place.q.get(unknown).map_or(f64::NAN, |q| q - value)
+        }
+    }
+}
+
+/// Distances from `at` at which events happen before `next`, in order.
+#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
+fn locate_events<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    at: &Place,
+    next: &Place,
+    ds: f64,
+    norm: &Norm,
+    options: &ArcLengthOptions,
+) -> Vec<(usize, f64)> {
+    let mut found = Vec::new();
+    for (index, &(event, _)) in options.events.iter().enumerate() {
+        let (mut a, mut fa) = (0.0, event_value(event, at));
+        let (mut b, mut fb) = (ds, event_value(event, next));
+        if fb == 0.0 {
+            found.push((index, ds));
+            continue;
+        }
+        if !(fa * fb < 0.0) {
+            continue;
+        }
+        // Regula falsi with the Illinois modification; each trial is a converged place.
+        let size = fa.abs().max(fb.abs());
+        let mut trial = at.clone();
+        let mut s = b;
+        for _ in 0..40 {
+            s = (a * fb - b * fa) / (fb - fa);
+            let ok = advance(newton, solver, system, at, s, norm, options, &mut trial).is_ok();
+            trial.dq.copy_from_slice(&at.dq);
+            trial.d_lambda = at.d_lambda;
+            let ok = ok
+                && (event != Event::TurningPoint
+                    || tangent(newton, solver, system, &mut trial, norm).is_ok());
+            if !ok {
+                break;
+            }
+            let f = event_value(event, &trial);
+            if f.abs() <= 1e-12 * size || (b - a).abs() <= 1e-12 * ds {
+                break;
+            }
+            if f * fb < 0.0 {
+                (a, fa) = (b, fb);
+            } else {
+                fa *= 0.5;
+            }
+            (b, fb) = (s, f);
+        }
+        found.push((index, s));
+    }
+    found.sort_by(|x, y| x.1.total_cmp(&y.1));
+    found
+}
+
+fn check(options: &ArcLengthOptions) -> Result<(), StaticsError> {
+    let numbers = [
+        ("first_step", options.first_step),
+        ("min_step", options.min_step),
+        ("max_step", options.max_step),
+        ("load_scale", options.load_scale),
+    ];
+    for (name, value) in numbers {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(StaticsError::Option { name, value });
+        }
+    }
+    Ok(())
+}

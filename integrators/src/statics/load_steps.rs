@@ -1,0 +1,239 @@
+//! Load control with automatic step size.
+
+#![allow(non_snake_case)]
+
+use super::error::{FailedStep, StaticsError};
+use super::newton::{Failure, Newton};
+use super::{Iteration, NewtonOptions, Step};
+use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback_manifold::system::System;
+use std::ops::ControlFlow;
+
+/// From which load to which, and in what steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticOptions {
+    /// Load parameter at the start.
+    pub from: f64,
+    /// Load parameter at the end.
+    pub to: f64,
+    /// First step; the sign is that of `to − from` whatever is given.
+    pub first_step: f64,
+    /// A failed step is halved until it is smaller than this; then the analysis has failed.
+    pub min_step: f64,
+    /// Largest step. Equal to `first_step` it gives equal steps (unless one fails).
+    pub max_step: f64,
+    /// A step that took at most this many iterations is followed by one twice as large.
+    pub easy: usize,
+    /// Newton's method.
+    pub newton: NewtonOptions,
+}
+
+impl Default for StaticOptions {
+    fn default() -> Self {
+        Self {
+            from: 0.0,
+            to: 1.0,
+            first_step: 0.1,
+            min_step: 1e-6,
+            max_step: 0.25,
+            easy: 5,
+            newton: NewtonOptions::default(),
+        }
+    }
+}
+
+impl StaticOptions {
+    /// `count` equal steps from 0 to 1, halved only if one of them fails.
+    pub fn equal_steps(count: usize) -> Self {
+        let step = 1.0 / count.max(1) as f64;
+        Self {
+            first_step: step,
+            max_step: step,
+            ..Self::default()
+        }
+    }
+}
+
+/// What an analysis did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Load parameter reached.
+    pub t: f64,
+    /// Converged steps.
+    pub steps: usize,
+    /// Failed attempts.
+    pub rejected: usize,
+    /// Linear solutions in converged steps.
+    pub iterations: usize,
+    /// Evaluations of the system.
+    pub evaluations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Changes of chart.
+    pub chart_changes: usize,
+    /// Whether the end of the load was reached (an observer may stop earlier).
+    pub finished: bool,
+}
+
+/// Follows the equilibrium of `system` from `q` over the load range, with the default solver.
+///
+/// # Errors
+/// [`StaticsError`]: which step at which load failed, why, and with what residuals.
+pub fn solve_statics<Y: System + ?Sized>(
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &StaticOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<Summary, StaticsError> {
+    solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
+}
+
+/// As [`solve_statics`], with a linear solver of the caller's choice.
+///
+/// # Errors
+/// As [`solve_statics`].
+pub fn solve_statics_with<Y: System + ?Sized>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut Vec<f64>,
+    options: &StaticOptions,
+    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
+) -> Result<Summary, StaticsError> {
+    check(options)?;
+    q.resize(system.pattern().dim(), 0.0);
+    analyse(solver, system)?;
+    let mut newton = Newton::new(system, &options.newton);
+    let mut summary = Summary {
+        t: options.from,
+        ..Summary::default()
+    };
+    let direction = (options.to - options.from).signum();
+    let mut dt = direction * options.first_step.abs();
+    let mut start = q.clone();
+    loop {
+        let rest = options.to - summary.t;
+        // The last step absorbs a remainder that would be a tiny step of its own.
+        let last = rest.abs() <= dt.abs() * (1.0 + 1e-9);
+        let t = if last { options.to } else { summary.t + dt };
+        let chart_changes = system.change_charts(summary.t, q, &mut [], &mut []);
+        start.copy_from_slice(q);
+        newton.history.clear();
+        let outcome = step(
+            &mut newton, solver, system, q, &start, summary.t, t, options,
+        );
+        summary.evaluations = newton.evaluations;
+        summary.factorisations = newton.factorisations;
+        summary.chart_changes += chart_changes;
+        match outcome {
+            Ok(()) => {
+                let iterations = newton.history.len() - 1;
+                summary.steps += 1;
+                summary.iterations += iterations;
+                let step_size = t - summary.t;
+                summary.t = t;
+                let report = Step {
+                    number: summary.steps,
+                    t,
+                    step_size,
+                    q,
+                    iterations,
+                    residuals: &newton.history,
+                    chart_changes,
+                    event: None,
+                };
+                let flow = observer(system, &report);
+                if last || rest == 0.0 {
+                    summary.finished = true;
+                    return Ok(summary);
+                }
+                if flow.is_break() {
+                    return Ok(summary);
+                }
+                if iterations <= options.easy {
+                    dt = direction * (2.0 * dt.abs()).min(options.max_step.abs());
+                }
+            }
+            Err(failure) => {
+                summary.rejected += 1;
+                let failed = StaticsError::Step(Box::new(FailedStep::new(
+                    system, &newton, failure, &summary, t,
+                )));
+                q.copy_from_slice(&start);
+                dt = 0.5 * (t - summary.t);
+                if dt.abs() < options.min_step.abs() || dt == 0.0 {
+                    return Err(failed);
+                }
+            }
+        }
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
+/// Predict with the tangent at the old load, then correct at the new one.
+fn step<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut [f64],
+    start: &[f64],
+    from: f64,
+    to: f64,
+    options: &StaticOptions,
+) -> Result<(), Failure> {
+    newton
+        .evaluate(system, None, q, from).map_err(Failure::System)?;
+    newton.factorise(solver)?;
+    // δq = K⁻¹ (r + r_λ Δλ): with r_λ a driven support bends the structure at once, where the
+    // residual alone would first tear at the element next to it.
+    for k in 0..q.len() {
+        newton.dq[k] = newton.r[k] + newton.r_lambda[k] * (to - from);
+    }
+    let mut residual = [0.0_f64; 3];
+    for (i, f) in newton.dq.iter().enumerate() {
+        let k = system.kind(i).index();
+        residual[k] = residual[k].max(f.abs());
+    }
+    solver.solve(&mut newton.dq).map_err(Failure::Linear)?;
+    for (q, dq) in q.iter_mut().zip(&newton.dq) {
+        *q += dq;
+    }
+    newton.history.push(Iteration {
+        residual,
+        ratio: f64::INFINITY,
+        correction: newton.size(&newton.dq),
+        damping: 1.0,
+    });
+    let mut lambda = to;
+    let previous = Some((from, start));
+    newton.correct(system, solver, q, &mut lambda, None, previous, &options.newton)
+}
+
+pub(super) fn analyse<Y: System + ?Sized>(
+    solver: &mut dyn LinearSolver,
+    system: &Y,
+) -> Result<(), StaticsError> {
+    let symmetry = if system.is_symmetric() {
+        Symmetry::Symmetric
+    } else {
+        Symmetry::General
+    };
+    solver
+        .analyse(system.pattern(), symmetry)
+        .map_err(|source| StaticsError::Analysis { source })
+}
+
+fn check(options: &StaticOptions) -> Result<(), StaticsError> {
+    let numbers = [
+        ("from", options.from),
+        ("to", options.to),
+        ("first_step", options.first_step),
+        ("min_step", options.min_step),
+        ("max_step", options.max_step),
+    ];
+    for (name, value) in numbers {
+        if !value.is_finite() || (name.ends_with("step") && value <= 0.0) {
+            return Err(StaticsError::Option { name, value });
+        }
+    }
+    Ok(())
+}

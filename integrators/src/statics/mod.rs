@@ -1,0 +1,77 @@
+//! Equilibrium: load stepping and path following for any [`System`] at rest.
+//!
+//! A step reads as verbs: change charts, evaluate, predict, correct, accept. The step size is
+//! halved when a step fails and grows when it was easy, so that a load in gives an answer out.
+
+#![allow(non_snake_case)]
+
+mod arc_length;
+mod error;
+mod load_steps;
+mod newton;
+
+pub use arc_length::{ArcLengthOptions, Event, PathSummary, trace_path, trace_path_with};
+pub use error::{Cause, StaticsError};
+pub use load_steps::{StaticOptions, Summary, solve_statics, solve_statics_with};
+
+/// Newton's method: when to stop and how far to go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Residual relative to applied and reaction forces (moments) at which a step has converged.
+    pub relative: f64,
+    /// Absolute floor of the same test, in units of force (moment).
+    pub absolute: f64,
+    /// Correction, relative to the size of the model (and to one radian), below which round-off
+    /// is all that is left: a second way to have converged.
+    pub correction: f64,
+    /// Linear solutions per step at most.
+    pub max_iterations: usize,
+    /// A step that needs a smaller damping factor has failed.
+    pub smallest_damping: f64,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            relative: 1e-9,
+            absolute: 1e-12,
+            correction: 1e-9,
+            max_iterations: 20,
+            smallest_damping: 1.0 / 16.0,
+        }
+    }
+}
+
+/// One Newton iteration of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iteration {
+    /// Largest residual per kind of coordinate: force, moment, other.
+    pub residual: [f64; 3],
+    /// The worst of them over what the convergence test allows.
+    pub ratio: f64,
+    /// Largest entry of the correction, relative to the scale of its coordinate.
+    pub correction: f64,
+    /// Part of the correction that was made.
+    pub damping: f64,
+}
+
+/// A converged step, as an observer sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// Number of the step, from 1; located events repeat the number of the step they lie in.
+    pub number: usize,
+    /// Load parameter.
+    pub t: f64,
+    /// Step in the load parameter, or along the path.
+    pub step_size: f64,
+    /// Coordinates in the charts of this step.
+    pub q: &'a [f64],
+    /// Linear solutions of this step, predictor included.
+    pub iterations: usize,
+    /// History of the iterations; the last entry is the converged state.
+    pub residuals: &'a [Iteration],
+    /// Charts changed at the beginning of the step.
+    pub chart_changes: usize,
+    /// Index of the event located here, if it is one.
+    pub event: Option<usize>,
+}

@@ -1,0 +1,272 @@
+//! Newton's method for equilibrium, at a fixed load or together with a condition on the load.
+//!
+//! ```text
+//! K δq = r + r_λ δλ,        c·δq + c_λ δλ = ds − c·(q − q₀) − c_λ (λ − λ₀)
+//! ```
+//!
+//! Both right-hand sides share one factorisation, so a step along a path costs one more solution
+//! than a step at a fixed load and passes limit points, where K alone is singular.
+//!
+//! A trial is damped when neither the residual nor the simplified correction K⁻¹r of the new
+//! point is smaller (natural monotonicity test; Deuflhard 2004, Newton Methods for Nonlinear
+//! Problems, section 3.3). Residuals alone would be a bad judge: a slender beam's first large
+//! correction bends it without its axis following, and the axial residual explodes on the way to
+//! quadratic convergence.
+
+#![allow(non_snake_case)]
+
+use super::{Iteration, NewtonOptions};
+use crate::linear_solver::{LinearError, LinearSolver};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
+
+/// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
+pub(super) struct Condition<'a> {
+    pub c: &'a [f64],
+    pub c_lambda: f64,
+    pub q0: &'a [f64],
+    pub lambda0: f64,
+    pub ds: f64,
+}
+
+impl Condition<'_> {
+    fn defect(&self, q: &[f64], lambda: f64) -> f64 {
+        let along: f64 = (self.c.iter().zip(q).zip(self.q0))
+            .map(|((c, q), q0)| c * (q - q0))
+            .sum();
+        self.ds - along - self.c_lambda * (lambda - self.lambda0)
+    }
+}
+
+/// Why an iteration did not converge.
+#[derive(Debug)]
+pub(super) enum Failure {
+    System(SystemError),
+    Linear(LinearError),
+    /// No damping made the correction smaller.
+    Diverged,
+    TooManyIterations,
+}
+
+/// Buffers and history of an iteration, made once per analysis.
+#[derive(Default)]
+pub(super) struct Newton {
+    pub r: Vec<f64>,
+    pub S: Vec<f64>,
+    pub r_lambda: Vec<f64>,
+    /// δq at a fixed load, then the whole correction.
+    pub dq: Vec<f64>,
+    /// dq/dλ at a fixed state of the factorisation.
+    pub q_lambda: Vec<f64>,
+    trial: Vec<f64>,
+    simplified: Vec<f64>,
+    /// 1 / typical size of each coordinate.
+    pub inverse_scale: Vec<f64>,
+    pub history: Vec<Iteration>,
+    pub evaluations: usize,
+    pub factorisations: usize,
+}
+
+impl Newton {
+    pub(super) fn new<Y: System + ?Sized>(system: &Y, options: &NewtonOptions) -> Self {
+        let n = system.pattern().dim();
+        let zeros = || vec![0.0; n];
+        let scales = system.scales();
+        Self {
+            r: zeros(),
+            S: vec![0.0; system.pattern().len()],
+            r_lambda: zeros(),
+            dq: zeros(),
+            q_lambda: zeros(),
+            trial: zeros(),
+            simplified: zeros(),
+            inverse_scale: (0..n)
+                .map(|i| 1.0 / scales.coordinate[system.kind(i).index()])
+                .collect(),
+            history: Vec::with_capacity(options.max_iterations + 1),
+            evaluations: 0,
+            factorisations: 0,
+        }
+    }
+
+    /// Largest entry of a coordinate-like vector in units of the coordinates' scales.
+    pub(super) fn size(&self, v: &[f64]) -> f64 {
+        (v.iter().zip(&self.inverse_scale)).fold(0.0, |m: f64, (v, s)| {
+            let x = (v * s).abs();
+            if x > m || x.is_nan() { x } else { m }
+        })
+    }
+
+    /// Residual, tangent and ∂r/∂λ; the tangent may extrapolate from a previous iterate.
+    pub(super) fn evaluate<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        previous: Option<(f64, &[f64])>,
+        q: &[f64],
+        lambda: f64,
+    ) -> Result<(), SystemError> {
+        self.evaluations += 1;
+        let rest = |t, q| Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        let out = Evaluation {
+            r: &mut self.r,
+            S: Some((Weights::STATIC, &mut self.S)),
+            r_t: Some(&mut self.r_lambda),
+        };
+        match previous {
+            None => system.evaluate(rest(lambda, q), out),
+            Some((t, from)) => system.evaluate_from(rest(t, from), rest(lambda, q), out),
+        }
+    }
+
+    pub(super) fn factorise(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {
+        self.factorisations += 1;
+        solver.factorise(&self.S).map_err(Failure::Linear)
+    }
+
+    /// dq/dλ = K⁻¹ r_λ with the present factorisation.
+    pub(super) fn solve_rate(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {
+        self.q_lambda.copy_from_slice(&self.r_lambda);
+        solver.solve(&mut self.q_lambda).map_err(Failure::Linear)
+    }
+
+    /// Residual per kind, and whether it satisfies the test.
+    fn test<Y: System + ?Sized>(&self, system: &Y, options: &NewtonOptions) -> ([f64; 3], f64) {
+        let mut largest = [0.0_f64; 3];
+        for (i, r) in self.r.iter().enumerate() {
+            let k = system.kind(i).index();
+            largest[k] = largest[k].max(r.abs());
+        }
+        let scales = system.scales();
+        let ratio = (0..3)
+            .map(|k| {
+                let allowed = (options.relative * scales.force[k]).max(options.absolute);
+                largest[k] / allowed
+            })
+            .fold(0.0, f64::max);
+        (largest, ratio)
+    }
+
+    /// Iterates (q, λ) from where they are; a first linear correction has been made already when
+    /// `history` is not empty, from the state `previous`. On success the tangent and r_λ at the solution are up to date.
+    pub(super) fn correct<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        q: &mut [f64],
+        lambda: &mut f64,
+        condition: Option<&Condition<'_>>,
+        previous: Option<(f64, &[f64])>,
+        options: &NewtonOptions,
+    ) -> Result<(), Failure> {
+        self.evaluate(system, previous, q, *lambda)
+            .map_err(Failure::System)?;
+        loop {
+            let (residual, ratio) = self.test(system, options);
+            let small_correction = self
+                .history
+                .last()
+                .is_some_and(|last| last.correction * last.damping <= options.correction);
+            let on_condition = condition
+                .is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
+            let stop = on_condition && (ratio <= 1.0 || (small_correction && ratio <= 1e6));
+            if stop || self.history.len() > options.max_iterations {
+                self.history.push(Iteration {
+                    residual,
+                    ratio,
+                    correction: 0.0,
+                    damping: 0.0,
+                });
+                return if stop {
+                    Ok(())
+                } else {
+                    Err(Failure::TooManyIterations)
+                };
+            }
+            self.factorise(solver)?;
+            self.dq.copy_from_slice(&self.r);
+            solver.solve(&mut self.dq).map_err(Failure::Linear)?;
+            let mut d_lambda = 0.0;
+            if let Some(c) = condition {
+                self.solve_rate(solver)?;
+                let dot = |v: &[f64]| -> f64 { c.c.iter().zip(v).map(|(c, v)| c * v).sum() };
+                let slope = dot(&self.q_lambda) + c.c_lambda;
+                d_lambda = (c.defect(q, *lambda) - dot(&self.dq)) / slope;
+                if !d_lambda.is_finite() {
+                    return Err(Failure::Diverged);
+                }
+                for (dq, rate) in self.dq.iter_mut().zip(&self.q_lambda) {
+                    *dq += d_lambda * rate;
+                }
+            }
+            let damping = self.damped_step(system, solver, q, lambda, d_lambda, ratio, options)?;
+            self.history.push(Iteration {
+                residual,
+                ratio,
+                correction: self.size(&self.dq),
+                damping,
+            });
+        }
+    }
+
+    /// Goes along `dq` as far as the natural monotonicity test allows; leaves q, λ and the
+    /// evaluation at the new point.
+    #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
+    fn damped_step<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        q: &mut [f64],
+        lambda: &mut f64,
+        d_lambda: f64,
+        ratio: f64,
+        options: &NewtonOptions,
+    ) -> Result<f64, Failure> {
+        let full = self.size(&self.dq);
+        if !full.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        let mut damping = 1.0;
+        let mut last = None;
+        while damping >= options.smallest_damping {
+            self.trial.copy_from_slice(q);
+            for (x, d) in self.trial.iter_mut().zip(&self.dq) {
+                *x += damping * d;
+            }
+            let trial = std::mem::take(&mut self.trial);
+            let outcome = self.evaluate(
+                system,
+                Some((*lambda, &*q)),
+                &trial,
+                *lambda + damping * d_lambda,
+            );
+            self.trial = trial;
+            let accepted = match outcome {
+                Err(error) => {
+                    last = Some(error);
+                    false
+                }
+                Ok(()) => {
+                    last = None;
+                    self.test(system, options).1 <= ratio || {
+                        self.simplified.copy_from_slice(&self.r);
+                        solver
+                            .solve(&mut self.simplified)
+                            .map_err(Failure::Linear)?;
+                        self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full
+                    }
+                }
+            };
+            if accepted {
+                q.copy_from_slice(&self.trial);
+                *lambda += damping * d_lambda;
+                return Ok(damping);
+            }
+            damping *= 0.5;
+        }
+        Err(last.map_or(Failure::Diverged, Failure::System))
+    }
+}

@@ -1,0 +1,222 @@
+//! The jets against the num-dual crate: one function, two implementations of differentiation.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{SMatrix, SVector};
+use num_dual::{Derivative, Dual2, Dual2SVec64, Dual3, DualNum, DualSVec64};
+use num_traits::{One, Zero};
+use pullback_manifold::jet::{Grad, Hess, Taylor};
+use pullback_manifold::map::Map;
+use pullback_manifold::scalar::Scalar;
+
+const D: usize = 4;
+const N: usize = 3;
+/// Both evaluate the same few dozen operations; the sums differ in their order only.
+const EXACT: f64 = 1e-13;
+
+/// Every elementary function once, nested, with quotients, powers and constants on both sides.
+///
+/// A macro because the two crates have no common trait.
+macro_rules! phi {
+    ($t:expr, $q:expr) => {{
+        let (t, q) = ($t, $q);
+        let a = (q[0] * q[1] + 1.5).sin() / (q[2] * q[2] + 0.5).sqrt();
+        let b = (q[3] - q[0] * 0.3).exp() * (q[1].cos() + 2.0).ln();
+        let c = (q[2] * t).tan() - (q[3] * q[0]).atan() * 2.0;
+        let d = (a * b - c).powi(3) + (b + 0.7).recip();
+        [
+            a * c + d / 3.0,
+            (a * a + b * b + 0.1).sqrt() - q[1].powi(2) * t,
+            d.atan2(b + 1.0) + q[1].powi(-1),
+        ]
+    }};
+}
+
+struct Phi;
+
+impl Map<D, N> for Phi {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
+        SVector::from(phi!(t, q))
+    }
+}
+
+const Q: [f64; D] = [0.4, 0.9, -0.6, 0.3];
+const V: [f64; D] = [1.1, -0.7, 0.2, 0.5];
+const A: [f64; D] = [-0.3, 0.8, 1.4, -0.9];
+const F: [f64; N] = [0.7, -1.2, 0.4];
+const T: f64 = 0.8;
+
+#[track_caller]
+fn close(name: &str, found: f64, expected: f64) {
+    let error = (found - expected).abs() / (1.0 + expected.abs());
+    assert!(error < EXACT, "{name}: {found} for {expected}: {error:e}");
+}
+
+/// A constant with an all-zero gradient (num-dual leaves it empty otherwise).
+fn variable(value: f64, i: usize) -> DualSVec64<D> {
+    DualSVec64::new(
+        value,
+        Derivative::some(SVector::from_fn(|k, _| f64::from(u8::from(k == i)))),
+    )
+}
+
+fn gradient(x: &DualSVec64<D>) -> SVector<f64, D> {
+    x.eps.unwrap_generic(nalgebra::Const::<D>, nalgebra::U1)
+}
+
+#[test]
+fn kinematics_are_those_of_num_dual() {
+    type Jet = Dual2<DualSVec64<D>>;
+    let time = Jet::new(
+        DualSVec64::from_re(T),
+        DualSVec64::from_re(1.0),
+        DualSVec64::from_re(0.0),
+    );
+    let q: [Jet; D] = std::array::from_fn(|i| {
+        Jet::new(
+            variable(Q[i], i),
+            DualSVec64::from_re(V[i]),
+            DualSVec64::from_re(A[i]),
+        )
+    });
+    let x = phi!(time, q);
+    let k = Phi.kinematics(T, &Q.into(), &V.into(), &A.into());
+    for (i, x) in x.iter().enumerate() {
+        close("x", k.x[i], x.re.re);
+        close("x_dot", k.x_dot[i], x.v1.re);
+        close("x_ddot", k.x_ddot[i], x.v2.re);
+        let (B, B_dot, B_ddot) = (gradient(&x.re), gradient(&x.v1), gradient(&x.v2));
+        for j in 0..D {
+            close("B", k.B[(i, j)], B[j]);
+            close("B_dot", k.B_dot[(i, j)], B_dot[j]);
+            close("B_ddot", k.B_ddot[(i, j)], B_ddot[j]);
+        }
+    }
+}
+
+#[test]
+fn hessians_are_those_of_num_dual() {
+    let q: [Dual2SVec64<D>; D] = std::array::from_fn(|i| Dual2SVec64::from_re(Q[i]).derivative(i));
+    let x = phi!(Dual2SVec64::from_re(T), q);
+    let energy = x[0] * F[0] + x[1] * F[1] + x[2] * F[2];
+    let expected: SMatrix<f64, D, D> = energy
+        .v2
+        .unwrap_generic(nalgebra::Const::<D>, nalgebra::Const::<D>);
+    let K = Phi.geometric_stiffness(T, &Q.into(), &F.into());
+    for (found, expected) in K.iter().zip(expected.iter()) {
+        close("K_sigma", *found, *expected);
+    }
+}
+
+#[test]
+fn value_gradient_and_time_jets_are_those_of_num_dual() {
+    let q = Q.map(f64::constant);
+    let plain = phi!(T, q);
+    let tangent = Phi.tangent(T, &Q.into());
+    let dual: [DualSVec64<D>; D] = std::array::from_fn(|i| variable(Q[i], i));
+    let dual = phi!(DualSVec64::from_re(T), dual);
+    let taylor: [Taylor<f64>; D] = std::array::from_fn(|i| Taylor {
+        v: Q[i],
+        d: V[i],
+        dd: A[i],
+    });
+    let taylor = phi!(Taylor { v: T, d: 1.0, dd: 0.0 }, taylor);
+    let second: [Dual2<f64>; D] = std::array::from_fn(|i| Dual2::new(Q[i], V[i], A[i]));
+    let second = phi!(Dual2::new(T, 1.0, 0.0), second);
+    for i in 0..N {
+        close("phi", plain[i], dual[i].re);
+        close("x", tangent.x[i], dual[i].re);
+        let B = gradient(&dual[i]);
+        for j in 0..D {
+            close("B", tangent.B[(i, j)], B[j]);
+        }
+        close("v", taylor[i].v, second[i].re);
+        close("d", taylor[i].d, second[i].v1);
+        close("dd", taylor[i].dd, second[i].v2);
+    }
+}
+
+#[test]
+fn third_derivatives_are_those_of_num_dual() {
+    // Grad of Grad of Grad along one variable is the third derivative.
+    type G<S> = Grad<S, 1>;
+    let x0 = 0.35;
+    let one = G::<f64>::variable(x0, 0);
+    let two = G::<G<f64>>::variable(one, 0);
+    let three = G::<G<G<f64>>>::variable(two, 0);
+    let fixed = |x: f64| G::<G<G<f64>>>::constant(x);
+    let found = phi!(fixed(T), [three, fixed(0.9), three * three, fixed(0.3) - three]);
+    let x = Dual3::from_re(x0).derivative();
+    let c = Dual3::from_re;
+    let expected = phi!(c(T), [x, c(0.9), x * x, c(0.3) - x]);
+    for i in 0..N {
+        close("f'''", found[i].g[0].g[0].g[0], expected[i].v3);
+        close("f''", found[i].v.g[0].g[0], expected[i].v2);
+    }
+}
+
+/// Ring operations that φ above does not use, against the product and chain rules on values.
+fn operators<S: Scalar>(x: S, y: S) -> [S; 6] {
+    let mut z = x;
+    z += y;
+    z -= x * 2.0;
+    z *= x - 1.0;
+    [
+        z,
+        -x / y,
+        S::zero() + x * S::one(),
+        x.compose([x.re().sin(), x.re().cos(), -x.re().sin(), -x.re().cos()]) - x.sin() + y,
+        y.atan2(x) - (y / x).atan(),
+        S::constant(2.0) * x - x / 0.5 + y,
+    ]
+}
+
+#[test]
+fn operators_obey_their_definitions() {
+    let (x, y) = (0.8, 1.3);
+    let q = [Hess::<2>::variable(x, 0), Hess::<2>::variable(y, 1)];
+    let h = operators(q[0], q[1]);
+    let g = operators(Grad::<f64, 2>::variable(x, 0), Grad::<f64, 2>::variable(y, 1));
+    let f = operators(x, y);
+    // By hand: values, gradients, Hessians (xx, yx, yy).
+    let expected = [
+        ((y - x) * (x - 1.0), [y - 2.0 * x + 1.0, x - 1.0], [-2.0, 1.0, 0.0]),
+        (-x / y, [-1.0 / y, x / (y * y)], [0.0, 1.0 / (y * y), -2.0 * x / (y * y * y)]),
+        (x, [1.0, 0.0], [0.0; 3]),
+        (y, [0.0, 1.0], [0.0; 3]),
+        (0.0, [0.0, 0.0], [0.0; 3]),
+        (y, [0.0, 1.0], [0.0; 3]),
+    ];
+    for (i, (value, gradient, hessian)) in expected.into_iter().enumerate() {
+        close("f64", f[i], value);
+        close("Hess value", h[i].v, value);
+        close("Grad value", g[i].v, value);
+        for j in 0..2 {
+            close("Grad", g[i].g[j], gradient[j]);
+            close("Hess gradient", h[i].g[j], gradient[j]);
+        }
+        close("h xx", h[i].h[0][0], hessian[0]);
+        close("h yx", h[i].h[1][0], hessian[1]);
+        close("h yy", h[i].h[1][1], hessian[2]);
+    }
+    assert!(Hess::<2>::zero().is_zero() && !Hess::<2>::one().is_zero());
+}
+
+#[test]
+fn angles_and_powers_at_their_special_points() {
+    // atan2 in every quadrant, at the axes, and its derivatives −s/r², c/r².
+    for angle in [0.0, 0.5, 1.6, 3.1, -3.1, -1.6, -0.5, std::f64::consts::FRAC_PI_2] {
+        let (s, c) = f64::sin_cos(angle);
+        let (y, x) = (Grad::<f64, 2>::variable(2.0 * s, 0), Grad::variable(2.0 * c, 1));
+        let found = y.atan2(x);
+        close("atan2", found.v, angle);
+        close("d atan2/dy", found.g[0], 0.5 * c);
+        close("d atan2/dx", found.g[1], -0.5 * s);
+    }
+    // Powers at zero: no 0·∞ from derivatives that vanish.
+    let zero = Taylor { v: 0.0, d: 1.0, dd: 0.0 };
+    for (n, expected) in [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 2.0])] {
+        let p = zero.powi(n);
+        assert_eq!([p.v, p.d, p.dd], expected, "x^{n}");
+    }
+}
