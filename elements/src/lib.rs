@@ -1,6 +1,7 @@
 //! Elements, loads and models of flexible multibody systems on top of `pullback-manifold`.
 
 pub mod beam;
+pub mod check;
 pub mod element;
 pub mod load;
 pub mod model;

@@ -34,7 +34,8 @@ pub struct Slot<'a> {
     pub B_dot: &'a [f64],
     /// B̈ (n×d), empty where M is absent.
     pub B_ddot: &'a [f64],
-    /// K_σ(r) of the slot's own residual (d×d), empty when no tangent is asked for.
+    /// K_σ(r) of the slot's own residual (d×d); empty when no tangent is asked for, or when it is
+    /// added elsewhere.
     pub K_sigma: &'a [f64],
 }
 
@@ -104,9 +105,9 @@ pub fn tangent(
             }
             let out = &mut S_mr[(q_j + column) * d..(q_j + column + 1) * d];
             residual(slots, work, out);
-            if sj.B.is_some() {
+            if let (Some(_), Some(K_sigma)) = (sj.B, sj.K_sigma.get(column * sj.d..)) {
                 let own = &mut out[q_j..q_j + sj.d];
-                for (s, k) in own.iter_mut().zip(&sj.K_sigma[column * sj.d..]) {
+                for (s, k) in own.iter_mut().zip(K_sigma) {
                     *s -= weights.K * k;
                 }
             }

@@ -85,6 +85,15 @@ impl<'a> Evaluation<'a> {
     }
 }
 
+/// What [`System::change_charts`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChartChanges {
+    /// Number of charts of coordinates that changed.
+    pub charts: usize,
+    /// Whether residuals may have changed too, by as much as the discretisation depends on charts.
+    pub residual: bool,
+}
+
 /// What a coordinate measures; its conjugate residual is then a force, a moment, or neither.
 /// Convergence tests and norms keep the kinds apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -186,16 +195,16 @@ pub trait System {
     /// Changes charts where that is due, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of
-    /// acceleration-like vectors (ä ↦ B a + Ḃ v) in place, and returns how many charts changed.
+    /// acceleration-like vectors (ä ↦ B a + Ḃ v) in place.
     fn change_charts(
         &mut self,
         t: f64,
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
-    ) -> usize {
+    ) -> ChartChanges {
         let _ = (t, q, v, accelerations);
-        0
+        ChartChanges::default()
     }
 
     /// Whether the tangents are symmetric (conservative loads).

@@ -24,8 +24,8 @@ pub enum BeamError {
     Nodes(usize),
     /// The given orientation is not a rotation, or not one along the beam.
     #[error(
-        "the section's orientation is not usable: E1 must be within 60 degrees of the tangent \
-         {tangent:?}, got {first:?}"
+        "the section's orientation is not usable: it must be a rotation whose E1 is within 60 \
+         degrees of the tangent {tangent:?}, got E1 = {first:?}"
     )]
     Orientation {
         /// Tangent of the reference line.
@@ -93,6 +93,13 @@ impl<const NN: usize> Beam<NN> {
         section: &Section,
     ) -> Result<Self, BeamError> {
         let size = places.iter().fold(0.0_f64, |s, p| s.max(p.amax()));
+        // The length at an integration point does not tell whether nodes coincide.
+        for (i, a) in places.iter().enumerate() {
+            let gap = |b: &Vector3<f64>| (a - b).norm();
+            if let Some(b) = places[..i].iter().find(|b| gap(b) <= 1e-12 * size) {
+                return Err(BeamError::ZeroLength { at: (*b).into() });
+            }
+        }
         let points = gauss(NN - 1)
             .into_iter()
             .map(|(xi, weight)| {
@@ -109,7 +116,9 @@ impl<const NN: usize> Beam<NN> {
                 let given = frame(xi);
                 let first: Vector3<f64> = given.column(0).into_owned();
                 let aligned = first.dot(&X_prime);
-                if aligned.is_nan() || aligned < 0.5 {
+                let skewed = (given.tr_mul(&given) - Matrix3::identity()).amax();
+                let rotation = skewed <= 1e-9 && given.determinant() > 0.0;
+                if !rotation || aligned < 0.5 {
                     return Err(BeamError::Orientation {
                         tangent: X_prime.into(),
                         first: first.into(),

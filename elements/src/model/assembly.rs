@@ -9,7 +9,7 @@ use pullback_manifold::map::KinematicsMut;
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    Evaluation, Kind, Point, Scales, System, SystemError, Weights,
+    ChartChanges, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
 };
 
 /// Most nodes one element may have.
@@ -629,7 +629,7 @@ impl System for Model {
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
-    ) -> usize {
+    ) -> ChartChanges {
         self.update_charts(t, q, v, accelerations)
     }
 

@@ -4,6 +4,7 @@ use super::Model;
 use super::builder::FRAME;
 use super::slots::Complement;
 use nalgebra::Vector3;
+use pullback_manifold::system::ChartChanges;
 use pullback_manifold::so3;
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +20,7 @@ impl Model {
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
-    ) -> usize {
+    ) -> ChartChanges {
         let mut changed = self.fold_driven_rotations(t);
         for node in 0..self.nodes.len() {
             let Some(unknowns) = self.free_rotation(node, t) else {
@@ -67,8 +68,10 @@ impl Model {
                 put(v, &first);
             }
         }
-        self.choose_element_charts(t, q);
-        changed
+        ChartChanges {
+            charts: changed,
+            residual: self.choose_element_charts(t, q),
+        }
     }
 
     /// The unknowns of a frame's rotation if its chart can be changed: the node is no joint's
@@ -117,8 +120,9 @@ impl Model {
 
     /// Each element evaluates its nodes in one common chart: the one in which the largest
     /// rotation angle is smallest. Nodes that are stored in the other chart go through the
-    /// complement map. The choice does not depend on how the nodes are stored.
-    pub(super) fn choose_element_charts(&mut self, t: f64, q: &[f64]) {
+    /// complement map. The choice does not depend on how the nodes are stored. Returns whether
+    /// any element changed.
+    pub(super) fn choose_element_charts(&mut self, t: f64, q: &[f64]) -> bool {
         let at = pullback_manifold::system::Point {
             t,
             q,
@@ -126,8 +130,9 @@ impl Model {
             a: &[],
         };
         if self.expand(at).is_err() {
-            return;
+            return false;
         }
+        let mut changed = false;
         let x = &self.work.x;
         for e in &mut self.elements {
             let rotations = e
@@ -158,19 +163,21 @@ impl Model {
                     as_other = as_other.max(TAU - angle);
                 }
             }
-            if count < 2 {
-                // A single node has no neighbour to agree with.
-                e.switched = 0;
-                continue;
-            }
             let other = all & !opposite;
-            e.switched = if e.switched == other && as_other <= as_first + HYSTERESIS {
-                other
-            } else if as_other < as_first - HYSTERESIS {
-                other
+            let better = if e.switched == other {
+                as_other <= as_first + HYSTERESIS
             } else {
-                opposite
+                as_other < as_first - HYSTERESIS
             };
+            // A single node has no neighbour to agree with.
+            let switched = match (count >= 2, better) {
+                (false, _) => 0,
+                (true, true) => other,
+                (true, false) => opposite,
+            };
+            changed |= switched != e.switched;
+            e.switched = switched;
         }
+        changed
     }
 }

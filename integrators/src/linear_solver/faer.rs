@@ -5,7 +5,7 @@
 //! component of the answer bounds the condition number from below, and where it is beyond working
 //! precision the answer is a mechanism, whose largest component is named.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
 use faer::sparse::linalg::cholesky::{
@@ -15,204 +15,28 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::linalg::lu::{
     LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
-use super::{
-    LinearError, LinearSolver, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, Symmetry, check_length,
-    first_non_finite, max_abs, rounding_level, scaling,
-};
+use super::columns::Columns;
+use super::{LinearError, LinearSolver, Symmetry, max_abs};
 
-/// What is added to the diagonal of a scaled matrix whose factors are not finite, only to learn
-/// the direction of its mechanism.
-const SHIFT: f64 = 1e-9;
-
-/// The scaled matrix column by column, and the work vectors of the checks.
-struct Columns {
-    pattern: BlockPattern,
-    structure: SymbolicSparseColMat<usize>,
-    values: Vec<f64>,
-    scales: Vec<f64>,
-    norm: f64,
-    rhs: Vec<f64>,
-    x: Vec<f64>,
-    residual: Vec<f64>,
+/// What `analyse` allocates.
+struct Ready<S> {
+    columns: Columns,
+    symbolic: S,
     memory: MemBuffer,
-    finished: bool,
+}
+
+fn structure(columns: &Columns) -> SymbolicSparseColMatRef<'_, usize> {
+    let n = columns.scales.len();
+    SymbolicSparseColMatRef::new_checked(n, n, &columns.starts, None, &columns.rows)
 }
 
 fn library(reason: impl std::fmt::Debug) -> LinearError {
     LinearError::Library {
         reason: format!("{reason:?}"),
-    }
-}
-
-impl Columns {
-    fn new(pattern: &BlockPattern) -> Result<Self, LinearError> {
-        let n = pattern.dim();
-        let mut starts = Vec::with_capacity(n + 1);
-        let mut rows = Vec::with_capacity(pattern.len());
-        starts.push(0);
-        for j in 0..pattern.blocks() {
-            for _ in pattern.unknowns(j) {
-                rows.extend(pattern.column(j).flat_map(|(i, _)| pattern.unknowns(i)));
-                starts.push(rows.len());
-            }
-        }
-        Ok(Self {
-            pattern: pattern.clone(),
-            structure: SymbolicSparseColMat::new_checked(n, n, starts, None, rows),
-            values: vec![0.0; pattern.len()],
-            scales: vec![1.0; n],
-            norm: 0.0,
-            rhs: vec![0.0; n],
-            x: vec![0.0; n],
-            residual: vec![0.0; n],
-            memory: MemBuffer::try_new(StackReq::EMPTY).map_err(library)?,
-            finished: false,
-        })
-    }
-
-    fn load(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        check_length("matrix", self.pattern.len(), values.len())?;
-        self.finished = false;
-        let pattern = &self.pattern;
-        scaling::scales(pattern, values, &mut self.scales, &mut self.x)?;
-        self.norm = scaling::norm(pattern, values, &self.scales);
-        let mut place = 0;
-        for j in 0..pattern.blocks() {
-            for (c, unknown) in pattern.unknowns(j).enumerate() {
-                for (i, range) in pattern.column(j) {
-                    let height = pattern.size(i);
-                    let column = &values[range][c * height..(c + 1) * height];
-                    for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                        self.values[place] = value * self.scales[r] * self.scales[unknown];
-                        place += 1;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn shift_diagonal(&mut self) {
-        let (starts, rows) = (self.structure.col_ptr(), self.structure.row_idx());
-        for c in 0..self.scales.len() {
-            for k in starts[c]..starts[c + 1] {
-                if rows[k] == c {
-                    self.values[k] += SHIFT;
-                }
-            }
-        }
-    }
-
-    /// A fixed right-hand side without structure: magnitudes between 1/2 and 1, mixed signs.
-    fn probe(&mut self) {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        for x in &mut self.x {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            let magnitude = 0.5 + (state >> 12) as f64 / (1u64 << 53) as f64;
-            *x = if state & 1 == 0 {
-                magnitude
-            } else {
-                -magnitude
-            };
-        }
-    }
-
-    /// Condition number that the answer to the probe, now in `x`, witnesses.
-    fn witnessed_condition(&self) -> f64 {
-        self.norm * max_abs(&self.x)
-    }
-
-    fn condition_limit(&self) -> f64 {
-        1.0 / rounding_level(self.pattern.blocks())
-    }
-
-    fn singular(&self, condition: f64) -> LinearError {
-        let mut unknown = 0;
-        for (i, x) in self.x.iter().enumerate() {
-            // Written so that NaN counts as largest.
-            if !(x.abs() <= self.x[unknown].abs()) {
-                unknown = i;
-                if x.is_nan() {
-                    break;
-                }
-            }
-        }
-        LinearError::Singular {
-            unknown,
-            condition,
-            limit: self.condition_limit(),
-        }
-    }
-
-    /// Solves with `inverse` and checks; `inverse` works on the scaled system.
-    fn solve(
-        &mut self,
-        b: &mut [f64],
-        mut inverse: impl FnMut(&mut [f64], &mut MemStack),
-    ) -> Result<(), LinearError> {
-        check_length("right-hand side", self.scales.len(), b.len())?;
-        if !self.finished {
-            return Err(LinearError::NotReady { asked: "solve" });
-        }
-        if let Some(unknown) = first_non_finite(b) {
-            return Err(LinearError::NonFinite {
-                what: "right-hand side",
-                unknown,
-            });
-        }
-        for ((y, b), s) in self.rhs.iter_mut().zip(&*b).zip(&self.scales) {
-            *y = b * s;
-        }
-        self.x.copy_from_slice(&self.rhs);
-        inverse(&mut self.x, MemStack::new(&mut self.memory));
-        let mut best = f64::INFINITY;
-        for refinement in 0..=REFINEMENTS {
-            let relative = self.relative_residual()?;
-            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
-                if !(relative <= RESIDUAL_LIMIT) {
-                    return Err(LinearError::Residual {
-                        residual: relative,
-                        limit: RESIDUAL_LIMIT,
-                    });
-                }
-                break;
-            }
-            best = relative;
-            inverse(&mut self.residual, MemStack::new(&mut self.memory));
-            for (x, r) in self.x.iter_mut().zip(&self.residual) {
-                *x += r;
-            }
-        }
-        for ((b, x), s) in b.iter_mut().zip(&self.x).zip(&self.scales) {
-            *b = x * s;
-        }
-        Ok(())
-    }
-
-    fn relative_residual(&mut self) -> Result<f64, LinearError> {
-        let (starts, rows) = (self.structure.col_ptr(), self.structure.row_idx());
-        self.residual.copy_from_slice(&self.rhs);
-        for (c, x) in self.x.iter().enumerate() {
-            let range = starts[c]..starts[c + 1];
-            for (&r, a) in rows[range.clone()].iter().zip(&self.values[range]) {
-                self.residual[r] -= a * x;
-            }
-        }
-        let r = max_abs(&self.residual);
-        let size = self.norm * max_abs(&self.x) + max_abs(&self.rhs);
-        if r <= f64::MAX && size <= f64::MAX {
-            return Ok(if r == 0.0 { 0.0 } else { r / size });
-        }
-        Err(LinearError::NonFinite {
-            what: "solution",
-            unknown: first_non_finite(&self.x).unwrap_or(0),
-        })
     }
 }
 
@@ -224,7 +48,7 @@ fn column(x: &mut [f64]) -> MatMut<'_, f64> {
 /// Sparse LU with row interchanges (faer), for matrices of any kind.
 #[derive(Default)]
 pub struct FaerLu {
-    ready: Option<(Columns, SymbolicLu<usize>)>,
+    ready: Option<Ready<SymbolicLu<usize>>>,
     numeric: NumericLu<usize, f64>,
 }
 
@@ -237,30 +61,39 @@ impl FaerLu {
     /// Size of one component of the mechanism that the last, failed factorisation found, relative
     /// to the largest.
     pub(super) fn mobility(&self, unknown: usize) -> f64 {
-        self.ready.as_ref().map_or(0.0, |(columns, _)| {
-            columns.x[unknown].abs() / max_abs(&columns.x)
+        self.ready.as_ref().map_or(0.0, |ready| {
+            ready.columns.x[unknown].abs() / max_abs(&ready.columns.x)
         })
     }
 
-    /// Factorises `A` plus a shift of [`SHIFT`] of the scaled matrix, without any check.
+    /// Factorises `A` with a small shift of the scaled diagonal, without any check.
     pub(super) fn factorise_shifted(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some((columns, symbolic)) = &mut self.ready else {
+        let Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        }) = &mut self.ready
+        else {
             return Err(LinearError::NotReady { asked: "factorise" });
         };
         columns.load(values)?;
         columns.shift_diagonal();
-        columns.finished = lu(columns, symbolic, &mut self.numeric)?;
+        columns.finished = lu(columns, memory, symbolic, &mut self.numeric)?;
         Ok(())
     }
 
     /// Solution without residual check: what an inverse iteration wants.
     pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
-            Some((columns, symbolic)) if columns.finished => {
+            Some(Ready {
+                columns,
+                symbolic,
+                memory,
+            }) if columns.finished => {
                 for (b, s) in b.iter_mut().zip(&columns.scales) {
                     *b *= s;
                 }
-                let stack = MemStack::new(&mut columns.memory);
+                let stack = MemStack::new(memory);
                 lu_solve(symbolic, &self.numeric, b, stack);
                 for (b, s) in b.iter_mut().zip(&columns.scales) {
                     *b *= s;
@@ -274,13 +107,14 @@ impl FaerLu {
 
 /// One numeric LU; false if it found a structurally zero pivot.
 fn lu(
-    columns: &mut Columns,
+    columns: &Columns,
+    memory: &mut MemBuffer,
     symbolic: &SymbolicLu<usize>,
     numeric: &mut NumericLu<usize, f64>,
 ) -> Result<bool, LinearError> {
     use faer::sparse::linalg::LuError;
-    let a = SparseColMatRef::new(columns.structure.as_ref(), &columns.values);
-    let stack = MemStack::new(&mut columns.memory);
+    let a = SparseColMatRef::new(structure(columns), &columns.values);
+    let stack = MemStack::new(memory);
     match symbolic.factorize_numeric_lu(numeric, a, Par::Seq, stack, Default::default()) {
         Ok(_) => Ok(true),
         Err(LuError::SymbolicSingular { .. }) => Ok(false),
@@ -305,27 +139,35 @@ fn lu_solve(
 impl LinearSolver for FaerLu {
     fn analyse(&mut self, pattern: &BlockPattern, _: Symmetry) -> Result<(), LinearError> {
         self.ready = None;
-        let mut columns = Columns::new(pattern)?;
-        let symbolic =
-            factorize_symbolic_lu(columns.structure.as_ref(), LuSymbolicParams::default())
-                .map_err(library)?;
+        let columns = Columns::new(pattern);
+        let symbolic = factorize_symbolic_lu(structure(&columns), LuSymbolicParams::default())
+            .map_err(library)?;
         let scratch = symbolic
             .factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        columns.memory = MemBuffer::try_new(scratch).map_err(library)?;
-        self.ready = Some((columns, symbolic));
+        let memory = MemBuffer::try_new(scratch).map_err(library)?;
+        self.ready = Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        });
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some((columns, symbolic)) = &mut self.ready else {
+        let Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        }) = &mut self.ready
+        else {
             return Err(LinearError::NotReady { asked: "factorise" });
         };
         columns.load(values)?;
         let mut condition = f64::INFINITY;
-        if lu(columns, symbolic, &mut self.numeric)? {
+        if lu(columns, memory, symbolic, &mut self.numeric)? {
             columns.probe();
-            let stack = MemStack::new(&mut columns.memory);
+            let stack = MemStack::new(memory);
             lu_solve(symbolic, &self.numeric, &mut columns.x, stack);
             condition = columns.witnessed_condition();
             if condition <= columns.condition_limit() {
@@ -336,9 +178,9 @@ impl LinearSolver for FaerLu {
         if !condition.is_finite() {
             condition = f64::INFINITY;
             columns.shift_diagonal();
-            if lu(columns, symbolic, &mut self.numeric)? {
+            if lu(columns, memory, symbolic, &mut self.numeric)? {
                 columns.probe();
-                let stack = MemStack::new(&mut columns.memory);
+                let stack = MemStack::new(memory);
                 lu_solve(symbolic, &self.numeric, &mut columns.x, stack);
             }
         }
@@ -346,11 +188,16 @@ impl LinearSolver for FaerLu {
     }
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        let Some((columns, symbolic)) = &mut self.ready else {
+        let Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        }) = &mut self.ready
+        else {
             return Err(LinearError::NotReady { asked: "solve" });
         };
         let numeric = &self.numeric;
-        columns.solve(b, |x, stack| lu_solve(symbolic, numeric, x, stack))
+        columns.solve(b, |x| lu_solve(symbolic, numeric, x, MemStack::new(memory)))
     }
 }
 
@@ -358,7 +205,7 @@ impl LinearSolver for FaerLu {
 /// go to [`FaerLu`].
 #[derive(Default)]
 pub struct FaerCholesky {
-    ready: Option<(Columns, SymbolicCholesky<usize>)>,
+    ready: Option<Ready<SymbolicCholesky<usize>>>,
     factor: Vec<f64>,
     lu: FaerLu,
     /// Factorisations in a row that were not positive definite.
@@ -394,9 +241,9 @@ impl LinearSolver for FaerCholesky {
         self.ready = None;
         self.misses = 0;
         self.lu = FaerLu::new();
-        let mut columns = Columns::new(pattern)?;
+        let columns = Columns::new(pattern);
         let symbolic = factorize_symbolic_cholesky(
-            columns.structure.as_ref(),
+            structure(&columns),
             Side::Lower,
             SymmetricOrdering::Amd,
             CholeskySymbolicParams::default(),
@@ -405,20 +252,29 @@ impl LinearSolver for FaerCholesky {
         let scratch = symbolic
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        columns.memory = MemBuffer::try_new(scratch).map_err(library)?;
+        let memory = MemBuffer::try_new(scratch).map_err(library)?;
         self.factor = vec![0.0; symbolic.len_val()];
-        self.ready = Some((columns, symbolic));
+        self.ready = Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        });
         Ok(())
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let Some((columns, symbolic)) = &mut self.ready else {
+        let Some(Ready {
+            columns,
+            symbolic,
+            memory,
+        }) = &mut self.ready
+        else {
             return Err(LinearError::NotReady { asked: "factorise" });
         };
         if self.misses < MISSES {
             columns.load(values)?;
-            let a = SparseColMatRef::new(columns.structure.as_ref(), &columns.values);
-            let stack = MemStack::new(&mut columns.memory);
+            let a = SparseColMatRef::new(structure(columns), &columns.values);
+            let stack = MemStack::new(memory);
             let result = symbolic.factorize_numeric_llt(
                 &mut self.factor,
                 a,
@@ -431,7 +287,7 @@ impl LinearSolver for FaerCholesky {
             if result.is_ok() {
                 self.misses = 0;
                 columns.probe();
-                let stack = MemStack::new(&mut columns.memory);
+                let stack = MemStack::new(memory);
                 cholesky_solve(symbolic, &self.factor, &mut columns.x, stack);
                 let condition = columns.witnessed_condition();
                 if condition <= columns.condition_limit() {
@@ -454,9 +310,15 @@ impl LinearSolver for FaerCholesky {
         match &mut self.ready {
             None => Err(LinearError::NotReady { asked: "solve" }),
             Some(_) if self.misses > 0 => self.lu.solve(b),
-            Some((columns, symbolic)) => {
+            Some(Ready {
+                columns,
+                symbolic,
+                memory,
+            }) => {
                 let factor = &self.factor;
-                columns.solve(b, |x, stack| cholesky_solve(symbolic, factor, x, stack))
+                columns.solve(b, |x| {
+                    cholesky_solve(symbolic, factor, x, MemStack::new(memory))
+                })
             }
         }
     }

@@ -12,7 +12,7 @@ use super::load_steps::analyse;
 use super::newton::{Condition, Failure, Newton};
 use super::{Iteration, NewtonOptions, Step, Summary};
 use crate::linear_solver::{AutoSolver, LinearSolver};
-use pullback_manifold::system::System;
+use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
 /// Something on the path to be located and reported.
@@ -157,18 +157,37 @@ pub fn trace_path_with<Y: System + ?Sized>(
     out.summary.t = at.lambda;
     let mut ds = options.first_step;
     let mut next = at.clone();
+    let mut fresh = false;
     while out.summary.steps < options.max_steps {
-        let changes = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
-        out.summary.chart_changes += changes;
         newton.history.clear();
-        let mut outcome = tangent(&mut newton, solver, system, &mut at, &norm);
+        let mut outcome = Ok(());
+        let mut changes = 0;
+        if !fresh {
+            let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
+            changes = changed.charts;
+            outcome = tangent(&mut newton, solver, system, &mut at, &norm);
+        }
+        out.summary.chart_changes += changes;
         if outcome.is_ok() {
             outcome = advance(&mut newton, solver, system, &at, ds, &norm, options, &mut next);
+        }
+        let iterations = newton.iterations();
+        let history = newton.history.clone();
+        if outcome.is_ok() {
+            next.dq.copy_from_slice(&at.dq);
+            next.d_lambda = at.d_lambda;
+            outcome = tangent(&mut newton, solver, system, &mut next, &norm);
+        }
+        // A path that turns by more than this within one step may have been left for another.
+        let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
+        if outcome.is_ok() && bend < SHARPEST_BEND {
+            outcome = Err(Failure::Diverged);
         }
         out.summary.evaluations = newton.evaluations;
         out.summary.factorisations = newton.factorisations;
         if let Err(failure) = outcome {
             out.summary.rejected += 1;
+            fresh = false;
             let to = at.lambda + ds * at.d_lambda;
             let failed = FailedStep::new(system, &newton, failure, &out.summary, to);
             ds *= 0.5;
@@ -178,19 +197,12 @@ pub fn trace_path_with<Y: System + ?Sized>(
             }
             continue;
         }
-        let iterations = newton.history.len() - 1;
-        let history = newton.history.clone();
         out.summary.steps += 1;
         out.summary.iterations += iterations;
-        // The tangent at the new place tells how the path bends, and whether the load turned.
-        next.dq.copy_from_slice(&at.dq);
-        next.d_lambda = at.d_lambda;
-        let bend = tangent(&mut newton, solver, system, &mut next, &norm)
-            .map(|()| norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda)))
-            .unwrap_or(1.0);
         let located = locate_events(
             &mut newton, solver, system, &at, &next, ds, &norm, options,
         );
+        let moved = !located.is_empty();
         for (index, s) in located {
             let mut place = at.clone();
             let ok = advance(&mut newton, solver, system, &at, s, &norm, options, &mut place);
@@ -203,7 +215,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
                 t: place.lambda,
                 step_size: s,
                 q: &place.q,
-                iterations: newton.history.len() - 1,
+                iterations: newton.iterations(),
                 residuals: &newton.history,
                 chart_changes: changes,
                 event: Some(index),
@@ -218,10 +230,10 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         std::mem::swap(&mut at, &mut next);
         out.summary.t = at.lambda;
-        // Locating events has moved the system: bring it back for the observer.
-        newton
-            .evaluate(system, None, &at.q, at.lambda)
-            .ok();
+        if moved {
+            // Locating events has moved the system: bring it back.
+            newton.evaluate(system, None, &at.q, at.lambda).ok();
+        }
         let report = Step {
             number: out.summary.steps,
             t: at.lambda,
@@ -233,17 +245,24 @@ pub fn trace_path_with<Y: System + ?Sized>(
             event: None,
         };
         if observer(system, &report).is_break() {
-            q.copy_from_slice(&at.q);
-            return Ok(out);
+            break;
         }
+        // The tangent just found serves the next step, unless charts change.
+        let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
+        out.summary.chart_changes += changed.charts;
+        fresh = changed == ChartChanges::default();
         let ease = (options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
-        // A sharply bending path needs short steps whatever Newton's method says.
-        let straightness = if bend < 0.9 { 0.7 } else { 1.5 };
+        let straightness = if bend < GENTLE_BEND { 0.7 } else { 1.5 };
         ds = (ds * ease.clamp(0.5, straightness)).min(options.max_step);
     }
     q.copy_from_slice(&at.q);
     Ok(out)
 }
+
+/// Cosine between successive tangents below which a step is rejected.
+const SHARPEST_BEND: f64 = 0.6;
+/// Cosine below which the next step is shorter.
+const GENTLE_BEND: f64 = 0.9;
 
 /// Unit tangent at a place, in the sense of the one it has.
 fn tangent<Y: System + ?Sized>(

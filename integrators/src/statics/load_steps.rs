@@ -6,7 +6,7 @@ use super::error::{FailedStep, StaticsError};
 use super::newton::{Failure, Newton};
 use super::{Iteration, NewtonOptions, Step};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
-use pullback_manifold::system::System;
+use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
 /// From which load to which, and in what steps.
@@ -108,29 +108,34 @@ pub fn solve_statics_with<Y: System + ?Sized>(
         ..Summary::default()
     };
     let direction = (options.to - options.from).signum();
-    let mut dt = direction * options.first_step.abs();
+    let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
     let mut start = q.clone();
+    summary.chart_changes = system.change_charts(options.from, q, &mut [], &mut []).charts;
+    let mut fresh = false;
     loop {
         let rest = options.to - summary.t;
         // The last step absorbs a remainder that would be a tiny step of its own.
         let last = rest.abs() <= dt.abs() * (1.0 + 1e-9);
         let t = if last { options.to } else { summary.t + dt };
-        let chart_changes = system.change_charts(summary.t, q, &mut [], &mut []);
         start.copy_from_slice(q);
         newton.history.clear();
-        let outcome = step(
-            &mut newton, solver, system, q, &start, summary.t, t, options,
-        );
+        let outcome = predict(&mut newton, solver, system, q, [summary.t, t], fresh)
+            .and_then(|()| {
+                let previous = Some((summary.t, start.as_slice()));
+                correct(&mut newton, solver, system, q, t, previous, options)
+            })
+            .and_then(|()| settle(&mut newton, solver, system, q, t, options));
         summary.evaluations = newton.evaluations;
         summary.factorisations = newton.factorisations;
-        summary.chart_changes += chart_changes;
         match outcome {
-            Ok(()) => {
-                let iterations = newton.history.len() - 1;
+            Ok(chart_changes) => {
+                let iterations = newton.iterations();
                 summary.steps += 1;
                 summary.iterations += iterations;
+                summary.chart_changes += chart_changes;
                 let step_size = t - summary.t;
                 summary.t = t;
+                fresh = true;
                 let report = Step {
                     number: summary.steps,
                     t,
@@ -142,7 +147,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                     event: None,
                 };
                 let flow = observer(system, &report);
-                if last || rest == 0.0 {
+                if last {
                     summary.finished = true;
                     return Ok(summary);
                 }
@@ -155,44 +160,40 @@ pub fn solve_statics_with<Y: System + ?Sized>(
             }
             Err(failure) => {
                 summary.rejected += 1;
-                let failed = StaticsError::Step(Box::new(FailedStep::new(
-                    system, &newton, failure, &summary, t,
-                )));
+                fresh = false;
+                let failed = FailedStep::new(system, &newton, failure, &summary, t);
                 q.copy_from_slice(&start);
+                system.change_charts(summary.t, q, &mut [], &mut []);
                 dt = 0.5 * (t - summary.t);
                 if dt.abs() < options.min_step.abs() || dt == 0.0 {
-                    return Err(failed);
+                    return Err(StaticsError::Step(Box::new(failed)));
                 }
             }
         }
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
-/// Predict with the tangent at the old load, then correct at the new one.
-fn step<Y: System + ?Sized>(
+/// The first correction, with the tangent at the old load.
+fn predict<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
     q: &mut [f64],
-    start: &[f64],
-    from: f64,
-    to: f64,
-    options: &StaticOptions,
+    [from, to]: [f64; 2],
+    fresh: bool,
 ) -> Result<(), Failure> {
-    newton
-        .evaluate(system, None, q, from).map_err(Failure::System)?;
+    if !fresh {
+        newton
+            .evaluate(system, None, q, from)
+            .map_err(Failure::System)?;
+    }
     newton.factorise(solver)?;
     // δq = K⁻¹ (r + r_λ Δλ): with r_λ a driven support bends the structure at once, where the
     // residual alone would first tear at the element next to it.
-    for k in 0..q.len() {
-        newton.dq[k] = newton.r[k] + newton.r_lambda[k] * (to - from);
+    for ((dq, r), rate) in newton.dq.iter_mut().zip(&newton.r).zip(&newton.r_lambda) {
+        *dq = r + rate * (to - from);
     }
-    let mut residual = [0.0_f64; 3];
-    for (i, f) in newton.dq.iter().enumerate() {
-        let k = system.kind(i).index();
-        residual[k] = residual[k].max(f.abs());
-    }
+    let residual = newton.largest(system, &newton.dq);
     solver.solve(&mut newton.dq).map_err(Failure::Linear)?;
     for (q, dq) in q.iter_mut().zip(&newton.dq) {
         *q += dq;
@@ -203,9 +204,43 @@ fn step<Y: System + ?Sized>(
         correction: newton.size(&newton.dq),
         damping: 1.0,
     });
-    let mut lambda = to;
-    let previous = Some((from, start));
+    Ok(())
+}
+
+fn correct<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut [f64],
+    t: f64,
+    previous: Option<(f64, &[f64])>,
+    options: &StaticOptions,
+) -> Result<(), Failure> {
+    let mut lambda = t;
     newton.correct(system, solver, q, &mut lambda, None, previous, &options.newton)
+}
+
+/// Changes charts where that is due and restores equilibrium where an element's own
+/// discretisation depends on them, so that what is reported does not depend on the way there.
+fn settle<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    q: &mut [f64],
+    t: f64,
+    options: &StaticOptions,
+) -> Result<usize, Failure> {
+    let mut changes = 0;
+    // Where equilibrium moves an element back over its border the second round is the last.
+    for _ in 0..2 {
+        let changed = system.change_charts(t, q, &mut [], &mut []);
+        changes += changed.charts;
+        if changed == ChartChanges::default() {
+            break;
+        }
+        correct(newton, solver, system, q, t, None, options)?;
+    }
+    Ok(changes)
 }
 
 pub(super) fn analyse<Y: System + ?Sized>(

@@ -26,6 +26,9 @@ pub struct NewtonOptions {
     pub correction: f64,
     /// Linear solutions per step at most.
     pub max_iterations: usize,
+    /// Corrections at the beginning of a step that are made in full; later ones are damped when
+    /// they do not approach the solution.
+    pub full_corrections: usize,
     /// A step that needs a smaller damping factor has failed.
     pub smallest_damping: f64,
 }
@@ -37,6 +40,7 @@ impl Default for NewtonOptions {
             absolute: 1e-12,
             correction: 1e-9,
             max_iterations: 20,
+            full_corrections: 6,
             smallest_damping: 1.0 / 16.0,
         }
     }

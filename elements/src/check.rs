@@ -1,0 +1,172 @@
+//! The conformance kit for elements: every law of an element in one line.
+//!
+//! ```
+//! # use pullback_elements::{check, load::{NodalLoad, Which}, time::Constant};
+//! check::element(&NodalLoad::new(Which::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
+//! ```
+//!
+//! Places, slopes and reports are those of [`pullback_manifold::check`]. Objectivity is no law: the
+//! interpolation of total rotation vectors has it only in the limit of small elements.
+
+#![allow(non_snake_case)]
+
+use crate::element::{Element, Motion, Response};
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::check::{Forces, Random, Report, State, forces_at, states};
+
+/// Checks every law of an element at every place within its domain.
+///
+/// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
+/// derivative of the energy where there is one; and that neither the residual nor a tangent depends
+/// on what else is asked for.
+pub fn element(element: &dyn Element) -> Report {
+    let n = element.dim();
+    let states = states(n);
+    // An element without energy answers zero: only one that differs somewhere is held to it.
+    let energies: Vec<f64> = states.iter().map(|(_, s)| element.energy(&motion(s))).collect();
+    let conservative = energies.iter().any(|&e| e != 0.0);
+    let mut report = forces_at(
+        &format!("element of {n} coordinates"),
+        &states,
+        element.is_symmetric(),
+        |s| {
+            let mut f = evaluate(element, s, Ask::All)?;
+            f.energy = conservative.then(|| element.energy(&motion(s)));
+            Some(f)
+        },
+    );
+    let mut random = Random::default();
+    for (at, state) in &states {
+        if let Some(all) = evaluate(element, state, Ask::All) {
+            requests(&mut report, element, at, state, &all);
+            iterates(&mut report, element, at, state, &all, &mut random);
+        }
+    }
+    report
+}
+
+/// What is asked for in one evaluation.
+#[derive(Clone, Copy, PartialEq)]
+enum Ask {
+    All,
+    Residual,
+    Stiffness,
+}
+
+fn motion(s: &State) -> Motion<'_> {
+    Motion {
+        t: s.t,
+        x: s.x.as_slice(),
+        v: s.v.as_slice(),
+        a: s.a.as_slice(),
+    }
+}
+
+fn evaluate(element: &dyn Element, s: &State, ask: Ask) -> Option<Forces> {
+    evaluate_from(element, None, s, ask)
+}
+
+fn evaluate_from(
+    element: &dyn Element,
+    previous: Option<&DVector<f64>>,
+    s: &State,
+    ask: Ask,
+) -> Option<Forces> {
+    let n = element.dim();
+    let matrix = || DMatrix::zeros(n, n);
+    let (mut r, mut r_t) = (DVector::zeros(n), DVector::zeros(n));
+    let (mut K, mut C, mut M) = (matrix(), matrix(), matrix());
+    let moving = ask == Ask::All && !s.is_static();
+    let mut out = Response {
+        r: r.as_mut_slice(),
+        K: (ask != Ask::Residual).then_some(K.as_mut_slice()),
+        C: moving.then_some(C.as_mut_slice()),
+        M: moving.then_some(M.as_mut_slice()),
+        r_t: (ask == Ask::All).then_some(r_t.as_mut_slice()),
+    };
+    let done = match previous {
+        None => element.evaluate(&motion(s), &mut out),
+        Some(x) => element.evaluate_from(x.as_slice(), &motion(s), &mut out),
+    };
+    done.ok()?;
+    Some(Forces {
+        r,
+        K,
+        C: moving.then_some(C),
+        M: moving.then_some(M),
+        r_t: Some(r_t),
+        energy: None,
+    })
+}
+
+/// A request for less gives the same numbers, to the last bit.
+fn requests(report: &mut Report, element: &dyn Element, at: &str, s: &State, all: &Forces) {
+    let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
+        f.map_or(f64::NAN, |f| of(&f, all))
+    };
+    report.defect(
+        "r does not depend on what else is asked",
+        at,
+        gap(evaluate(element, s, Ask::Residual), |f, all| {
+            (&f.r - &all.r).norm()
+        }),
+        0.0,
+    );
+    report.defect(
+        "K does not depend on what else is asked",
+        at,
+        gap(evaluate(element, s, Ask::Stiffness), |f, all| {
+            (&f.K - &all.K).norm() + (&f.r - &all.r).norm()
+        }),
+        0.0,
+    );
+    if s.is_static() {
+        let n = s.x.len();
+        let rest = State {
+            v: DVector::zeros(n),
+            a: DVector::zeros(n),
+            ..s.clone()
+        };
+        // Sums of terms that are zero may still be ordered differently.
+        let size = all.r.norm() + all.K.norm();
+        report.defect(
+            "statics is the motion at rest",
+            at,
+            gap(evaluate(element, &rest, Ask::All), |f, all| {
+                (&f.r - &all.r).norm() + (&f.K - &all.K).norm()
+            }),
+            1e-14 * size,
+        );
+    }
+}
+
+/// The tangent of a Newton iterate: exact without a step, and off by its square otherwise.
+fn iterates(
+    report: &mut Report,
+    element: &dyn Element,
+    at: &str,
+    s: &State,
+    all: &Forces,
+    random: &mut Random,
+) {
+    let mut d = DVector::zeros(s.x.len());
+    random.direction(1.0, d.as_mut_slice());
+    let from = |e: f64| evaluate_from(element, Some(&(&s.x - &d * e)), s, Ask::Stiffness);
+    let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
+        f.map_or(f64::NAN, |f| of(&f, all))
+    };
+    report.defect(
+        "r does not depend on the previous iterate",
+        at,
+        gap(from(0.05), |f, all| (&f.r - &all.r).norm()),
+        0.0,
+    );
+    report.slope(
+        "K from the previous iterate",
+        at,
+        2.0,
+        0.05,
+        all.K.norm() * (1.0 + s.x.norm()),
+        |e| gap(from(e), |f, all| (&f.K - &all.K).norm()),
+    );
+}

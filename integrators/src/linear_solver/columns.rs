@@ -1,0 +1,202 @@
+//! A block-sparse matrix, scaled, in the form general sparse solvers want, with the checks that
+//! their factorisations and solutions have to pass.
+
+use pullback_manifold::sparse::BlockPattern;
+
+use super::{
+    LinearError, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, check_length, first_non_finite,
+    max_abs, rounding_level, scaling,
+};
+
+/// What is added to the diagonal of a scaled matrix whose factors are not finite, only to learn
+/// the direction of its mechanism.
+pub(super) const SHIFT: f64 = 1e-9;
+
+/// The scaled matrix column by column, and the work vectors of the checks.
+pub(super) struct Columns {
+    pub pattern: BlockPattern,
+    pub starts: Vec<usize>,
+    pub rows: Vec<usize>,
+    pub values: Vec<f64>,
+    pub scales: Vec<f64>,
+    pub norm: f64,
+    pub rhs: Vec<f64>,
+    pub x: Vec<f64>,
+    pub residual: Vec<f64>,
+    pub finished: bool,
+}
+
+impl Columns {
+    /// The columns of a pattern, without values.
+    pub fn new(pattern: &BlockPattern) -> Self {
+        let n = pattern.dim();
+        let mut starts = Vec::with_capacity(n + 1);
+        let mut rows = Vec::with_capacity(pattern.len());
+        starts.push(0);
+        for j in 0..pattern.blocks() {
+            for _ in pattern.unknowns(j) {
+                rows.extend(pattern.column(j).flat_map(|(i, _)| pattern.unknowns(i)));
+                starts.push(rows.len());
+            }
+        }
+        Self {
+            pattern: pattern.clone(),
+            starts,
+            rows,
+            values: vec![0.0; pattern.len()],
+            scales: vec![1.0; n],
+            norm: 0.0,
+            rhs: vec![0.0; n],
+            x: vec![0.0; n],
+            residual: vec![0.0; n],
+            finished: false,
+        }
+    }
+
+    /// Takes over and scales the values.
+    pub fn load(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        check_length("matrix", self.pattern.len(), values.len())?;
+        self.finished = false;
+        let pattern = &self.pattern;
+        scaling::scales(pattern, values, &mut self.scales, &mut self.x)?;
+        self.norm = scaling::norm(pattern, values, &self.scales);
+        let mut place = 0;
+        for j in 0..pattern.blocks() {
+            for (c, unknown) in pattern.unknowns(j).enumerate() {
+                for (i, range) in pattern.column(j) {
+                    let height = pattern.size(i);
+                    let column = &values[range][c * height..(c + 1) * height];
+                    for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+                        self.values[place] = value * self.scales[r] * self.scales[unknown];
+                        place += 1;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds [`SHIFT`] to the diagonal.
+    pub fn shift_diagonal(&mut self) {
+        let (starts, rows) = (&self.starts, &self.rows);
+        for c in 0..self.scales.len() {
+            let range = starts[c]..starts[c + 1];
+            for (value, &r) in self.values[range.clone()].iter_mut().zip(&rows[range]) {
+                if r == c {
+                    *value += SHIFT;
+                }
+            }
+        }
+    }
+
+    /// A fixed right-hand side without structure: magnitudes between 1/2 and 1, mixed signs.
+    pub fn probe(&mut self) {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        for x in &mut self.x {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            let magnitude = 0.5 + (state >> 12) as f64 / (1u64 << 53) as f64;
+            *x = if state & 1 == 0 {
+                magnitude
+            } else {
+                -magnitude
+            };
+        }
+    }
+
+    /// Condition number that the answer to the probe, now in `x`, witnesses.
+    pub fn witnessed_condition(&self) -> f64 {
+        self.norm * max_abs(&self.x)
+    }
+
+    /// Where a matrix starts to count as singular.
+    pub fn condition_limit(&self) -> f64 {
+        1.0 / rounding_level(self.pattern.blocks())
+    }
+
+    /// The error that names the largest component of `x`.
+    pub fn singular(&self, condition: f64) -> LinearError {
+        let mut unknown = 0;
+        for (i, x) in self.x.iter().enumerate() {
+            // Written so that NaN counts as largest.
+            if !(x.abs() <= self.x[unknown].abs()) {
+                unknown = i;
+                if x.is_nan() {
+                    break;
+                }
+            }
+        }
+        LinearError::Singular {
+            unknown,
+            condition,
+            limit: self.condition_limit(),
+        }
+    }
+
+    /// Solves with `inverse` and checks; `inverse` works on the scaled system.
+    pub fn solve(
+        &mut self,
+        b: &mut [f64],
+        mut inverse: impl FnMut(&mut [f64]),
+    ) -> Result<(), LinearError> {
+        check_length("right-hand side", self.scales.len(), b.len())?;
+        if !self.finished {
+            return Err(LinearError::NotReady { asked: "solve" });
+        }
+        if let Some(unknown) = first_non_finite(b) {
+            return Err(LinearError::NonFinite {
+                what: "right-hand side",
+                unknown,
+            });
+        }
+        for ((y, b), s) in self.rhs.iter_mut().zip(&*b).zip(&self.scales) {
+            *y = b * s;
+        }
+        self.x.copy_from_slice(&self.rhs);
+        inverse(&mut self.x);
+        let mut best = f64::INFINITY;
+        for refinement in 0..=REFINEMENTS {
+            let relative = self.relative_residual()?;
+            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
+                if !(relative <= RESIDUAL_LIMIT) {
+                    return Err(LinearError::Residual {
+                        residual: relative,
+                        limit: RESIDUAL_LIMIT,
+                    });
+                }
+                break;
+            }
+            best = relative;
+            inverse(&mut self.residual);
+            for (x, r) in self.x.iter_mut().zip(&self.residual) {
+                *x += r;
+            }
+        }
+        for ((b, x), s) in b.iter_mut().zip(&self.x).zip(&self.scales) {
+            *b = x * s;
+        }
+        Ok(())
+    }
+
+    /// Computes `residual = rhs - A x` and its relative size.
+    fn relative_residual(&mut self) -> Result<f64, LinearError> {
+        let (starts, rows) = (&self.starts, &self.rows);
+        self.residual.copy_from_slice(&self.rhs);
+        for (c, x) in self.x.iter().enumerate() {
+            let range = starts[c]..starts[c + 1];
+            for (&r, a) in rows[range.clone()].iter().zip(&self.values[range]) {
+                self.residual[r] -= a * x;
+            }
+        }
+        let r = max_abs(&self.residual);
+        let size = self.norm * max_abs(&self.x) + max_abs(&self.rhs);
+        if r <= f64::MAX && size <= f64::MAX {
+            return Ok(if r == 0.0 { 0.0 } else { r / size });
+        }
+        Err(LinearError::NonFinite {
+            what: "solution",
+            unknown: first_non_finite(&self.x).unwrap_or(0),
+        })
+    }
+}

@@ -1,0 +1,391 @@
+//! The numeric phase of the block LU: loops over panels at positions found beforehand.
+
+use pullback_manifold::sparse::BlockPattern;
+
+use super::symbolic::{Load, Panel, Symbolic};
+use super::{LinearError, Symmetry, first_non_finite, kernels, max_abs, rounding_level, scaling};
+
+/// Pivots this much larger than the entries of the scaled matrix are called growth.
+const GROWTH_LIMIT: f64 = 1e8;
+
+/// What `analyse` allocates.
+pub(super) struct Factors {
+    pub pattern: BlockPattern,
+    pub symbolic: Symbolic,
+    pub factors: Vec<f64>,
+    /// The scaled matrix in the order in which its blocks are loaded, for residuals.
+    pub matrix: Vec<f64>,
+    /// Interchanges inside the diagonal blocks, in elimination order.
+    pub swaps: Vec<u32>,
+    pub swapped: Vec<bool>,
+    /// Scales in elimination order.
+    pub scales: Vec<f64>,
+    /// Sum of squares of each block row and column.
+    pub squares: Vec<f64>,
+    pub norm: f64,
+    pub smallest: f64,
+    pub rhs: Vec<f64>,
+    pub x: Vec<f64>,
+    pub residual: Vec<f64>,
+}
+
+/// Why a factorisation stopped.
+pub(super) enum Failure {
+    /// The diagonal is no measure of the entries.
+    Scale,
+    Error(LinearError),
+}
+
+impl Factors {
+    /// Storage for factors of this structure.
+    pub fn new(pattern: &BlockPattern, symbolic: Symbolic) -> Self {
+        let n = pattern.dim();
+        let panels = symbolic.panels.len();
+        Self {
+            pattern: pattern.clone(),
+            factors: vec![0.0; symbolic.len],
+            matrix: vec![0.0; symbolic.read],
+            swaps: vec![0; n],
+            swapped: vec![false; panels],
+            scales: vec![1.0; n],
+            squares: vec![0.0; panels],
+            norm: 0.0,
+            smallest: 0.0,
+            rhs: vec![0.0; n],
+            x: vec![0.0; n],
+            residual: vec![0.0; n],
+            symbolic,
+        }
+    }
+
+    /// Scales for a matrix whose diagonal is no measure.
+    pub fn equilibrate(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        // `x` and `residual` are free during a factorisation.
+        scaling::equilibrate(&self.pattern, values, &mut self.x, &mut self.residual)?;
+        for panel in &self.symbolic.panels {
+            let from = &self.x[panel.unknown..panel.unknown + panel.size];
+            self.scales[panel.first..panel.first + panel.size].copy_from_slice(from);
+        }
+        Ok(())
+    }
+
+    pub fn factorise(&mut self, values: &[f64], floor: f64, scaled: bool) -> Result<(), Failure> {
+        let limit = rounding_level(self.symbolic.panels.len());
+        self.squares.fill(0.0);
+        self.smallest = f64::INFINITY;
+        let (mut links, mut targets, mut loads, mut fills) = (0, 0, 0, 0);
+        let mut read = 0;
+        for k in 0..self.symbolic.panels.len() {
+            let symbolic = &self.symbolic;
+            let panel = &symbolic.panels[k];
+            for load in &symbolic.loads[loads..panel.loads] {
+                let copied = copy_block(
+                    symbolic,
+                    load,
+                    values,
+                    scaled,
+                    &mut self.scales,
+                    &mut self.squares,
+                    [&mut self.matrix[read..], &mut self.factors[load.start..]],
+                );
+                let Some(count) = copied else {
+                    return Err(Failure::Scale);
+                };
+                read += count;
+            }
+            for &(start, count) in &symbolic.fills[fills..panel.fills] {
+                self.factors[start..start + count].fill(0.0);
+            }
+            let n = panel.size;
+            let (left, right) = self.factors.split_at_mut(panel.end);
+            let (d, below) = left[panel.start..].split_at_mut(n * n);
+            let swaps = &mut self.swaps[panel.first..panel.first + n];
+            let pivots = kernels::lu(n, d, swaps, floor);
+            self.swapped[k] = pivots.swapped;
+            self.smallest = self.smallest.min(pivots.smallest);
+            if !(pivots.smallest > limit && pivots.largest < GROWTH_LIMIT) && floor == 0.0 {
+                return Err(Failure::Error(name_pivot(panel.unknown, n, d, limit)));
+            }
+            let my_links = &symbolic.links[links..panel.links];
+            let mut rest = &mut *below;
+            for link in my_links {
+                let (pair, others) = rest.split_at_mut(2 * link.size * n);
+                let (l, ut) = pair.split_at_mut(link.size * n);
+                finish_link(
+                    symbolic.symmetry,
+                    link.size,
+                    n,
+                    d,
+                    l,
+                    ut,
+                    swaps,
+                    pivots.swapped,
+                );
+                rest = others;
+            }
+            let offset = panel.start + n * n;
+            let mut target = targets;
+            for (a, row) in my_links.iter().enumerate() {
+                for (b, column) in my_links.iter().enumerate() {
+                    let start = symbolic.targets[target] as usize - panel.end;
+                    target += 1;
+                    let (l, ut) = (row.start - offset, column.start - offset);
+                    let ut = ut + column.size * n;
+                    if a >= b {
+                        let c = &mut right[start..start + row.size * column.size];
+                        kernels::update(row.size, column.size, n, c, &below[l..], &below[ut..]);
+                    } else if symbolic.symmetry == Symmetry::General {
+                        let c = &mut right[start..start + row.size * column.size];
+                        kernels::update(column.size, row.size, n, c, &below[ut..], &below[l..]);
+                    }
+                }
+            }
+            (links, targets, loads, fills) = (panel.links, panel.targets, panel.loads, panel.fills);
+        }
+        let largest = self
+            .symbolic
+            .panels
+            .iter()
+            .zip(&self.squares)
+            .fold(0.0_f64, |m, (panel, square)| {
+                m.max(square * panel.blocks as f64)
+            });
+        self.norm = largest.sqrt();
+        Ok(())
+    }
+
+    /// Scaled right-hand side in elimination order.
+    pub fn gather(&mut self, b: &[f64]) {
+        for panel in &self.symbolic.panels {
+            let range = panel.first..panel.first + panel.size;
+            let b = &b[panel.unknown..panel.unknown + panel.size];
+            for ((y, b), s) in self.rhs[range.clone()]
+                .iter_mut()
+                .zip(b)
+                .zip(&self.scales[range])
+            {
+                *y = b * s;
+            }
+        }
+        self.residual.copy_from_slice(&self.rhs);
+    }
+
+    /// Solution with its scales undone, in the order of the matrix.
+    pub fn scatter(&self, b: &mut [f64]) {
+        for panel in &self.symbolic.panels {
+            let range = panel.first..panel.first + panel.size;
+            let b = &mut b[panel.unknown..panel.unknown + panel.size];
+            for ((b, x), s) in b
+                .iter_mut()
+                .zip(&self.x[range.clone()])
+                .zip(&self.scales[range])
+            {
+                *b = x * s;
+            }
+        }
+    }
+
+    /// Solves for the vector in `residual`, which is destroyed; into `x`, or added to it.
+    pub fn substitute(&mut self, add: bool) {
+        let symbolic = &self.symbolic;
+        let y = &mut self.residual;
+        let mut links = 0;
+        for (k, panel) in symbolic.panels.iter().enumerate() {
+            let n = panel.size;
+            let (left, right) = y.split_at_mut(panel.first + n);
+            let own = &mut left[panel.first..];
+            if self.swapped[k] {
+                for (i, &row) in self.swaps[panel.first..panel.first + n].iter().enumerate() {
+                    own.swap(i, row as usize);
+                }
+            }
+            kernels::solve_lower(n, &self.factors[panel.start..], own);
+            for link in &symbolic.links[links..panel.links] {
+                let later = &mut right[link.first - panel.first - n..];
+                kernels::subtract(link.size, n, &self.factors[link.start..], own, later);
+            }
+            links = panel.links;
+        }
+        for k in (0..symbolic.panels.len()).rev() {
+            let panel = &symbolic.panels[k];
+            let n = panel.size;
+            let (left, right) = y.split_at_mut(panel.first + n);
+            let own = &mut left[panel.first..];
+            for link in &symbolic.links[symbolic.links_of(k)] {
+                let later = &right[link.first - panel.first - n..];
+                let ut = &self.factors[link.start + link.size * n..];
+                kernels::subtract_transposed(link.size, n, ut, later, own);
+            }
+            kernels::solve_upper(n, &self.factors[panel.start..], own);
+        }
+        if add {
+            for (x, y) in self.x.iter_mut().zip(&self.residual) {
+                *x += y;
+            }
+        } else {
+            self.x.copy_from_slice(&self.residual);
+        }
+    }
+
+    /// Computes `residual = rhs - A x` and its relative size.
+    pub fn relative_residual(&mut self, b: &[f64]) -> Result<f64, LinearError> {
+        let symbolic = &self.symbolic;
+        let r = &mut self.residual;
+        r.copy_from_slice(&self.rhs);
+        let mut read = 0;
+        for load in &symbolic.loads {
+            let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
+            let (m, n) = (row.size, column.size);
+            let block = &self.matrix[read..];
+            kernels::subtract(m, n, block, &self.x[column.first..], &mut r[row.first..]);
+            read += m * n;
+            if load.row != load.column {
+                let block = match symbolic.symmetry {
+                    Symmetry::Symmetric => block,
+                    Symmetry::General => {
+                        read += m * n;
+                        &block[m * n..]
+                    }
+                };
+                let (x, y) = (&self.x[row.first..], &mut r[column.first..]);
+                kernels::subtract_transposed(m, n, block, x, y);
+            }
+        }
+        let (r, x, rhs) = (max_abs(r), max_abs(&self.x), max_abs(&self.rhs));
+        let size = self.norm * x + rhs;
+        if r <= f64::MAX && size <= f64::MAX {
+            return Ok(if r == 0.0 { 0.0 } else { r / size });
+        }
+        if let Some(unknown) = first_non_finite(b) {
+            return Err(LinearError::NonFinite {
+                what: "right-hand side",
+                unknown,
+            });
+        }
+        let x = &self.x;
+        let bad =
+            |p: &Panel| first_non_finite(&x[p.first..p.first + p.size]).map(|i| p.unknown + i);
+        Err(LinearError::NonFinite {
+            what: "solution",
+            unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),
+        })
+    }
+
+    /// Undoes scaling and order of the copy of the matrix; powers of two leave no trace.
+    pub fn original(&self, values: &mut [f64]) {
+        let symbolic = &self.symbolic;
+        let mut read = 0;
+        for load in &symbolic.loads {
+            let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
+            let (m, n) = (row.size, column.size);
+            let pair = symbolic.symmetry == Symmetry::General && load.row != load.column;
+            let upper = if pair { m * n } else { 0 };
+            for c in 0..n {
+                for r in 0..m {
+                    let scale = self.scales[row.first + r] * self.scales[column.first + c];
+                    if load.row != load.column {
+                        let value = self.matrix[read + upper + r + c * m];
+                        values[load.upper + c + r * n] = value / scale;
+                    }
+                    values[load.lower + r + c * m] = self.matrix[read + r + c * m] / scale;
+                }
+            }
+            read += m * n + upper;
+        }
+    }
+}
+
+/// Copies one block or pair with scales; the number of values, or none if they are out of scale.
+#[inline(always)]
+fn copy_block(
+    symbolic: &Symbolic,
+    load: &Load,
+    values: &[f64],
+    scaled: bool,
+    scales: &mut [f64],
+    squares: &mut [f64],
+    [matrix, factors]: [&mut [f64]; 2],
+) -> Option<usize> {
+    let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
+    let (m, n) = (row.size, column.size);
+    let lower = &values[load.lower..load.lower + m * n];
+    if load.row == load.column {
+        let s = &mut scales[row.first..row.first + n];
+        if !scaled {
+            for (c, s) in s.iter_mut().enumerate() {
+                *s = scaling::inverse_root(lower[c * (n + 1)]);
+            }
+        }
+        let square = kernels::scale(n, n, lower, s, s, matrix, factors);
+        squares[load.row] += square;
+        return (square <= scaling::MEAN_SQUARE_LIMIT * (n * n) as f64).then_some(n * n);
+    }
+    let (rows, columns) = (
+        &scales[row.first..row.first + m],
+        &scales[column.first..column.first + n],
+    );
+    let mut count = m * n;
+    let mut square = kernels::scale(m, n, lower, rows, columns, matrix, factors);
+    if symbolic.symmetry == Symmetry::General {
+        let upper = &values[load.upper..load.upper + m * n];
+        let (matrix, factors) = (&mut matrix[count..], &mut factors[count..]);
+        square += kernels::scale_transposed(m, n, upper, rows, columns, matrix, factors);
+        count *= 2;
+    }
+    squares[load.row] += square;
+    squares[load.column] += square;
+    (square <= scaling::MEAN_SQUARE_LIMIT * count as f64).then_some(count)
+}
+
+/// Turns the blocks of one link into those of `L` and `Uᵀ`.
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
+fn finish_link(
+    symmetry: Symmetry,
+    m: usize,
+    n: usize,
+    d: &[f64],
+    l: &mut [f64],
+    ut: &mut [f64],
+    swaps: &[u32],
+    swapped: bool,
+) {
+    if symmetry == Symmetry::Symmetric {
+        if !swapped {
+            kernels::right_upper_pair(m, n, d, l, ut);
+            return;
+        }
+        ut.copy_from_slice(l);
+    }
+    kernels::right_upper(m, n, d, l);
+    if swapped {
+        for (c, &other) in swaps.iter().enumerate() {
+            let other = other as usize;
+            if other != c {
+                let (left, right) = ut.split_at_mut(other * m);
+                left[c * m..(c + 1) * m].swap_with_slice(&mut right[..m]);
+            }
+        }
+    }
+    kernels::left_lower(m, n, d, ut);
+}
+
+/// Which pivot of a factorised diagonal block is to blame, and why.
+#[cold]
+fn name_pivot(unknown: usize, n: usize, d: &[f64], limit: f64) -> LinearError {
+    let pivot = |c: usize| (1.0 / d[c * (n + 1)]).abs();
+    for c in 0..n {
+        if !(pivot(c) > limit) {
+            return LinearError::VanishingPivot {
+                unknown: unknown + c,
+                pivot: pivot(c),
+                limit,
+            };
+        }
+    }
+    let largest = (0..n).fold(0, |a, c| if pivot(c) > pivot(a) { c } else { a });
+    LinearError::Growth {
+        unknown: unknown + largest,
+        growth: pivot(largest),
+    }
+}

@@ -1,0 +1,193 @@
+//! The analysis and what it writes.
+
+use super::DofName;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What to compute.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Analysis {
+    /// Load stepping: equilibrium at growing values of the load parameter.
+    Static(Static),
+    /// Path following with control of the arc length, through limit points of the load.
+    ArcLength(ArcLength),
+}
+
+impl Default for Analysis {
+    fn default() -> Self {
+        Self::Static(Static::default())
+    }
+}
+
+/// Load stepping. A step that fails is halved; easy ones are followed by larger ones.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Static {
+    /// Load parameter at the start.
+    pub from: f64,
+    /// Load parameter at the end.
+    pub to: f64,
+    /// This many equal steps (halved only where one fails); excludes `first_step` and `max_step`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
+    pub steps: Option<usize>,
+    /// First step of the load parameter; a tenth of the range by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_step: Option<f64>,
+    /// Largest step; a quarter of the range by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_step: Option<f64>,
+    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of the
+    /// range by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_step: Option<f64>,
+    /// Newton's method.
+    pub newton: NewtonSettings,
+}
+
+impl Default for Static {
+    fn default() -> Self {
+        Self {
+            from: 0.0,
+            to: 1.0,
+            steps: None,
+            first_step: None,
+            max_step: None,
+            min_step: None,
+            newton: NewtonSettings::default(),
+        }
+    }
+}
+
+/// Path following. Arc length is measured in coordinates over the size of the model (one radian)
+/// and in the load parameter over `load_scale`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ArcLength {
+    /// Load parameter at the start.
+    pub from: f64,
+    /// First step along the path.
+    pub first_step: f64,
+    /// Largest step along the path.
+    pub max_step: f64,
+    /// Smallest step along the path.
+    pub min_step: f64,
+    /// Most steps.
+    #[schemars(range(min = 1))]
+    pub max_steps: usize,
+    /// Change of the load parameter that counts as much as a change of the coordinates by the
+    /// size of the model.
+    pub load_scale: f64,
+    /// Iterations a step should take.
+    #[schemars(range(min = 1))]
+    pub target_iterations: usize,
+    /// Whether the load grows or shrinks at the start.
+    pub direction: Direction,
+    /// The analysis is complete when one of these is met.
+    #[schemars(length(min = 1))]
+    pub stop: Vec<Stop>,
+    /// These are located and recorded without stopping.
+    pub record: Vec<Stop>,
+    /// Newton's method.
+    pub newton: NewtonSettings,
+}
+
+impl Default for ArcLength {
+    fn default() -> Self {
+        Self {
+            from: 0.0,
+            first_step: 0.05,
+            max_step: 0.1,
+            min_step: 1e-7,
+            max_steps: 500,
+            load_scale: 1.0,
+            target_iterations: 5,
+            direction: Direction::Forward,
+            stop: vec![Stop::Load(1.0)],
+            record: Vec::new(),
+            newton: NewtonSettings::default(),
+        }
+    }
+}
+
+/// Sense in which the load parameter changes at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// It grows.
+    Forward,
+    /// It shrinks.
+    Backward,
+}
+
+/// A place on the path, located to round-off.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Stop {
+    /// The load has a maximum or minimum.
+    TurningPoint,
+    /// The load parameter passes this value.
+    Load(f64),
+    /// A coordinate passes a value.
+    Coordinate(Coordinate),
+}
+
+/// A coordinate of a node and a value of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coordinate {
+    /// Name of the node.
+    pub node: String,
+    /// Which coordinate; it must be free.
+    pub dof: DofName,
+    /// The value.
+    pub value: f64,
+}
+
+/// When a Newton iteration has converged, and when it has failed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NewtonSettings {
+    /// Residual relative to the applied and reaction forces (moments).
+    pub relative: f64,
+    /// Absolute floor of the same test, in units of force (moment).
+    pub absolute: f64,
+    /// Correction relative to the size of the model (and to one radian) below which only
+    /// round-off is left.
+    pub correction: f64,
+    /// Most linear solutions per step.
+    #[schemars(range(min = 1))]
+    pub max_iterations: usize,
+}
+
+impl Default for NewtonSettings {
+    fn default() -> Self {
+        let d = pullback_integrators::statics::NewtonOptions::default();
+        Self {
+            relative: d.relative,
+            absolute: d.absolute,
+            correction: d.correction,
+            max_iterations: d.max_iterations,
+        }
+    }
+}
+
+/// What to write.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// A ParaView file every this many steps, and always at the last; 0 writes none.
+    pub paraview_every: usize,
+    /// SVG figures.
+    pub figures: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            paraview_every: 1,
+            figures: true,
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Lines of beam elements.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A line of beam elements from one node to another: straight, or an arc. Its inner nodes are
+/// named `name/1`, `name/2`, ... and its elements `name:1`, `name:2`, ..., from start to end.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Name; no `/` and no `:`.
+    pub name: String,
+    /// Node at its start.
+    pub from: String,
+    /// Node at its end.
+    pub to: String,
+    /// Number of elements.
+    #[schemars(range(min = 1))]
+    pub elements: usize,
+    /// Polynomial order of the elements: 1, 2 or 3 (two, three or four nodes each).
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 3))]
+    pub order: usize,
+    /// Name of its cross-section.
+    pub section: String,
+    /// Makes it a circular arc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arc: Option<Arc>,
+    /// Direction of the section axis E2 at the start (its part normal to the line counts). By
+    /// default E3 is as close as possible to e3, or to e2 for a line along e3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_axis: Option<[f64; 3]>,
+    /// Pretwist: rotation of the section about a straight line from start to end, in degrees.
+    #[serde(default)]
+    pub twist_deg: f64,
+}
+
+/// A circular arc that starts at the line's `from` node.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Arc {
+    /// Centre (any point on the axis of rotation).
+    pub center: [f64; 3],
+    /// Direction of the axis of rotation.
+    pub axis: [f64; 3],
+    /// Angle turned from start to end in degrees, positive about `axis` by the right-hand rule.
+    pub angle_deg: f64,
+}
+
+fn one() -> usize {
+    1
+}

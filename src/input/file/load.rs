@@ -1,0 +1,159 @@
+//! Supports and loads.
+
+use super::Time;
+use pullback_elements::model::Dof;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A coordinate of a node, in global components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum DofName {
+    /// Displacement along e1.
+    X,
+    /// Displacement along e2.
+    Y,
+    /// Displacement along e3.
+    Z,
+    /// Rotation vector component about e1.
+    RX,
+    /// Rotation vector component about e2.
+    RY,
+    /// Rotation vector component about e3.
+    RZ,
+}
+
+impl DofName {
+    /// All six.
+    pub const ALL: [Self; 6] = [Self::X, Self::Y, Self::Z, Self::RX, Self::RY, Self::RZ];
+
+    /// The coordinate of the model.
+    pub fn dof(self) -> Dof {
+        Dof::ALL[self as usize]
+    }
+
+    /// As it is written in the file.
+    pub fn key(self) -> &'static str {
+        ["x", "y", "z", "rx", "ry", "rz"][self as usize]
+    }
+}
+
+/// A support of one node.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// Name of the node.
+    pub node: String,
+    /// Coordinates held at zero: a list of "x", "y", "z", "rx", "ry", "rz", or "all", or "place"
+    /// (x, y, z), or "rotation" (rx, ry, rz).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fix: Option<Fix>,
+    /// Coordinates that follow a given function of the load parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driven: Option<Driven>,
+}
+
+/// Which coordinates are held.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"all\", \"place\", \"rotation\", or a list of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\""
+)]
+pub enum Fix {
+    /// A named group.
+    Group(Group),
+    /// A list.
+    List(Vec<DofName>),
+}
+
+/// A group of coordinates.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Group {
+    /// All six.
+    All,
+    /// The three displacements: a ball joint.
+    Place,
+    /// The three rotations.
+    Rotation,
+}
+
+impl Fix {
+    /// The coordinates.
+    pub fn dofs(&self) -> &[DofName] {
+        match self {
+            Self::Group(Group::All) => &DofName::ALL,
+            Self::Group(Group::Place) => &DofName::ALL[..3],
+            Self::Group(Group::Rotation) => &DofName::ALL[3..],
+            Self::List(list) => list,
+        }
+    }
+}
+
+/// Coordinates of a node as functions of the load parameter. The rotation is a rotation vector:
+/// with one component driven and the other two fixed it is an angle, any number of turns.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Driven {
+    /// Displacement along e1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<Time>,
+    /// Displacement along e2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y: Option<Time>,
+    /// Displacement along e3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z: Option<Time>,
+    /// Rotation vector component about e1, in radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rx: Option<Time>,
+    /// Rotation vector component about e2, in radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ry: Option<Time>,
+    /// Rotation vector component about e3, in radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rz: Option<Time>,
+}
+
+impl Driven {
+    /// The coordinates given, with their functions.
+    pub fn given(&self) -> impl Iterator<Item = (DofName, &Time)> {
+        let all = [&self.x, &self.y, &self.z, &self.rx, &self.ry, &self.rz];
+        DofName::ALL
+            .into_iter()
+            .zip(all)
+            .filter_map(|(dof, time)| Some((dof, time.as_ref()?)))
+    }
+}
+
+/// A load: exactly one of `force` or `moment` on a `node`, `force_per_length` on a `line`, or
+/// `gravity` on all lines (or on one `line`).
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Name of the loaded node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Name of the loaded line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<String>,
+    /// Force on the node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<[f64; 3]>,
+    /// Moment on the node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment: Option<[f64; 3]>,
+    /// Force per reference length of the line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_per_length: Option<[f64; 3]>,
+    /// Acceleration of gravity: a force per length of Aρ times it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<[f64; 3]>,
+    /// Whether the load turns with the node or the cross-sections; otherwise its direction is
+    /// fixed in space.
+    #[serde(default)]
+    pub follower: bool,
+    /// Factor as a function of the load parameter; `{ proportional = 1 }` by default.
+    #[serde(default)]
+    pub time: Time,
+}

@@ -1,0 +1,63 @@
+//! The types of the model file, as the user writes it.
+//!
+//! Their documentation is what the JSON Schema says about each key, so it speaks to the user.
+
+mod analysis;
+mod line;
+mod load;
+mod probe;
+mod section;
+mod time;
+
+pub use analysis::{Analysis, ArcLength, Coordinate, Direction, NewtonSettings, Output, Static, Stop};
+pub use line::{Arc, Line};
+pub use load::{DofName, Driven, Fix, Load, Support};
+pub use probe::{Probe, Quantity};
+pub use section::{Circle, Mass, Material, Rectangle, Section, Stiffness, Tube};
+pub use time::{Hat, Ramp, Sine, Time};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A model for `pullback run`: nodes, lines of beam elements between them, supports, loads, the
+/// analysis and what to record. Consistent units are the user's business; vectors are in global
+/// components (e1, e2, e3), angles in radians unless a key ends in `_deg`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "pullback model file")]
+pub struct ModelFile {
+    /// Title for plots and results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// Cross-sections by name.
+    #[serde(default)]
+    pub sections: BTreeMap<String, Section>,
+    /// Nodes by name: reference place [X, Y, Z]. Names may not contain `/`, which marks the inner
+    /// nodes of lines (`line/1`, `line/2`, ...).
+    #[serde(default)]
+    pub nodes: BTreeMap<String, [f64; 3]>,
+    /// Lines of beam elements between nodes.
+    #[serde(default)]
+    pub lines: Vec<Line>,
+    /// Supports: coordinates of nodes that are held or driven.
+    #[serde(default)]
+    pub supports: Vec<Support>,
+    /// Loads on nodes and lines.
+    #[serde(default)]
+    pub loads: Vec<Load>,
+    /// What to compute; load stepping from 0 to 1 with automatic steps when absent.
+    #[serde(default)]
+    pub analysis: Analysis,
+    /// What to record at each step, as columns of `history.csv` and curves of `history.svg`.
+    #[serde(default)]
+    pub probes: Vec<Probe>,
+    /// What to write.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The JSON Schema of the model file, made from these types.
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(ModelFile).to_value()
+}

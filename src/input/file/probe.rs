@@ -1,0 +1,54 @@
+//! Probes: what is recorded at each step.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A quantity recorded at each step.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name: the head of its column. Without `component` there is a column for each of the three,
+    /// `name.x`, `name.y`, `name.z` (`name.1` ... for section quantities).
+    pub name: String,
+    /// What is recorded.
+    pub quantity: Quantity,
+    /// Node, for displacement, position, rotation, chart_rotation, reaction_force and
+    /// reaction_moment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element: Option<String>,
+    /// "x", "y", "z" (global), "1", "2", "3" (section axes, for N, M, Gamma, K), or "norm".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub component: Option<String>,
+}
+
+/// What a probe records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[allow(non_camel_case_types, reason = "names of quantities as in the file")]
+pub enum Quantity {
+    /// Displacement d of a node.
+    displacement,
+    /// Current place of a node.
+    position,
+    /// Rotation vector Ψ of a node, continued without jumps over changes of chart: any number of
+    /// turns. In radians.
+    rotation,
+    /// Rotation vector Ψ of a node in the chart in use; jumps by a turn where the chart changes.
+    chart_rotation,
+    /// Force with which the support of a node acts on the structure.
+    reaction_force,
+    /// Moment with which the support of a node acts on the structure.
+    reaction_moment,
+    /// Normal force and two shear forces of an element.
+    N,
+    /// Torque and two bending moments of an element.
+    M,
+    /// Elongation and two shears of an element.
+    Gamma,
+    /// Twist and two bendings of an element.
+    K,
+    /// Strain energy of the structure.
+    strain_energy,
+}

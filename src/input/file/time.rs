@@ -1,0 +1,104 @@
+//! Functions of the load parameter.
+
+use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
+use pullback_elements::time::{TimeFunction, TimeFunctionError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A function f(t) of the load parameter: a factor for loads, the value itself for driven
+/// coordinates.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Time {
+    /// f(t) = value.
+    Constant(f64),
+    /// f(t) = slope · t.
+    Proportional(f64),
+    /// From 0 to a value and constant afterwards.
+    Ramp(Ramp),
+    /// From 0 up to a value and back to 0.
+    Hat(Hat),
+    /// Straight lines between points [t, f], constant before the first and after the last.
+    Table(Vec<[f64; 2]>),
+    /// f(t) = offset + amplitude · sin(omega t + phase).
+    Sine(Sine),
+}
+
+/// From 0 at `start` to `value` at `end`, constant outside.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ramp {
+    /// Where it begins to rise.
+    #[serde(default)]
+    pub start: f64,
+    /// Where it reaches its value.
+    pub end: f64,
+    /// The value reached.
+    #[serde(default = "one")]
+    pub value: f64,
+}
+
+/// From 0 at `start` up to `value` at `peak` and back to 0 at `end`.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hat {
+    /// Where it begins to rise.
+    #[serde(default)]
+    pub start: f64,
+    /// Where it reaches its value.
+    pub peak: f64,
+    /// Where it is back at 0.
+    pub end: f64,
+    /// The value at the peak.
+    #[serde(default = "one")]
+    pub value: f64,
+}
+
+/// A sine.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Amplitude.
+    #[serde(default = "one")]
+    pub amplitude: f64,
+    /// Angular frequency in radians per unit of t.
+    pub omega: f64,
+    /// Phase in radians.
+    #[serde(default)]
+    pub phase: f64,
+    /// Mean value.
+    #[serde(default)]
+    pub offset: f64,
+}
+
+impl Default for Time {
+    fn default() -> Self {
+        Self::Proportional(1.0)
+    }
+}
+
+impl Time {
+    /// The function of the model.
+    ///
+    /// # Errors
+    /// [`TimeFunctionError`] for numbers that are not finite and times that do not increase.
+    pub fn function(&self) -> Result<Box<dyn TimeFunction>, TimeFunctionError> {
+        Ok(match self {
+            Self::Constant(value) => Box::new(Constant(*value)),
+            Self::Proportional(slope) => Box::new(Proportional(*slope)),
+            Self::Ramp(r) => Box::new(Table::ramp(r.start, r.end, r.value)?),
+            Self::Hat(h) => Box::new(Table::hat(h.start, h.peak, h.end, h.value)?),
+            Self::Table(points) => Box::new(Table::new(points.clone())?),
+            Self::Sine(s) => Box::new(SineFunction {
+                amplitude: s.amplitude,
+                omega: s.omega,
+                phase: s.phase,
+                offset: s.offset,
+            }),
+        })
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
