@@ -1,4 +1,4 @@
-//! Time per node of the linear solvers on chains of six-dof nodes.
+//! Time per node of the linear solvers on chains and grids of six-dof nodes.
 //!
 //! `cargo run --release -p pullback-integrators --example linear_solver_bench`
 
@@ -9,10 +9,21 @@ use pullback_integrators::linear_solver::{
 };
 use pullback_manifold::sparse::BlockPattern;
 
-/// A dense 12 × 12 element matrix on each pair of neighbours, plus mass.
-fn chain(nodes: usize) -> (BlockPattern, Vec<f64>) {
-    let groups: Vec<[u32; 2]> = (1..nodes as u32).map(|i| [i - 1, i]).collect();
-    let pattern = BlockPattern::new(&vec![6; nodes], &groups);
+fn chain(nodes: u32) -> Vec<[u32; 2]> {
+    (1..nodes).map(|i| [i - 1, i]).collect()
+}
+
+fn grid(side: u32) -> Vec<[u32; 2]> {
+    let right = (0..side * side)
+        .filter(|i| i % side + 1 < side)
+        .map(|i| [i, i + 1]);
+    let down = (0..side * (side - 1)).map(|i| [i, i + side]);
+    right.chain(down).collect()
+}
+
+/// A dense 12 × 12 element matrix on each edge, plus mass.
+fn assemble(nodes: usize, groups: &[[u32; 2]]) -> (BlockPattern, Vec<f64>) {
+    let pattern = BlockPattern::new(&vec![6; nodes], groups);
     let mut values = vec![0.0; pattern.len()];
     let mut state = 1_u64;
     let mut random = move || {
@@ -21,7 +32,7 @@ fn chain(nodes: usize) -> (BlockPattern, Vec<f64>) {
             .wrapping_add(1442695040888963407);
         (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
     };
-    for group in &groups {
+    for group in groups {
         // G Gᵀ with 6 columns, difference of the nodes dominating: symmetric, semidefinite.
         let g: Vec<f64> = (0..72).map(|_| random()).collect();
         for a in 0..12 {
@@ -55,7 +66,7 @@ fn measure(
     let nodes = pattern.blocks() as f64;
     let mut best = [f64::INFINITY; 2];
     let mut b = vec![0.0; pattern.dim()];
-    for _ in 0..(2_000_000 / pattern.dim()).max(10) {
+    for _ in 0..(1_000_000 / pattern.dim()).clamp(5, 1000) {
         let start = Instant::now();
         solver.factorise(values)?;
         best[0] = best[0].min(start.elapsed().as_nanos() as f64 / nodes);
@@ -75,8 +86,24 @@ fn main() -> Result<(), LinearError> {
         "{:>7} {:>24} {:>10} {:>10} {:>10}",
         "nodes", "solver", "factorise", "solve", "sum"
     );
-    for nodes in [100, 1_000, 10_000] {
-        let (pattern, values) = chain(nodes);
+    let shapes = [
+        (100, chain(100)),
+        (1_000, chain(1_000)),
+        (10_000, chain(10_000)),
+        (100, grid(10)),
+        (900, grid(30)),
+        (3_600, grid(60)),
+    ];
+    for (nodes, groups) in shapes {
+        let (pattern, values) = assemble(nodes, &groups);
+        let mut block = BlockLu::new();
+        block.analyse(&pattern, Symmetry::General)?;
+        let flops = block.flops() / nodes as f64;
+        let suits = block.suits();
+        println!(
+            "{} edges, {flops:.0} operations per node, suits: {suits}",
+            groups.len()
+        );
         let mut sums = Vec::new();
         let mut run = |name, solver: &mut dyn LinearSolver, symmetry| {
             let [factorise, solve] = measure(solver, &pattern, &values, symmetry)?;

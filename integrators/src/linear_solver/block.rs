@@ -23,8 +23,8 @@ use super::{
     LinearError, LinearSolver, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, Symmetry, check_length,
 };
 
-/// Block updates beyond which [`BlockLu`] refuses to analyse: half a minute of dense 6 × 6 ones.
-const MAX_UPDATES: usize = 50_000_000;
+/// Block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
+const MAX_UPDATES: usize = 20_000_000;
 
 /// Sparse LU of dense blocks; see the module's source for method and criteria.
 #[derive(Default)]
@@ -59,21 +59,22 @@ impl BlockLu {
         self.ready.as_ref().map_or(0, |r| r.symbolic.len)
     }
 
-    /// Whether this solver is likely faster than a general sparse LU on the analysed pattern.
+    /// Whether this solver is likely faster than a general sparse solver on the analysed pattern.
     ///
-    /// Estimates in nanoseconds, measured on chains and grids: small blocks cost 50 per panel and
-    /// 15 per block update, and run at two operations per nanosecond; supernodal LU costs 30 per
-    /// entry of the matrix for its bookkeeping and runs at ten.
+    /// Estimates in nanoseconds, fitted to chains and grids of six-dof nodes. The general LU costs
+    /// 30 per entry of the matrix for its bookkeeping and then does 8 operations per nanosecond
+    /// (of ours: its order fills in more, but its dense kernels are better); the general Cholesky,
+    /// which is what a symmetric matrix would go to, 15 per entry and 30 operations.
     pub fn suits(&self) -> bool {
         let Some(ready) = &self.ready else {
             return false;
         };
-        let symbolic = &ready.symbolic;
-        let here = 50.0 * symbolic.panels.len() as f64
-            + 15.0 * symbolic.targets.len() as f64
-            + symbolic.flops / 2.0;
-        let there = 30.0 * ready.pattern.len() as f64 + symbolic.flops / 10.0;
-        here < there
+        let (entry, rate) = match ready.symbolic.symmetry {
+            Symmetry::General => (30.0, 8.0),
+            Symmetry::Symmetric => (15.0, 30.0),
+        };
+        let general = entry * ready.pattern.len() as f64 + ready.symbolic.flops / rate;
+        ready.symbolic.nanoseconds() < general
     }
 
     /// Smallest pivot of the last factorisation relative to its original diagonal scale.

@@ -13,8 +13,9 @@ pub struct NullVector {
     pub residual: f64,
 }
 
-/// Pivots replace vanishing ones at this size in the scaled matrix.
-const FLOOR: f64 = 1e-10;
+/// Vanishing pivots are replaced by this in the scaled matrix. The iteration converges to a vector
+/// that the matrix annihilates up to this size: hence hardly more than rounding.
+const FLOOR: f64 = 1e-14;
 /// Directions with a larger residual are no mechanisms.
 const LIMIT: f64 = 1e-11;
 const ITERATIONS: usize = 6;

@@ -66,6 +66,8 @@ pub(super) struct Symbolic {
     pub read: usize,
     /// Floating point operations of a factorisation.
     pub flops: f64,
+    /// Estimated nanoseconds for these, if both halves are worked on.
+    busy: f64,
     pub symmetry: Symmetry,
 }
 
@@ -95,6 +97,7 @@ impl Symbolic {
             len: 0,
             read: 0,
             flops: 0.0,
+            busy: 0.0,
             symmetry,
         };
         this.place(pattern, &nodes, &position);
@@ -128,7 +131,9 @@ impl Symbolic {
                 self.len += 2 * m * size;
                 height += m;
             }
-            self.flops += operations(size as f64, height as f64);
+            let operations = operations(size as f64, height as f64);
+            self.flops += operations;
+            self.busy += operations / rate(size);
             self.panels.push(Panel {
                 unknown: pattern.unknowns(node).start,
                 first: firsts[k],
@@ -229,10 +234,28 @@ impl Symbolic {
         Ok(())
     }
 
+    /// Estimated time of a factorisation.
+    pub fn nanoseconds(&self) -> f64 {
+        let operations = match self.symmetry {
+            Symmetry::General => self.busy,
+            Symmetry::Symmetric => 0.55 * self.busy,
+        };
+        150.0 * self.panels.len() as f64 + 10.0 * self.targets.len() as f64 + operations
+    }
+
     /// Indices of a panel's links.
     pub fn links_of(&self, k: usize) -> std::ops::Range<usize> {
         let start = if k == 0 { 0 } else { self.panels[k - 1].links };
         start..self.panels[k].links
+    }
+}
+
+/// Operations per nanosecond with the kernels for blocks of one size.
+fn rate(n: usize) -> f64 {
+    match n {
+        6 => 9.0,
+        3 => 4.0,
+        _ => 2.0,
     }
 }
 

@@ -1,0 +1,289 @@
+//! What a case is, and the rows it makes.
+
+use crate::input;
+use pullback_elements::model::{Dof, Model, NodeId, NodeState};
+use pullback_integrators::statics::{
+    ArcLengthOptions, Event, StaticOptions, StaticsError, Step, Summary, solve_statics, trace_path,
+};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// A built-in case.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Computes it and compares.
+    pub run: fn(&mut Context) -> Result<(), CaseError>,
+}
+
+/// Why a case gave no rows.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum CaseError {
+    #[error("there is no case {name}; known cases: {known}")]
+    Unknown { name: String, known: String },
+    #[error("gallery case {case}: its model file is not usable: {source}")]
+    Model {
+        case: String,
+        source: Box<input::InputError>,
+    },
+    #[error("gallery case {case}: {source}")]
+    Solve { case: String, source: StaticsError },
+    #[error("gallery case {case}: there is no node {node}")]
+    Node { case: String, node: String },
+    #[error("gallery case {case}: no step at load parameter {t}")]
+    NoStep { case: String, t: f64 },
+    #[error("gallery case {case}: cannot write {}: {reason}", path.display())]
+    Plot {
+        case: String,
+        path: PathBuf,
+        reason: String,
+    },
+}
+
+/// One compared quantity.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Comparison {
+    /// Name of the case.
+    pub case: String,
+    /// What is compared.
+    pub quantity: String,
+    /// What this program computes.
+    pub computed: f64,
+    /// The published or exact value.
+    pub published: f64,
+    /// Their difference.
+    pub difference: f64,
+    /// Largest difference accepted.
+    pub tolerance: f64,
+    /// Where the value comes from.
+    pub source: String,
+    /// Time that the whole case took.
+    pub seconds: f64,
+}
+
+impl Comparison {
+    /// Whether the difference is within the tolerance; never for NaN.
+    pub fn passed(&self) -> bool {
+        self.difference.abs() <= self.tolerance
+    }
+}
+
+/// What a case works with: where rows and plots go.
+pub struct Context {
+    case: &'static str,
+    out: Option<PathBuf>,
+    rows: Vec<Comparison>,
+}
+
+impl Context {
+    pub(super) fn new(case: &'static str, out: Option<&Path>) -> Self {
+        Self {
+            case,
+            out: out.map(Path::to_path_buf),
+            rows: Vec::new(),
+        }
+    }
+
+    pub(super) fn finish(self, seconds: f64) -> Vec<Comparison> {
+        let mut rows = self.rows;
+        for row in &mut rows {
+            row.seconds = seconds;
+        }
+        rows
+    }
+
+    /// Directory for plots, if any are wanted.
+    pub fn out(&self) -> Option<&Path> {
+        self.out.as_deref()
+    }
+
+    /// Adds a row.
+    pub fn compare(
+        &mut self,
+        quantity: impl Into<String>,
+        computed: f64,
+        published: f64,
+        tolerance: f64,
+        source: &str,
+    ) {
+        self.rows.push(Comparison {
+            case: self.case.to_owned(),
+            quantity: quantity.into(),
+            computed,
+            published,
+            difference: computed - published,
+            tolerance,
+            source: source.to_owned(),
+            seconds: 0.0,
+        });
+    }
+
+    /// Adds a row for each component of a vector: "`what` along e1" and so on.
+    pub fn compare_vector(
+        &mut self,
+        what: &str,
+        computed: impl Into<[f64; 3]>,
+        published: [f64; 3],
+        tolerance: f64,
+        source: &str,
+    ) {
+        for (k, (computed, published)) in computed.into().into_iter().zip(published).enumerate() {
+            let quantity = format!("{what} along e{}", k + 1);
+            self.compare(quantity, computed, published, tolerance, source);
+        }
+    }
+
+    /// The model file of this text, ready to be varied.
+    pub(super) fn file(&self, text: &str) -> Result<input::ModelFile, CaseError> {
+        input::parse(self.case, text).map_err(|source| self.model_error(source))
+    }
+
+    fn model_error(&self, source: input::InputError) -> CaseError {
+        CaseError::Model {
+            case: self.case.to_owned(),
+            source: Box::new(source),
+        }
+    }
+
+    /// Builds a model file and finds the node that is watched.
+    pub(super) fn build(
+        &self,
+        file: &input::ModelFile,
+        node: &str,
+    ) -> Result<Watched, CaseError> {
+        let model = input::build(self.case, file).map_err(|source| self.model_error(source))?;
+        let watched = model.find(node).ok_or_else(|| CaseError::Node {
+            case: self.case.to_owned(),
+            node: node.to_owned(),
+        })?;
+        Ok(Watched {
+            model,
+            node: watched,
+            case: self.case,
+        })
+    }
+}
+
+/// A model and the node whose motion is compared.
+pub(super) struct Watched {
+    pub model: Model,
+    pub node: NodeId,
+    case: &'static str,
+}
+
+/// The watched node at a step or located event.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Record {
+    pub t: f64,
+    pub event: Option<usize>,
+    pub iterations: usize,
+    pub state: NodeState,
+}
+
+impl Watched {
+    /// Load steps; the records of all steps.
+    pub(super) fn solve(
+        &mut self,
+        options: &StaticOptions,
+    ) -> Result<(Vec<Record>, Summary), CaseError> {
+        let mut q = Vec::new();
+        self.solve_from(&mut q, options)
+    }
+
+    /// Load steps from a state.
+    pub(super) fn solve_from(
+        &mut self,
+        q: &mut Vec<f64>,
+        options: &StaticOptions,
+    ) -> Result<(Vec<Record>, Summary), CaseError> {
+        let mut records = Vec::new();
+        let node = self.node;
+        let summary = solve_statics(&mut self.model, q, options, &mut |model, step| {
+            records.push(record(model, node, step));
+            ControlFlow::Continue(())
+        })
+        .map_err(|source| self.solve_error(source))?;
+        Ok((records, summary))
+    }
+
+    /// The last of [`Watched::solve`].
+    pub(super) fn end(&mut self, options: &StaticOptions) -> Result<Record, CaseError> {
+        let (records, summary) = self.solve(options)?;
+        records.last().copied().ok_or_else(|| CaseError::NoStep {
+            case: self.case.to_owned(),
+            t: summary.t,
+        })
+    }
+
+    /// The equilibria at growing load parameters, from the reference state.
+    pub(super) fn at_loads(&mut self, loads: &[f64]) -> Result<Vec<Record>, CaseError> {
+        let mut q = Vec::new();
+        let mut from = 0.0;
+        loads
+            .iter()
+            .map(|&to| {
+                let options = StaticOptions {
+                    from,
+                    to,
+                    first_step: to - from,
+                    max_step: to - from,
+                    ..StaticOptions::default()
+                };
+                from = to;
+                let (records, _) = self.solve_from(&mut q, &options)?;
+                records.last().copied().ok_or_else(|| CaseError::NoStep {
+                    case: self.case.to_owned(),
+                    t: to,
+                })
+            })
+            .collect()
+    }
+
+    /// Follows a path; the records of all steps and events.
+    pub(super) fn trace(&mut self, options: &ArcLengthOptions) -> Result<Vec<Record>, CaseError> {
+        let mut records = Vec::new();
+        let node = self.node;
+        let mut q = Vec::new();
+        trace_path(&mut self.model, &mut q, options, &mut |model, step| {
+            records.push(record(model, node, step));
+            ControlFlow::Continue(())
+        })
+        .map_err(|source| self.solve_error(source))?;
+        Ok(records)
+    }
+
+    /// The event that the watched node passes a value.
+    pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, CaseError> {
+        let unknown = self
+            .model
+            .unknown(self.node, dof)
+            .ok_or_else(|| CaseError::Node {
+                case: self.case.to_owned(),
+                node: format!("with a free {dof:?}"),
+            })?;
+        Ok(Event::Coordinate { unknown, value })
+    }
+
+    fn solve_error(&self, source: StaticsError) -> CaseError {
+        CaseError::Solve {
+            case: self.case.to_owned(),
+            source,
+        }
+    }
+}
+
+fn record(model: &Model, node: NodeId, step: &Step<'_>) -> Record {
+    Record {
+        t: step.t,
+        event: step.event,
+        iterations: step.iterations,
+        state: model.node_state(node),
+    }
+}
+
+/// Observed order of convergence from errors at two meshes, the second twice as fine.
+pub(super) fn order(coarse: f64, fine: f64) -> f64 {
+    (coarse / fine).abs().log2()
+}

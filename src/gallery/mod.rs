@@ -1,0 +1,61 @@
+//! The gallery: built-in cases with published or exact results, and how far the program is off.
+
+mod bend45;
+mod case;
+mod helix;
+mod limit_points;
+mod planar;
+mod spatial;
+
+pub use case::{Case, CaseError, Comparison, Context};
+
+use std::path::Path;
+use std::time::Instant;
+
+/// All cases, in the order in which they run.
+pub const CASES: &[Case] = &[
+    bend45::CASE,
+    bend45::CONVERGENCE,
+    helix::CASE,
+    planar::ROLLUP,
+    planar::ELASTICA,
+    planar::CANTILEVER,
+    spatial::TWISTED,
+    spatial::PRINCETON,
+    planar::SHEAR_FLEXIBLE,
+    limit_points::LEE_FRAME,
+    limit_points::DEEP_ARCH,
+    spatial::BENDING_TORSION,
+    planar::FOLLOWER,
+    bend45::OBJECTIVITY,
+];
+
+/// Runs the cases of the given names (all when there are none) and returns one row per compared
+/// quantity. Plots go to `out` where it is given; `progress` hears the name of each case.
+///
+/// # Errors
+/// [`CaseError`] for an unknown name, or a case that could not be computed at all.
+pub fn run(
+    names: &[String],
+    out: Option<&Path>,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Vec<Comparison>, CaseError> {
+    if let Some(name) = names.iter().find(|n| CASES.iter().all(|c| c.name != **n)) {
+        return Err(CaseError::Unknown {
+            name: name.clone(),
+            known: CASES.iter().map(|c| c.name).collect::<Vec<_>>().join(", "),
+        });
+    }
+    let mut rows = Vec::new();
+    for case in CASES {
+        if !names.is_empty() && names.iter().all(|n| n != case.name) {
+            continue;
+        }
+        progress(case.name);
+        let mut context = Context::new(case.name, out);
+        let start = Instant::now();
+        (case.run)(&mut context)?;
+        rows.extend(context.finish(start.elapsed().as_secs_f64()));
+    }
+    Ok(rows)
+}
