@@ -1,4 +1,20 @@
 //! Elements, loads and models of flexible multibody systems on top of `pullback-manifold`.
+//!
+//! - [`element::Element`] is the one trait for whatever contributes to the residual: beams, loads,
+//!   and what users write. One evaluation fills residual and tangents in place.
+//! - [`beam`] is Reissner's geometrically exact beam with total rotation vectors, two to four
+//!   nodes; [`load`] has nodal and distributed loads with exact tangents; [`time`] their functions.
+//! - [`model`] collects nodes, elements, loads and supports, checks them, numbers the unknowns and
+//!   assembles them into a [`System`](pullback_manifold::system::System).
+//!
+//! # Conventions
+//! A frame node has the coordinates (d, Ψ): displacement from its reference place and rotation
+//! vector from its reference orientation, in global components e1, e2, e3. The residual is
+//! r = f_ext − f_int − f_acc, tangents are its negative derivatives, matrices stand column by
+//! column. Cross-sections have axes E₁ (along the beam), E₂, E₃; stress resultants N, M and strains
+//! Γ, K are given in these. Units are the user's, but consistent.
+
+#![warn(clippy::unwrap_used)]
 
 pub mod beam;
 pub mod check;

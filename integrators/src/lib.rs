@@ -1,4 +1,13 @@
-//! Solvers for systems of `pullback-manifold`: statics and the linear algebra under them.
+//! Solvers for the systems of `pullback-manifold`: statics, and the linear algebra under it.
+//!
+//! Nothing here knows what a beam is: a [`System`](pullback_manifold::system::System) is a residual,
+//! a combined tangent in a fixed pattern, and changes of chart after converged steps.
+//!
+//! - [`statics`]: load stepping that halves and grows its steps, and path following through limit
+//!   points with located events.
+//! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
+
+#![warn(clippy::unwrap_used)]
 
 pub mod linear_solver;
 pub mod statics;

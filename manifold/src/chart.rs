@@ -89,7 +89,7 @@ impl Chart<1> for Circle {
     }
 }
 
-/// Rotations by the rotation vector Ψ = ψ e, an open ball of radius 2π ([M04] definition 14).
+/// Rotations by the rotation vector Ψ = ψ e, an open ball of radius 2π (\[M04\] definition 14).
 ///
 /// A change of chart is due where ψ > π; it is the [`Complement`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -122,7 +122,7 @@ impl Chart<3> for RotationVector {
 }
 
 /// The complement rotation vector Ψᶜ = Ψ − 2π Ψ/ψ, the same rotation in the other chart
-/// ([M04] definition 15, 4.1.1). It is its own inverse, and not defined at ψ = 0.
+/// (\[M04\] definition 15, 4.1.1). It is its own inverse, and not defined at ψ = 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Complement;
 

@@ -389,6 +389,7 @@ macro_rules! derived_operators {
         impl<$($generics)*> Div for $type {
             type Output = Self;
             #[inline]
+            #[allow(clippy::suspicious_arithmetic_impl, reason = "1/b has its own chain rule")]
             fn div(self, b: Self) -> Self {
                 self * b.recip()
             }

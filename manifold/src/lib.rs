@@ -1,4 +1,28 @@
 //! Manifolds, charts and maps: the mathematics under `pullback`.
+//!
+//! The one idea: **a holonomic constraint is a map** x = φ(t, q) from coordinates q into the
+//! coordinates x of ordinary elements. Three abstractions carry it:
+//!
+//! | | trait | what its author writes |
+//! |---|---|---|
+//! | chart | [`chart::Chart`] | coordinates ↔ point, where it is valid, the change to another chart |
+//! | map | [`map::Map`], [`map::Parametrization`] | one generic function φ(t, q) |
+//! | system | [`system::System`] | residual and combined tangent of an equation of motion |
+//!
+//! Everything else follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over
+//! the number types of [`jet`], [`pullback`] carries residuals and tangents through a map, and
+//! [`check`] verifies whatever is written by slope.
+//!
+//! # Conventions
+//! - Vectors are columns; matrices in slices are stored column by column.
+//! - Rotation vectors Ψ and displacements d have components in the global frame e1, e2, e3; a
+//!   frame's coordinates are (d, Ψ), in this order.
+//! - The residual is r = f_ext − f_int − f_acc; K = −∂r/∂q, C = −∂r/∂q̇, M = −∂r/∂q̈.
+//! - Names are the symbols of `docs/notation.md`; equation numbers are those of \[M04\], J. Mäkinen,
+//!   *A Formulation for Flexible Multibody Mechanics*, Tampere University of Technology, Research
+//!   Report 2004:3.
+
+#![warn(clippy::unwrap_used)]
 
 pub mod chart;
 pub mod check;

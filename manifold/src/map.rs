@@ -1,8 +1,8 @@
 //! Holonomic constraints as maps x = φ(t, q): one generic function, everything else derived.
 //!
-//! [M04] chapter 4: a constraint is a map from a parameter space E^D into the embedding space
+//! \[M04\] chapter 4: a constraint is a map from a parameter space E^D into the embedding space
 //! E^N. Because the gradient in q and the time derivative commute, one run of φ over jets along
-//! the motion t + τ, q + q̇τ + ½q̈τ² gives (theory: [M04] (180), (183))
+//! the motion t + τ, q + q̇τ + ½q̈τ² gives (theory: \[M04\] (180), (183))
 //!
 //! ```text
 //! x, ẋ, ẍ     and     B = D_q φ,  Ḃ,  B̈

@@ -1,5 +1,5 @@
 //! The pull-back of a residual and its tangents through a map: written once, for any element and
-//! any map ([M04] (180), (183)).
+//! any map (\[M04\] (180), (183)).
 //!
 //! ```text
 //! r_mr = Bᵀ r

@@ -1,4 +1,4 @@
-//! Reissner's geometrically exact beam with total rotation vectors ([M04] chapter 3).
+//! Reissner's geometrically exact beam with total rotation vectors (\[M04\] chapter 3).
 
 mod element;
 mod section;

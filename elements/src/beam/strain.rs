@@ -51,7 +51,7 @@ pub(super) struct Strained {
     pub M: Vector3<f64>,
 }
 
-/// Forces conjugate to x′, Ψ′ and Ψ: the rows of Bᵀ(N, M), [M04] (162).
+/// Forces conjugate to x′, Ψ′ and Ψ: the rows of Bᵀ(N, M), \[M04\] (162).
 pub(super) struct Forces {
     pub x_prime: Vector3<f64>,
     pub psi_prime: Vector3<f64>,
@@ -69,7 +69,7 @@ pub(super) struct Stiffness {
 }
 
 impl Strained {
-    /// Strains Γ = Rᵀx′ − X′ and K = TΨ′ ([M04] (118)) and their resultants; X′ is the reference
+    /// Strains Γ = Rᵀx′ − X′ and K = TΨ′ (\[M04\] (118)) and their resultants; X′ is the reference
     /// x′ of unit length, tangent to the reference line.
     #[inline]
     pub(super) fn new(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> Self {
@@ -98,7 +98,7 @@ impl Strained {
         0.5 * (self.N.dot(&self.Gamma) + self.M.dot(&self.K))
     }
 
-    /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], [M04] (162).
+    /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], \[M04\] (162).
     #[inline]
     pub(super) fn forces(&self) -> Forces {
         Forces {
@@ -124,7 +124,7 @@ impl Strained {
         )
     }
 
-    /// BᵀCB + K_σ, [M04] (167), with the stress resultants N, M in K_σ.
+    /// BᵀCB + K_σ, \[M04\] (167), with the stress resultants N, M in K_σ.
     #[inline]
     pub(super) fn stiffness(
         &self,

@@ -1,4 +1,4 @@
-//! Forces and moments at a node ([M04] section 3.5; theory of conservative and follower loads).
+//! Forces and moments at a node (\[M04\] section 3.5; theory of conservative and follower loads).
 
 #![allow(non_snake_case)]
 

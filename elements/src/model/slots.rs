@@ -1,4 +1,4 @@
-//! Changes of rotation chart inside an assembly: [M04] definition 15 and section 4.1.1.
+//! Changes of rotation chart inside an assembly: \[M04\] definition 15 and section 4.1.1.
 
 #![allow(non_snake_case)]
 

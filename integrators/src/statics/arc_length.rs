@@ -169,7 +169,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         out.summary.chart_changes += changes;
         if outcome.is_ok() {
-            outcome = advance(&mut newton, solver, system, &at, ds, &norm, options, &mut next);
+            outcome = advance(&mut newton, solver, system, &at, ds, &norm, &mut next);
         }
         let iterations = newton.iterations();
         let history = newton.history.clone();
@@ -205,7 +205,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         let moved = !located.is_empty();
         for (index, s) in located {
             let mut place = at.clone();
-            let ok = advance(&mut newton, solver, system, &at, s, &norm, options, &mut place);
+            let ok = advance(&mut newton, solver, system, &at, s, &norm, &mut place);
             if ok.is_err() {
                 continue;
             }
@@ -299,7 +299,6 @@ fn advance<Y: System + ?Sized>(
     at: &Place,
     ds: f64,
     norm: &Norm,
-    options: &ArcLengthOptions,
     next: &mut Place,
 ) -> Result<(), Failure> {
     for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
@@ -330,7 +329,6 @@ fn advance<Y: System + ?Sized>(
         &mut next.lambda,
         Some(&condition),
         Some((at.lambda, &at.q)),
-        &options.newton,
     )
 }
 
@@ -365,7 +363,9 @@ fn locate_events<Y: System + ?Sized>(
             found.push((index, ds));
             continue;
         }
-        if !(fa * fb < 0.0) {
+        // An event that cannot be evaluated (NaN) does not happen.
+        let crossed = fa * fb < 0.0;
+        if !crossed {
             continue;
         }
         // Regula falsi with the Illinois modification; each trial is a converged place.
@@ -374,7 +374,7 @@ fn locate_events<Y: System + ?Sized>(
         let mut s = b;
         for _ in 0..40 {
             s = (a * fb - b * fa) / (fb - fa);
-            let ok = advance(newton, solver, system, at, s, norm, options, &mut trial).is_ok();
+            let ok = advance(newton, solver, system, at, s, norm, &mut trial).is_ok();
             trial.dq.copy_from_slice(&at.dq);
             trial.d_lambda = at.d_lambda;
             let ok = ok

@@ -122,9 +122,9 @@ pub fn solve_statics_with<Y: System + ?Sized>(
         let outcome = predict(&mut newton, solver, system, q, [summary.t, t], fresh)
             .and_then(|()| {
                 let previous = Some((summary.t, start.as_slice()));
-                correct(&mut newton, solver, system, q, t, previous, options)
+                correct(&mut newton, solver, system, q, t, previous)
             })
-            .and_then(|()| settle(&mut newton, solver, system, q, t, options));
+            .and_then(|()| settle(&mut newton, solver, system, q, t));
         summary.evaluations = newton.evaluations;
         summary.factorisations = newton.factorisations;
         match outcome {
@@ -214,10 +214,9 @@ fn correct<Y: System + ?Sized>(
     q: &mut [f64],
     t: f64,
     previous: Option<(f64, &[f64])>,
-    options: &StaticOptions,
 ) -> Result<(), Failure> {
     let mut lambda = t;
-    newton.correct(system, solver, q, &mut lambda, None, previous, &options.newton)
+    newton.correct(system, solver, q, &mut lambda, None, previous)
 }
 
 /// Changes charts where that is due and restores equilibrium where an element's own
@@ -228,7 +227,6 @@ fn settle<Y: System + ?Sized>(
     system: &mut Y,
     q: &mut [f64],
     t: f64,
-    options: &StaticOptions,
 ) -> Result<usize, Failure> {
     let mut changes = 0;
     // Where equilibrium moves an element back over its border the second round is the last.
@@ -238,7 +236,7 @@ fn settle<Y: System + ?Sized>(
         if changed == ChartChanges::default() {
             break;
         }
-        correct(newton, solver, system, q, t, None, options)?;
+        correct(newton, solver, system, q, t, None)?;
     }
     Ok(changes)
 }

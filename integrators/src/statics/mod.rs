@@ -1,4 +1,5 @@
-//! Equilibrium: load stepping and path following for any [`System`] at rest.
+//! Equilibrium: load stepping and path following for any
+//! [`System`](pullback_manifold::system::System) at rest.
 //!
 //! A step reads as verbs: change charts, evaluate, predict, correct, accept. The step size is
 //! halved when a step fails and grows when it was easy, so that a load in gives an answer out.

@@ -67,6 +67,7 @@ pub(super) struct Newton {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
+    options: NewtonOptions,
 }
 
 impl Newton {
@@ -88,6 +89,7 @@ impl Newton {
             history: Vec::with_capacity(options.max_iterations + 1),
             evaluations: 0,
             factorisations: 0,
+            options: *options,
         }
     }
 
@@ -152,12 +154,12 @@ impl Newton {
     }
 
     /// Residual per kind, and the worst of them over what the convergence test allows.
-    fn test<Y: System + ?Sized>(&self, system: &Y, options: &NewtonOptions) -> ([f64; 3], f64) {
+    fn test<Y: System + ?Sized>(&self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
         let scales = system.scales();
         let ratio = (0..3)
             .map(|k| {
-                let allowed = (options.relative * scales.force[k]).max(options.absolute);
+                let allowed = (self.options.relative * scales.force[k]).max(self.options.absolute);
                 largest[k] / allowed
             })
             .fold(0.0, f64::max);
@@ -174,12 +176,12 @@ impl Newton {
         lambda: &mut f64,
         condition: Option<&Condition<'_>>,
         previous: Option<(f64, &[f64])>,
-        options: &NewtonOptions,
     ) -> Result<(), Failure> {
+        let options = self.options;
         self.evaluate(system, previous, q, *lambda)
             .map_err(Failure::System)?;
         loop {
-            let (residual, ratio) = self.test(system, options);
+            let (residual, ratio) = self.test(system);
             let small_correction = self
                 .history
                 .last()
@@ -216,7 +218,7 @@ impl Newton {
                     *dq += d_lambda * rate;
                 }
             }
-            let damping = self.damped_step(system, solver, q, lambda, d_lambda, ratio, options)?;
+            let damping = self.damped_step(system, solver, q, lambda, d_lambda, ratio)?;
             self.history.push(Iteration {
                 residual,
                 ratio,
@@ -228,7 +230,6 @@ impl Newton {
 
     /// Goes along `dq` as far as the natural monotonicity test allows; leaves q, λ and the
     /// evaluation at the new point.
-    #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
     fn damped_step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -237,16 +238,15 @@ impl Newton {
         lambda: &mut f64,
         d_lambda: f64,
         ratio: f64,
-        options: &NewtonOptions,
     ) -> Result<f64, Failure> {
         let full = self.size(&self.dq);
-        let free = self.history.len() <= options.full_corrections;
+        let free = self.history.len() <= self.options.full_corrections;
         if !full.is_finite() {
             return Err(Failure::Diverged);
         }
         let mut damping = 1.0;
         let mut last = None;
-        while damping >= options.smallest_damping {
+        while damping >= self.options.smallest_damping {
             self.trial.copy_from_slice(q);
             for (x, d) in self.trial.iter_mut().zip(&self.dq) {
                 *x += damping * d;
@@ -266,7 +266,7 @@ impl Newton {
                 }
                 Ok(()) => {
                     last = None;
-                    free || self.test(system, options).1 <= ratio || {
+                    free || self.test(system).1 <= ratio || {
                         self.simplified.copy_from_slice(&self.r);
                         solver
                             .solve(&mut self.simplified)

@@ -8,7 +8,7 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use serde_json::Value;
 
-/// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m ([M04] 4.1.2).
+/// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2).
 pub struct Offset(pub [f64; 3]);
 
 impl Map<6, 6> for Offset {
@@ -24,7 +24,7 @@ impl Map<6, 6> for Offset {
     }
 }
 
-/// Ψ_s = log(R(Ψ_m) R(φ e)) ([M04] 4.1.4), on the sheet of its own product of quaternions.
+/// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the sheet of its own product of quaternions.
 pub struct Revolute {
     pub axis: Vector3<f64>,
 }
