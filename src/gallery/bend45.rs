@@ -131,32 +131,8 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     context.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
 
     // The same bend with a follower force, its clamp turned: the strain energy must not change.
-    let energy = |elements: usize, turned: bool, force: f64| -> Result<f64, CaseError> {
-        let mut file = file.clone();
-        file.lines[0].elements = elements;
-        file.loads[0].force = Some([0.0, 0.0, force]);
-        file.loads[0].follower = true;
-        if turned {
-            file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
-            let ramp = |value: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, value]]));
-            file.supports[0].driven = Some(Driven {
-                rx: ramp(0.8),
-                ry: ramp(-1.1),
-                rz: ramp(0.9),
-                ..Driven::default()
-            });
-            file.loads[0].time = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
-        }
-        let mut watched = context.build(&file, "tip")?;
-        let options = StaticOptions {
-            to: if turned { 2.0 } else { 1.0 },
-            ..StaticOptions::default()
-        };
-        watched.end(&options)?;
-        Ok(watched.model.strain_energy(options.to))
-    };
-    let free = energy(8, true, 0.0)?;
-    let scale = energy(8, false, 300.0)?;
+    let free = energy(context, &file, 8, true, 0.0)?;
+    let scale = energy(context, &file, 8, false, 300.0)?;
     context.compare(
         "strain energy of the unloaded bend, turned by 1.6 rad, relative",
         free / scale,
@@ -166,8 +142,8 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     );
     let mut errors = Vec::new();
     for elements in [8, 16, 32] {
-        let straight = energy(elements, false, 300.0)?;
-        errors.push(energy(elements, true, 300.0)? / straight - 1.0);
+        let straight = energy(context, &file, elements, false, 300.0)?;
+        errors.push(energy(context, &file, elements, true, 300.0)? / straight - 1.0);
     }
     context.compare(
         "relative change of strain energy when the loaded bend is turned, 32 elements",
@@ -184,4 +160,36 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
         "theory: interpolation error of linear elements",
     );
     Ok(())
+}
+
+/// Strain energy of the bend under a follower force, with its clamp turned afterwards or not.
+fn energy(
+    context: &Context,
+    file: &ModelFile,
+    elements: usize,
+    turned: bool,
+    force: f64,
+) -> Result<f64, CaseError> {
+    let mut file = file.clone();
+    file.lines[0].elements = elements;
+    file.loads[0].force = Some([0.0, 0.0, force]);
+    file.loads[0].follower = true;
+    if turned {
+        file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
+        let ramp = |value: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, value]]));
+        file.supports[0].driven = Some(Driven {
+            rx: ramp(0.8),
+            ry: ramp(-1.1),
+            rz: ramp(0.9),
+            ..Driven::default()
+        });
+        file.loads[0].time = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+    }
+    let mut watched = context.build(&file, "tip")?;
+    let options = StaticOptions {
+        to: if turned { 2.0 } else { 1.0 },
+        ..StaticOptions::default()
+    };
+    watched.end(&options)?;
+    Ok(watched.model.strain_energy(options.to))
 }

@@ -1,7 +1,7 @@
 //! The helical beam: rotations far beyond π, elements astride a change of chart most of the time.
 
 use super::case::{Case, CaseError, Context, Record};
-use crate::output::plot;
+
 use pullback_integrators::statics::StaticOptions;
 
 /// The helical beam with 100 and 200 elements.

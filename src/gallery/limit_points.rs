@@ -82,7 +82,7 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
         let end = records.iter().find(|r| r.event == Some(0));
         Ok(end.map_or([f64::NAN; 3], |r| [1000.0 * r.t, -r.state.d.y, r.state.d.x]))
     };
-    let fine = limit(40, 2)?;
+    let fine = limit(30, 3)?;
     let linear = limit(20, 1)?;
     let curved = limit(10, 2)?;
     context.compare("limit load", fine[0], 897.2891, 1e-3, EXACT);

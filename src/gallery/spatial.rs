@@ -98,7 +98,7 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
             section.stiffness = Some(Stiffness {
                 EA,
                 GA: [0.5 * EA; 2],
-                GJ: 0.5,
+                GJ: 1.0,
                 EI: [1.0; 2],
             });
         }

@@ -203,13 +203,13 @@ pub fn trace_path_with<Y: System + ?Sized>(
             &mut newton, solver, system, &at, &next, ds, &norm, options,
         );
         let moved = !located.is_empty();
-        for (index, s) in located {
-            let mut place = at.clone();
-            let ok = advance(&mut newton, solver, system, &at, s, &norm, &mut place);
-            if ok.is_err() {
-                continue;
-            }
+        for Located { index, s, place } in located {
             out.events.push((index, place.lambda));
+            newton
+                .evaluate(system, None, &place.q, place.lambda)
+                .map_err(|source| StaticsError::Step(Box::new(FailedStep::new(
+                    system, &newton, Failure::System(source), &out.summary, place.lambda,
+                ))))?;
             let report = Step {
                 number: out.summary.steps,
                 t: place.lambda,
@@ -343,7 +343,26 @@ fn event_value(event: Event, place: &Place) -> f64 {
     }
 }
 
-/// Distances from `at` at which events happen before `next`, in order.
+/// An event found within a step.
+struct Located {
+    index: usize,
+    /// Distance from the step's start.
+    s: f64,
+    place: Place,
+}
+
+/// Change of an event's function, relative to its change over the step, that counts as zero.
+///
+/// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
+/// and K solvable.
+fn resolution(event: Event) -> f64 {
+    match event {
+        Event::TurningPoint => 1e-7,
+        Event::Load(_) | Event::Coordinate { .. } => 1e-12,
+    }
+}
+
+/// The events between `at` and `next`, in order.
 #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
 fn locate_events<Y: System + ?Sized>(
     newton: &mut Newton,
@@ -354,38 +373,45 @@ fn locate_events<Y: System + ?Sized>(
     ds: f64,
     norm: &Norm,
     options: &ArcLengthOptions,
-) -> Vec<(usize, f64)> {
+) -> Vec<Located> {
     let mut found = Vec::new();
     for (index, &(event, _)) in options.events.iter().enumerate() {
         let (mut a, mut fa) = (0.0, event_value(event, at));
         let (mut b, mut fb) = (ds, event_value(event, next));
-        if fb == 0.0 {
-            found.push((index, ds));
-            continue;
-        }
-        // An event that cannot be evaluated (NaN) does not happen.
-        let crossed = fa * fb < 0.0;
+        // An event that cannot be evaluated (NaN) does not happen; one that happened at the start
+        // was reported with the step before.
+        let crossed = fa * fb < 0.0 || (fb == 0.0 && fa != 0.0);
         if !crossed {
             continue;
         }
-        // Regula falsi with the Illinois modification; each trial is a converged place.
+        // Regula falsi with the Illinois modification; each trial is a converged place, and the
+        // best of them is reported even where the last bit cannot be resolved.
         let size = fa.abs().max(fb.abs());
+        let mut best = Located {
+            index,
+            s: ds,
+            place: next.clone(),
+        };
+        let mut least = fb.abs();
         let mut trial = at.clone();
-        let mut s = b;
-        for _ in 0..40 {
-            s = (a * fb - b * fa) / (fb - fa);
-            let ok = advance(newton, solver, system, at, s, norm, &mut trial).is_ok();
+        for _ in 0..60 {
+            if least <= resolution(event) * size || (b - a).abs() <= 1e-13 * ds {
+                break;
+            }
+            let s = (a * fb - b * fa) / (fb - fa);
             trial.dq.copy_from_slice(&at.dq);
             trial.d_lambda = at.d_lambda;
-            let ok = ok
+            let converged = advance(newton, solver, system, at, s, norm, &mut trial).is_ok()
                 && (event != Event::TurningPoint
                     || tangent(newton, solver, system, &mut trial, norm).is_ok());
-            if !ok {
+            if !converged {
                 break;
             }
             let f = event_value(event, &trial);
-            if f.abs() <= 1e-12 * size || (b - a).abs() <= 1e-12 * ds {
-                break;
+            if f.abs() < least {
+                least = f.abs();
+                best.s = s;
+                best.place.clone_from(&trial);
             }
             if f * fb < 0.0 {
                 (a, fa) = (b, fb);
@@ -394,9 +420,9 @@ fn locate_events<Y: System + ?Sized>(
             }
             (b, fb) = (s, f);
         }
-        found.push((index, s));
+        found.push(best);
     }
-    found.sort_by(|x, y| x.1.total_cmp(&y.1));
+    found.sort_by(|x, y| x.s.total_cmp(&y.s));
     found
 }
 

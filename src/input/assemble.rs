@@ -1,0 +1,207 @@
+//! The whole model: names, references, and the order in which things are made.
+
+use super::file::{ModelFile, Output};
+use super::settings::Plan;
+use super::{InputError, Problem, Text, lines, loads, probes, sections, settings};
+use crate::probe::Probe;
+use nalgebra::Matrix3;
+use pullback_elements::model::{ElementId, Model, ModelBuilder, ModelError, NodeId};
+use std::collections::{BTreeMap, HashMap};
+
+/// What a model file describes, ready to run.
+pub struct Job {
+    /// Title, if the file has one.
+    pub title: Option<String>,
+    /// The model.
+    pub model: Model,
+    /// What to compute.
+    pub plan: Plan,
+    /// What to record.
+    pub probes: Vec<Probe>,
+    /// Lines and supports, for figures and ParaView.
+    pub geometry: Geometry,
+    /// What to write.
+    pub output: Output,
+    /// The file, with all defaults filled in.
+    pub file: ModelFile,
+}
+
+/// Where the lines of elements are.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Lines in the order of the file.
+    pub lines: Vec<LineGeometry>,
+    /// Nodes with a support.
+    pub supports: Vec<NodeId>,
+}
+
+/// A line of elements.
+#[derive(Clone, Debug)]
+pub struct LineGeometry {
+    /// Name.
+    pub name: String,
+    /// Order of the elements.
+    pub order: usize,
+    /// Nodes from start to end.
+    pub nodes: Vec<NodeId>,
+    /// Reference orientation (columns E₁, E₂, E₃) at each node.
+    pub frames: Vec<Matrix3<f64>>,
+    /// Elements from start to end.
+    pub elements: Vec<ElementId>,
+}
+
+/// Things by name.
+pub(super) struct Names<T> {
+    what: &'static str,
+    order: Vec<String>,
+    things: HashMap<String, T>,
+}
+
+impl<T: Copy> Names<T> {
+    pub(super) fn new(what: &'static str) -> Self {
+        Self {
+            what,
+            order: Vec::new(),
+            things: HashMap::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, name: String, thing: T) {
+        self.order.push(name.clone());
+        self.things.insert(name, thing);
+    }
+
+    /// The thing of a name, or a refusal of the value at `path`.
+    pub(super) fn find(
+        &self,
+        source: &Text<'_>,
+        path: &[&str],
+        name: &str,
+    ) -> Result<T, InputError> {
+        self.things.get(name).copied().ok_or_else(|| {
+            source.value(
+                path,
+                Problem::UnknownName {
+                    what: self.what,
+                    name: name.to_owned(),
+                    known: self.order.clone(),
+                },
+            )
+        })
+    }
+}
+
+/// Whether a name can stand in messages, columns and composed names.
+pub(super) fn usable_name(name: &str) -> bool {
+    let forbidden = |c: char| c.is_control() || "/:,\"'".contains(c);
+    !name.trim().is_empty() && !name.contains(forbidden)
+}
+
+/// Refuses the second of two things with one name.
+pub(super) fn distinct<'a>(
+    source: &Text<'_>,
+    table: &str,
+    what: &'static str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), InputError> {
+    let mut seen = std::collections::HashSet::new();
+    for (k, name) in names.enumerate() {
+        let index = k.to_string();
+        let path = [table, index.as_str(), "name"];
+        if !usable_name(name) {
+            let name = name.to_owned();
+            return Err(source.value(&path, Problem::Name { what, name }));
+        }
+        if !seen.insert(name) {
+            let what = if what == "line" { "lines" } else { "probes" };
+            let name = name.to_owned();
+            return Err(source.value(&path, Problem::Duplicate { what, name }));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputError> {
+    for (what, missing) in [
+        ("nodes", file.nodes.is_empty()),
+        ("lines", file.lines.is_empty()),
+    ] {
+        if missing {
+            return Err(InputError::whole(Problem::Missing { what }));
+        }
+    }
+    let mut made = BTreeMap::new();
+    for (name, described) in &file.sections {
+        made.insert(name.clone(), sections::section(source, name, described)?);
+    }
+    let mut builder = ModelBuilder::new();
+    let mut nodes = add_nodes(source, &mut builder, &file)?;
+    distinct(source, "lines", "line", file.lines.iter().map(|l| l.name.as_str()))?;
+    let mut geometry = Geometry::default();
+    for (k, line) in file.lines.iter().enumerate() {
+        let laid = lines::lay(source, &mut builder, &nodes, &made, k, line)?;
+        geometry.lines.push(laid);
+    }
+    for line in &geometry.lines {
+        for &node in &line.nodes[1..line.nodes.len() - 1] {
+            nodes.add(builder.node_name(node).to_owned(), node);
+        }
+    }
+    geometry.supports = loads::support(source, &mut builder, &nodes, &file.supports)?;
+    loads::apply(source, &mut builder, &nodes, &geometry.lines, &made, &file)?;
+    let model = builder
+        .build()
+        .and_then(|model| model.check_supports().map(|()| model))
+        .map_err(|error| locate(source, &file, error))?;
+    let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
+    let probes = probes::resolve(source, &model, &nodes, &geometry, &file.probes)?;
+    Ok(Job {
+        title: file.title.clone(),
+        model,
+        plan,
+        probes,
+        geometry,
+        output: file.output,
+        file,
+    })
+}
+
+/// Adds the nodes in the order in which the file names them.
+fn add_nodes(
+    source: &Text<'_>,
+    builder: &mut ModelBuilder,
+    file: &ModelFile,
+) -> Result<Names<NodeId>, InputError> {
+    let mut order: Vec<(&String, &[f64; 3])> = file.nodes.iter().collect();
+    order.sort_by_key(|(name, _)| source.places.key(&["nodes", name]).map(|s| s.start));
+    let mut nodes = Names::new("node");
+    for (name, &place) in order {
+        let path = ["nodes", name.as_str()];
+        if !usable_name(name) {
+            let (what, name) = ("node", name.clone());
+            return Err(source.key(&path, Problem::Name { what, name }));
+        }
+        let id = builder
+            .node(name.clone(), place)
+            .map_err(|error| source.value(&path, Problem::Model(error)))?;
+        nodes.add(name.clone(), id);
+    }
+    Ok(nodes)
+}
+
+/// The place of a problem that only the whole model shows: the node, or the line it lies in.
+fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
+    let node = match &error {
+        ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
+        _ => String::new(),
+    };
+    let line = node.split('/').next().and_then(|name| {
+        let k = file.lines.iter().position(|l| l.name == name)?;
+        node.contains('/').then(|| k.to_string())
+    });
+    let problem = Problem::Model(error);
+    match line {
+        Some(k) => source.value(&["lines", &k, "name"], problem),
+        None => source.key(&["nodes", &node], problem),
+    }
+}

@@ -1,0 +1,268 @@
+//! Why a model file is refused: what is wrong, where it stands, what would be right.
+
+use super::suggest::closest;
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use pullback_elements::beam::SectionError;
+use pullback_elements::model::ModelError;
+use pullback_elements::time::TimeFunctionError;
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// What is wrong with a model file.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say it")]
+pub enum Problem {
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("{} is not UTF-8 text: byte {byte} (line {line}) fits no character", path.display())]
+    NotUtf8 {
+        path: PathBuf,
+        byte: usize,
+        line: usize,
+    },
+    #[error("the model file is empty")]
+    Empty,
+    #[error("{0}")]
+    Toml(String),
+    #[error("unknown key or word `{found}`")]
+    UnknownKey { found: String, known: Vec<String> },
+    #[error("the number {number} cannot be used")]
+    Number { number: String },
+    #[error("the model has no {what}")]
+    Missing { what: &'static str },
+    #[error("there is no {what} named \"{name}\"")]
+    UnknownName {
+        what: &'static str,
+        name: String,
+        known: Vec<String>,
+    },
+    #[error("there are two {what} named \"{name}\"")]
+    Duplicate { what: &'static str, name: String },
+    #[error("the {what} name \"{name}\" cannot be used")]
+    Name { what: &'static str, name: String },
+    #[error("section \"{section}\" must be given in one way, but has {}", list(given))]
+    SectionKind {
+        section: String,
+        given: Vec<&'static str>,
+    },
+    #[error("section \"{section}\": a {shape} needs a material")]
+    NoMaterial {
+        section: String,
+        shape: &'static str,
+    },
+    #[error("section \"{section}\" has a material, which only a rectangle, circle or tube uses")]
+    UselessMaterial { section: String },
+    #[error("section \"{section}\": {source}")]
+    Section {
+        section: String,
+        source: SectionError,
+    },
+    #[error("section \"{section}\": mass {key} must not be negative, got {value}")]
+    NegativeMass {
+        section: String,
+        key: &'static str,
+        value: f64,
+    },
+    #[error("line \"{line}\" has zero length: nodes \"{from}\" and \"{to}\" stand at {at:?}")]
+    ZeroLength {
+        line: String,
+        from: String,
+        to: String,
+        at: [f64; 3],
+    },
+    #[error("line \"{line}\": {key} {vector:?} gives no direction")]
+    NoDirection {
+        line: String,
+        key: &'static str,
+        vector: [f64; 3],
+    },
+    #[error("line \"{line}\": twist_deg is for straight lines, this one is an arc")]
+    TwistedArc { line: String },
+    #[error("{key} = {value} is out of range")]
+    Range {
+        key: &'static str,
+        value: f64,
+        expected: &'static str,
+    },
+    #[error("the support of node \"{node}\" says neither what to fix nor what to drive")]
+    UselessSupport { node: String },
+    #[error("coordinate {dof} of node \"{node}\" is prescribed twice")]
+    PrescribedTwice { node: String, dof: &'static str },
+    #[error("coordinate {dof} of node \"{node}\" is prescribed, so the path cannot be measured by it")]
+    PrescribedEvent { node: String, dof: &'static str },
+    #[error("this load has {}", list(given))]
+    LoadKind { given: Vec<&'static str> },
+    #[error("this load has {load}, which acts on a {needs}")]
+    LoadTarget {
+        load: &'static str,
+        needs: &'static str,
+    },
+    #[error("gravity cannot turn with the structure")]
+    FollowerGravity,
+    #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
+    NoMass { line: String, section: String },
+    #[error("{source}")]
+    Time { source: TimeFunctionError },
+    #[error("the probe \"{probe}\" records {quantity}, which needs {needs}")]
+    ProbeTarget {
+        probe: String,
+        quantity: &'static str,
+        needs: &'static str,
+    },
+    #[error("component \"{component}\" does not exist for {quantity}")]
+    ProbeComponent {
+        component: String,
+        quantity: &'static str,
+        expected: &'static str,
+    },
+    #[error("node \"{node}\" has no support, so it has no reaction")]
+    NoReaction { node: String },
+    #[error("steps already says how large each step is; {key} contradicts it")]
+    StepsTwice { key: &'static str },
+    #[error("{0}")]
+    Model(ModelError),
+}
+
+/// What stands next to each other in a message.
+fn list(words: &[&'static str]) -> String {
+    match words {
+        [] => "none".to_owned(),
+        [one] => (*one).to_owned(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}
+
+fn names(known: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let mut shown: Vec<String> = known.iter().take(SHOWN).map(|k| format!("`{k}`")).collect();
+    if known.len() > SHOWN {
+        shown.push(format!("... ({} in all)", known.len()));
+    }
+    shown.join(", ")
+}
+
+fn suggestion(found: &str, known: &[String]) -> String {
+    let near = closest(found, known.iter().map(String::as_str));
+    match near {
+        _ if known.is_empty() => "none is defined".to_owned(),
+        Some(near) => format!("did you mean `{near}`? There are: {}", names(known)),
+        None => format!("there are: {}", names(known)),
+    }
+}
+
+impl Problem {
+    /// What would be right.
+    pub fn advice(&self) -> Option<String> {
+        let fixed = match self {
+            Self::UnknownKey { found, known } | Self::UnknownName { name: found, known, .. } => {
+                return Some(suggestion(found, known));
+            }
+            Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
+                return Some(format!("expected {expected}"));
+            }
+            Self::Empty => "describe at least [sections], [nodes] and [[lines]]",
+            Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",
+            Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
+            Self::Missing { .. } => "add at least one [[lines]] between two nodes",
+            Self::Duplicate { .. } => "give each its own name",
+            Self::Name { .. } => {
+                "names must not be empty and must not contain `/`, `:`, quotes, commas or line \
+                 breaks; `line/1` is the first inner node of a line, `line:1` its first element"
+            }
+            Self::SectionKind { .. } => {
+                "give exactly one of stiffness, matrix, rectangle, circle, tube"
+            }
+            Self::NoMaterial { .. } => "add material = { E = ..., nu = ..., rho = ... }",
+            Self::ZeroLength { .. } => "move one of the nodes",
+            Self::UselessSupport { .. } => "add fix = \"all\" or driven = { rz = ... }",
+            Self::PrescribedTwice { .. } => "remove it from one of the supports",
+            Self::PrescribedEvent { .. } => "choose a free coordinate, or stop at a load",
+            Self::LoadKind { .. } => {
+                "give exactly one of force, moment (on a node), force_per_length (on a line), \
+                 gravity (on all lines, or one)"
+            }
+            Self::NoMass { .. } => "add mass = { A_rho = ... } or a material with rho",
+            Self::NoReaction { .. } => "probe a node that has a support",
+            _ => return None,
+        };
+        Some(fixed.to_owned())
+    }
+}
+
+/// A refusal of a model file, with the text it points into.
+#[derive(Debug)]
+pub struct InputError {
+    /// What is wrong.
+    pub problem: Box<Problem>,
+    /// Bytes of the text it concerns.
+    pub span: Option<Range<usize>>,
+    text: Option<NamedSource<String>>,
+}
+
+impl InputError {
+    /// A problem of the file as a whole.
+    pub fn whole(problem: Problem) -> Self {
+        Self {
+            problem: Box::new(problem),
+            span: None,
+            text: None,
+        }
+    }
+
+    /// A problem at a place of the text.
+    pub fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
+        // A span over many lines (a whole table) would print them all: its first line will do.
+        let span = span.map(|s| {
+            let start = s.start.min(text.len());
+            let end = s.end.clamp(start, text.len());
+            let line = text.get(start..end).and_then(|t| t.find('\n'));
+            start..line.map_or(end, |k| start + k)
+        });
+        Self {
+            problem: Box::new(problem),
+            span,
+            text: Some(NamedSource::new(name, text.to_owned()).with_language("toml")),
+        }
+    }
+
+    /// Line and column of the place, from 1.
+    pub fn line_column(&self) -> Option<(usize, usize)> {
+        let start = self.span.as_ref()?.start;
+        let before = self.text.as_ref()?.inner().get(..start)?;
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+        Some((line, column))
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.problem.fmt(f)
+    }
+}
+
+impl std::error::Error for InputError {}
+
+impl Diagnostic for InputError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.problem
+            .advice()
+            .map(|a| Box::new(a) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.text.as_ref().map(|t| t as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.span.clone()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
+            Some("here".to_owned()),
+            span,
+        ))))
+    }
+}

@@ -1,0 +1,156 @@
+//! Lines of the file as beam elements of the model.
+
+use super::assemble::{LineGeometry, Names};
+use super::file::Line as Described;
+use super::{InputError, Problem, Text};
+use nalgebra::{Unit, Vector3};
+use pullback_elements::beam::Section;
+use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, NodeId, Straight};
+use std::collections::BTreeMap;
+
+/// Elements that one line may have: more would only be a slip of the pen.
+const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Lays the elements of line number `k` of the file.
+pub(super) fn lay(
+    source: &Text<'_>,
+    builder: &mut ModelBuilder,
+    nodes: &Names<NodeId>,
+    sections: &BTreeMap<String, Section>,
+    k: usize,
+    line: &Described,
+) -> Result<LineGeometry, InputError> {
+    let index = k.to_string();
+    let path = |key: &'static str| ["lines", index.as_str(), key];
+    let from = nodes.find(source, &path("from"), &line.from)?;
+    let to = nodes.find(source, &path("to"), &line.to)?;
+    let section = *sections.get(&line.section).ok_or_else(|| {
+        source.value(
+            &path("section"),
+            Problem::UnknownName {
+                what: "section",
+                name: line.section.clone(),
+                known: sections.keys().cloned().collect(),
+            },
+        )
+    })?;
+    let counts = [
+        ("elements", line.elements, MOST_ELEMENTS, "a count from 1 to 1000000"),
+        ("order", line.order, 3, "1, 2 or 3"),
+    ];
+    for (key, value, most, expected) in counts {
+        if value == 0 || value > most {
+            let value = value as f64;
+            let problem = Problem::Range {
+                key,
+                value,
+                expected,
+            };
+            return Err(source.value(&path(key), problem));
+        }
+    }
+    let places = [builder.place(from), builder.place(to)];
+    let axis = axis(source, &path, line, places)?;
+    let whole = ["lines", index.as_str()];
+    let made = builder
+        .line(
+            &line.name,
+            axis.as_ref(),
+            [from, to],
+            &Line {
+                elements: line.elements,
+                order: line.order,
+                section,
+            },
+        )
+        .map_err(|error| source.value(&whole, Problem::Model(error)))?;
+    let intervals = (made.nodes.len() - 1) as f64;
+    let frames = (0..made.nodes.len())
+        .map(|i| axis.at(i as f64 / intervals).1)
+        .collect();
+    Ok(LineGeometry {
+        name: line.name.clone(),
+        order: line.order,
+        nodes: made.nodes,
+        frames,
+        elements: made.elements,
+    })
+}
+
+/// The axis of a line, checked so that it has a direction everywhere.
+fn axis<'p>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'p str; 3],
+    line: &Described,
+    [from, to]: [Vector3<f64>; 2],
+) -> Result<Box<dyn Axis>, InputError> {
+    let no_direction = |at: &[&str], key: &'static str, vector: [f64; 3]| {
+        let line = line.name.clone();
+        source.value(at, Problem::NoDirection { line, key, vector })
+    };
+    let second = line.second_axis.map(Vector3::from);
+    let tangent;
+    let made: Box<dyn Axis> = match line.arc {
+        None => {
+            tangent = to - from;
+            let size = from.amax().max(to.amax());
+            if tangent.norm() <= 1e-12 * size {
+                let [lines, index, _] = path("from");
+                let problem = Problem::ZeroLength {
+                    line: line.name.clone(),
+                    from: line.from.clone(),
+                    to: line.to.clone(),
+                    at: from.into(),
+                };
+                return Err(source.value(&[lines, index], problem));
+            }
+            Box::new(Straight {
+                from,
+                to,
+                second,
+                twist: line.twist_deg.to_radians(),
+            })
+        }
+        Some(arc) => {
+            let at = |key: &'static str| {
+                let [lines, index, arc] = path("arc");
+                [lines, index, arc, key]
+            };
+            if line.twist_deg != 0.0 {
+                let line = line.name.clone();
+                return Err(source.value(&path("twist_deg"), Problem::TwistedArc { line }));
+            }
+            let (center, direction) = (Vector3::from(arc.center), Vector3::from(arc.axis));
+            let Some(axis) = Unit::try_new(direction, 0.0) else {
+                return Err(no_direction(&at("axis"), "axis", arc.axis));
+            };
+            let radius = from - center;
+            tangent = axis.cross(&radius) * arc.angle_deg.signum();
+            if tangent.norm() <= 1e-12 * from.amax().max(center.amax()) {
+                return Err(no_direction(&at("center"), "center", arc.center));
+            }
+            if arc.angle_deg == 0.0 || arc.angle_deg.abs() > 360.0 {
+                let problem = Problem::Range {
+                    key: "angle_deg",
+                    value: arc.angle_deg,
+                    expected: "an angle between -360 and 360 degrees, not 0",
+                };
+                return Err(source.value(&at("angle_deg"), problem));
+            }
+            Box::new(Arc {
+                from,
+                center,
+                axis,
+                angle: arc.angle_deg.to_radians(),
+                second,
+            })
+        }
+    };
+    if let (Some(given), Some(second)) = (line.second_axis, second) {
+        let across = tangent.normalize().cross(&second).norm();
+        if second.norm() == 0.0 || across <= 1e-6 * second.norm() {
+            return Err(no_direction(&path("second_axis"), "second_axis", given));
+        }
+    }
+    Ok(made)
+}

@@ -1,0 +1,230 @@
+//! Supports and loads of the file.
+
+use super::assemble::{LineGeometry, Names};
+use super::file::{Load, ModelFile, Support, Time};
+use super::{InputError, Problem, Text};
+use nalgebra::Vector3;
+use pullback_elements::beam::Section;
+use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::model::{ModelBuilder, NodeId};
+use pullback_elements::time::{Constant, TimeFunction};
+use std::collections::{BTreeMap, HashSet};
+
+/// Prescribes coordinates; returns the nodes that have a support.
+pub(super) fn support(
+    source: &Text<'_>,
+    builder: &mut ModelBuilder,
+    nodes: &Names<NodeId>,
+    supports: &[Support],
+) -> Result<Vec<NodeId>, InputError> {
+    let mut taken = HashSet::new();
+    let mut supported = Vec::new();
+    for (k, support) in supports.iter().enumerate() {
+        let index = k.to_string();
+        let path = |key: &'static str| ["supports", index.as_str(), key];
+        let node = nodes.find(source, &path("node"), &support.node)?;
+        let fixed = support.fix.as_ref().map_or(&[][..], |fix| fix.dofs());
+        let driven = support.driven.clone().unwrap_or_default();
+        let fixed = fixed
+            .iter()
+            .map(|&dof| (dof, path("fix").to_vec(), Time::Constant(0.0)));
+        let driven = driven.given().map(|(dof, time)| {
+            let path = [&path("driven")[..], &[dof.key()]].concat();
+            (dof, path, time.clone())
+        });
+        let before = taken.len();
+        for (dof, path, time) in fixed.chain(driven) {
+            if !taken.insert((node, dof)) {
+                let problem = Problem::PrescribedTwice {
+                    node: support.node.clone(),
+                    dof: dof.key(),
+                };
+                return Err(source.value(&path, problem));
+            }
+            match time {
+                Time::Constant(value) => builder.prescribe(node, dof.dof(), Constant(value)),
+                _ => builder.prescribe_boxed(node, dof.dof(), function(source, &path, &time)?),
+            }
+        }
+        if taken.len() == before {
+            let node = support.node.clone();
+            return Err(source.value(&path("node"), Problem::UselessSupport { node }));
+        }
+        if !supported.contains(&node) {
+            supported.push(node);
+        }
+    }
+    Ok(supported)
+}
+
+fn function(
+    source: &Text<'_>,
+    path: &[&str],
+    time: &Time,
+) -> Result<Box<dyn TimeFunction>, InputError> {
+    time.function()
+        .map_err(|error| source.value(path, Problem::Time { source: error }))
+}
+
+/// Adds the loads.
+pub(super) fn apply(
+    source: &Text<'_>,
+    builder: &mut ModelBuilder,
+    nodes: &Names<NodeId>,
+    lines: &[LineGeometry],
+    sections: &BTreeMap<String, Section>,
+    file: &ModelFile,
+) -> Result<(), InputError> {
+    for (k, load) in file.loads.iter().enumerate() {
+        let index = k.to_string();
+        let whole = ["loads", index.as_str()];
+        let path = |key: &'static str| ["loads", index.as_str(), key];
+        let amplitude = || function(source, &path("time"), &load.time);
+        let model_error = |error| source.value(&whole, Problem::Model(error));
+        match which(source, &path, &whole, load)? {
+            Kind::Node(which, vector, name) => {
+                let node = nodes.find(source, &path("node"), name)?;
+                let load = NodalLoad::boxed(which, vector, amplitude()?);
+                builder
+                    .element(format!("load {}", k + 1), load, &[node])
+                    .map_err(model_error)?;
+            }
+            Kind::Line(vector, name) => {
+                let line = find_line(source, &path("line"), lines, name)?;
+                for e in 0..lines[line].elements.len() {
+                    let (nodes, places) = element(builder, &lines[line], e);
+                    let load = LineLoad::new(&places, vector, load.follower, amplitude()?)
+                        .map_err(|error| {
+                            let element = format!("load {}", k + 1);
+                            let source = error;
+                            model_error(pullback_elements::model::ModelError::Beam {
+                                element,
+                                source,
+                            })
+                        })?;
+                    builder
+                        .element(format!("load {}:{}", k + 1, e + 1), load, nodes)
+                        .map_err(model_error)?;
+                }
+            }
+            Kind::Gravity(g) => {
+                let only = match &load.line {
+                    Some(name) => Some(find_line(source, &path("line"), lines, name)?),
+                    None => None,
+                };
+                for (l, line) in lines.iter().enumerate() {
+                    if only.is_some_and(|only| only != l) {
+                        continue;
+                    }
+                    let name = &file.lines[l].section;
+                    let A_rho = sections.get(name).map_or(0.0, |s| s.A_rho);
+                    if A_rho == 0.0 {
+                        let problem = Problem::NoMass {
+                            line: line.name.clone(),
+                            section: name.clone(),
+                        };
+                        return Err(source.value(&path("gravity"), problem));
+                    }
+                    let weight = (Vector3::from(g) * A_rho).into();
+                    for e in 0..line.elements.len() {
+                        let (nodes, places) = element(builder, line, e);
+                        let element = format!("load {}:{}:{}", k + 1, line.name, e + 1);
+                        let load = LineLoad::new(&places, weight, false, amplitude()?).map_err(
+                            |source| {
+                                model_error(pullback_elements::model::ModelError::Beam {
+                                    element: element.clone(),
+                                    source,
+                                })
+                            },
+                        )?;
+                        builder
+                            .element(element, load, nodes)
+                            .map_err(model_error)?;
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What a load is.
+enum Kind<'a> {
+    Node(Which, [f64; 3], &'a str),
+    Line([f64; 3], &'a str),
+    Gravity([f64; 3]),
+}
+
+fn which<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    whole: &[&str],
+    load: &'a Load,
+) -> Result<Kind<'a>, InputError> {
+    let all = [
+        ("force", load.force),
+        ("moment", load.moment),
+        ("force_per_length", load.force_per_length),
+        ("gravity", load.gravity),
+    ];
+    let given: Vec<(&'static str, [f64; 3])> = all
+        .into_iter()
+        .filter_map(|(key, vector)| Some((key, vector?)))
+        .collect();
+    let &[(key, vector)] = given.as_slice() else {
+        let given = given.into_iter().map(|(key, _)| key).collect();
+        return Err(source.value(whole, Problem::LoadKind { given }));
+    };
+    let target = |needs: &'static str| {
+        let load = key;
+        source.value(&path(key), Problem::LoadTarget { load, needs })
+    };
+    match key {
+        "force" | "moment" => {
+            let which = match (key, load.follower) {
+                ("force", false) => Which::DeadForce,
+                ("force", true) => Which::FollowerForce,
+                (_, false) => Which::SpatialMoment,
+                (_, true) => Which::FollowerMoment,
+            };
+            let node = load.node.as_deref().filter(|_| load.line.is_none());
+            let node = node.ok_or_else(|| target("node"))?;
+            Ok(Kind::Node(which, vector, node))
+        }
+        "force_per_length" => {
+            let line = load.line.as_deref().filter(|_| load.node.is_none());
+            Ok(Kind::Line(vector, line.ok_or_else(|| target("line"))?))
+        }
+        _ if load.node.is_some() => Err(target("line")),
+        _ if load.follower => Err(source.value(&path("follower"), Problem::FollowerGravity)),
+        _ => Ok(Kind::Gravity(vector)),
+    }
+}
+
+fn find_line(
+    source: &Text<'_>,
+    path: &[&str],
+    lines: &[LineGeometry],
+    name: &str,
+) -> Result<usize, InputError> {
+    lines.iter().position(|l| l.name == name).ok_or_else(|| {
+        source.value(
+            path,
+            Problem::UnknownName {
+                what: "line",
+                name: name.to_owned(),
+                known: lines.iter().map(|l| l.name.clone()).collect(),
+            },
+        )
+    })
+}
+
+/// Nodes and reference places of an element of a line.
+fn element<'a>(
+    builder: &ModelBuilder,
+    line: &'a LineGeometry,
+    e: usize,
+) -> (&'a [NodeId], Vec<Vector3<f64>>) {
+    let nodes = &line.nodes[e * line.order..=(e + 1) * line.order];
+    (nodes, nodes.iter().map(|&n| builder.place(n)).collect())
+}

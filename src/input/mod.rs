@@ -1,0 +1,157 @@
+//! From a model file to a model: read, parse, check, assemble.
+//!
+//! Every refusal is an [`InputError`]: what is wrong, at which line and column, and what would be
+//! right.
+
+mod assemble;
+mod error;
+mod file;
+mod lines;
+mod locate;
+mod loads;
+mod probes;
+mod sections;
+mod settings;
+mod suggest;
+
+pub use assemble::{Geometry, Job, LineGeometry};
+pub use error::{InputError, Problem};
+pub use file::*;
+pub use locate::LARGEST;
+
+use locate::Locator;
+use pullback_elements::model::Model;
+use std::ops::Range;
+use std::path::Path;
+
+/// The text of a model file, to point into.
+struct Text<'a> {
+    name: &'a str,
+    text: &'a str,
+    places: Locator<'a>,
+}
+
+impl<'a> Text<'a> {
+    fn new(name: &'a str, text: &'a str) -> Self {
+        Self {
+            name,
+            text,
+            places: Locator::new(text),
+        }
+    }
+
+    fn at(&self, problem: Problem, span: Option<Range<usize>>) -> InputError {
+        InputError::at(problem, span, self.name, self.text)
+    }
+
+    /// A problem of the value at a path.
+    fn value(&self, path: &[&str], problem: Problem) -> InputError {
+        self.at(problem, self.places.value(path))
+    }
+
+    /// A problem of the key at a path.
+    fn key(&self, path: &[&str], problem: Problem) -> InputError {
+        self.at(problem, self.places.key(path))
+    }
+}
+
+/// Reads a model file and assembles what it describes.
+///
+/// # Errors
+/// [`InputError`] for anything that is wrong with it.
+pub fn load(path: &Path) -> Result<Job, InputError> {
+    let text = read(path)?;
+    assemble_text(&path.display().to_string(), &text)
+}
+
+/// Parses and assembles a text; `name` is what messages call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn assemble_text(name: &str, text: &str) -> Result<Job, InputError> {
+    let source = Text::new(name, text);
+    let file = parse_text(&source)?;
+    assemble::assemble(&source, file)
+}
+
+/// Parses the text of a model file; `name` is what messages call it.
+///
+/// # Errors
+/// [`InputError`] for what no TOML of this form says. References between its parts are checked
+/// when it is assembled.
+pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
+    parse_text(&Text::new(name, text))
+}
+
+/// Builds the model that a parsed file describes.
+///
+/// # Errors
+/// As [`load`], without places.
+pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
+    assemble::assemble(&Text::new(name, ""), file.clone()).map(|job| job.model)
+}
+
+/// The text of a file.
+fn read(path: &Path) -> Result<String, InputError> {
+    let bytes = std::fs::read(path).map_err(|source| {
+        InputError::whole(Problem::Unreadable {
+            path: path.to_owned(),
+            source,
+        })
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let byte = error.utf8_error().valid_up_to();
+        let before = &error.as_bytes()[..byte];
+        InputError::whole(Problem::NotUtf8 {
+            path: path.to_owned(),
+            byte,
+            line: before.iter().filter(|&&b| b == b'\n').count() + 1,
+        })
+    })
+}
+
+fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
+    if source.places.is_empty() {
+        return Err(InputError::whole(Problem::Empty));
+    }
+    if let Some((span, number)) = source.places.unusable_number() {
+        return Err(source.at(Problem::Number { number }, Some(span)));
+    }
+    toml::from_str(source.text).map_err(|error| {
+        let message = error.message();
+        let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(message.to_owned()));
+        source.at(problem, error.span())
+    })
+}
+
+/// Reads serde's message about an unknown field or variant: the names stand in backticks, the
+/// unknown one first.
+fn unknown_key(message: &str) -> Option<Problem> {
+    if !message.starts_with("unknown field") && !message.starts_with("unknown variant") {
+        return None;
+    }
+    let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
+    Some(Problem::UnknownKey {
+        found: names.next()?,
+        known: names.collect(),
+    })
+}
+
+/// Refuses values of an option that are not positive (or not finite).
+fn positive(
+    source: &Text<'_>,
+    path: &[&str],
+    key: &'static str,
+    value: f64,
+) -> Result<(), InputError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let expected = "a positive number";
+    let problem = Problem::Range {
+        key,
+        value,
+        expected,
+    };
+    Err(source.value(path, problem))
+}

@@ -1,0 +1,127 @@
+//! Probes of the file, resolved.
+
+use super::assemble::{Geometry, Names, distinct};
+use super::file::{Probe as Described, Quantity};
+use super::{InputError, Problem, Text};
+use crate::probe::{Component, Probe, Target};
+use pullback_elements::model::{Dof, ElementId, Model, NodeId};
+
+pub(super) fn resolve(
+    source: &Text<'_>,
+    model: &Model,
+    nodes: &Names<NodeId>,
+    geometry: &Geometry,
+    described: &[Described],
+) -> Result<Vec<Probe>, InputError> {
+    distinct(source, "probes", "probe", described.iter().map(|p| p.name.as_str()))?;
+    let mut elements = Names::new("element");
+    for line in &geometry.lines {
+        for (e, &id) in line.elements.iter().enumerate() {
+            elements.add(format!("{}:{}", line.name, e + 1), id);
+        }
+    }
+    described
+        .iter()
+        .enumerate()
+        .map(|(k, probe)| one(source, model, nodes, &elements, k, probe))
+        .collect()
+}
+
+fn one(
+    source: &Text<'_>,
+    model: &Model,
+    nodes: &Names<NodeId>,
+    elements: &Names<ElementId>,
+    k: usize,
+    probe: &Described,
+) -> Result<Probe, InputError> {
+    let index = k.to_string();
+    let path = |key: &'static str| ["probes", index.as_str(), key];
+    let quantity = probe.quantity;
+    let needs = quantity.needs();
+    let wrong_target = || {
+        let problem = Problem::ProbeTarget {
+            probe: probe.name.clone(),
+            quantity: quantity.key(),
+            needs,
+        };
+        source.value(&path("quantity"), problem)
+    };
+    let target = match (needs, &probe.node, &probe.element) {
+        (Quantity::NODE, Some(name), None) => {
+            let node = nodes.find(source, &path("node"), name)?;
+            let reaction = matches!(
+                quantity,
+                Quantity::reaction_force | Quantity::reaction_moment
+            );
+            if reaction && !Dof::ALL.iter().any(|&dof| model.is_prescribed(node, dof)) {
+                let node = name.clone();
+                return Err(source.value(&path("node"), Problem::NoReaction { node }));
+            }
+            Target::Node(node, name.clone())
+        }
+        (Quantity::ELEMENT, None, Some(name)) => {
+            Target::Element(elements.find(source, &path("element"), name)?)
+        }
+        (Quantity::NOTHING, None, None) => Target::Whole,
+        _ => return Err(wrong_target()),
+    };
+    let (names, expected): ([&str; 3], _) = match target {
+        Target::Whole => ([""; 3], "no component"),
+        Target::Node(..) => (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\""),
+        Target::Element(_) => (["1", "2", "3"], "\"1\", \"2\", \"3\" or \"norm\""),
+    };
+    let component = match probe.component.as_deref() {
+        None if matches!(target, Target::Whole) => Some(Component::Whole),
+        None => Some(Component::All(names)),
+        Some(_) if matches!(target, Target::Whole) => None,
+        Some("norm") => Some(Component::Norm),
+        Some(given) => (0..3).find(|&i| names[i] == given).map(Component::One),
+    };
+    let component = component.ok_or_else(|| {
+        let problem = Problem::ProbeComponent {
+            component: probe.component.clone().unwrap_or_default(),
+            quantity: quantity.key(),
+            expected,
+        };
+        source.value(&path("component"), problem)
+    })?;
+    Ok(Probe::new(&probe.name, quantity, target, component))
+}
+
+impl Quantity {
+    const NODE: &'static str = "a node (and no element)";
+    const ELEMENT: &'static str = "an element such as \"line:1\" (and no node)";
+    const NOTHING: &'static str = "neither node nor element";
+
+    /// What a probe of it refers to.
+    fn needs(self) -> &'static str {
+        match self {
+            Self::displacement
+            | Self::position
+            | Self::rotation
+            | Self::chart_rotation
+            | Self::reaction_force
+            | Self::reaction_moment => Self::NODE,
+            Self::N | Self::M | Self::Gamma | Self::K => Self::ELEMENT,
+            Self::strain_energy => Self::NOTHING,
+        }
+    }
+
+    /// As it is written in the file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::displacement => "displacement",
+            Self::position => "position",
+            Self::rotation => "rotation",
+            Self::chart_rotation => "chart_rotation",
+            Self::reaction_force => "reaction_force",
+            Self::reaction_moment => "reaction_moment",
+            Self::N => "N",
+            Self::M => "M",
+            Self::Gamma => "Gamma",
+            Self::K => "K",
+            Self::strain_energy => "strain_energy",
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The analysis of the file as options of the solver.
+
+use super::assemble::Names;
+use super::file::{Analysis, ArcLength, Direction, NewtonSettings, Static, Stop};
+use super::{InputError, Problem, Text, positive};
+use pullback_elements::model::{Model, NodeId};
+use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
+
+/// What the solver is asked to do.
+#[derive(Clone, Debug)]
+pub enum Plan {
+    /// Load stepping.
+    Static(StaticOptions),
+    /// Path following, with a name for each of its events.
+    Path(ArcLengthOptions, Vec<String>),
+}
+
+impl Plan {
+    /// Load parameter at the start.
+    pub fn start(&self) -> f64 {
+        match self {
+            Self::Static(options) => options.from,
+            Self::Path(options, _) => options.from,
+        }
+    }
+
+    /// Newton's method.
+    pub fn newton(&self) -> &NewtonOptions {
+        match self {
+            Self::Static(options) => &options.newton,
+            Self::Path(options, _) => &options.newton,
+        }
+    }
+}
+
+pub(super) fn plan(
+    source: &Text<'_>,
+    model: &Model,
+    nodes: &Names<NodeId>,
+    analysis: &Analysis,
+) -> Result<Plan, InputError> {
+    match analysis {
+        Analysis::Static(s) => load_steps(source, s).map(Plan::Static),
+        Analysis::ArcLength(a) => path(source, model, nodes, a),
+    }
+}
+
+fn newton(
+    source: &Text<'_>,
+    kind: &str,
+    settings: &NewtonSettings,
+) -> Result<NewtonOptions, InputError> {
+    let numbers = [
+        ("relative", settings.relative),
+        ("absolute", settings.absolute),
+        ("correction", settings.correction),
+        ("max_iterations", settings.max_iterations as f64),
+    ];
+    for (key, value) in numbers {
+        positive(source, &["analysis", kind, "newton", key], key, value)?;
+    }
+    Ok(NewtonOptions {
+        relative: settings.relative,
+        absolute: settings.absolute,
+        correction: settings.correction,
+        max_iterations: settings.max_iterations,
+        ..NewtonOptions::default()
+    })
+}
+
+fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError> {
+    let at = |key: &'static str| ["analysis", "static", key];
+    let range = (s.to - s.from).abs();
+    if range == 0.0 || !range.is_finite() {
+        let problem = Problem::Range {
+            key: "to",
+            value: s.to,
+            expected: "a load parameter that differs from the one it starts from",
+        };
+        return Err(source.value(&at("to"), problem));
+    }
+    let given = [
+        ("first_step", s.first_step),
+        ("max_step", s.max_step),
+        ("min_step", s.min_step),
+    ];
+    for (key, value) in given {
+        let Some(value) = value else { continue };
+        positive(source, &at(key), key, value)?;
+        if s.steps.is_some() && key != "min_step" {
+            return Err(source.key(&at(key), Problem::StepsTwice { key }));
+        }
+    }
+    let equal = match s.steps {
+        None => None,
+        Some(steps) => {
+            positive(source, &at("steps"), "steps", steps as f64)?;
+            Some(range / steps as f64)
+        }
+    };
+    let max_step = equal
+        .or(s.max_step)
+        .unwrap_or_else(|| (0.25 * range).max(s.first_step.unwrap_or(0.0)));
+    let first_step = equal
+        .or(s.first_step)
+        .unwrap_or_else(|| (0.1 * range).min(max_step));
+    let min_step = s.min_step.unwrap_or(1e-6 * range).min(first_step);
+    if first_step > max_step {
+        let problem = Problem::Range {
+            key: "first_step",
+            value: first_step,
+            expected: "a first step that is not larger than max_step",
+        };
+        return Err(source.value(&at("first_step"), problem));
+    }
+    Ok(StaticOptions {
+        from: s.from,
+        to: s.to,
+        first_step,
+        min_step,
+        max_step,
+        newton: newton(source, "static", &s.newton)?,
+        ..StaticOptions::default()
+    })
+}
+
+fn path(
+    source: &Text<'_>,
+    model: &Model,
+    nodes: &Names<NodeId>,
+    a: &ArcLength,
+) -> Result<Plan, InputError> {
+    let kind = "arc-length";
+    let numbers = [
+        ("first_step", a.first_step),
+        ("max_step", a.max_step),
+        ("min_step", a.min_step),
+        ("load_scale", a.load_scale),
+        ("max_steps", a.max_steps as f64),
+        ("target_iterations", a.target_iterations as f64),
+    ];
+    for (key, value) in numbers {
+        positive(source, &["analysis", kind, key], key, value)?;
+    }
+    if a.stop.is_empty() {
+        let problem = Problem::Range {
+            key: "stop",
+            value: 0.0,
+            expected: "at least one place to stop at, such as { load = 1.0 }",
+        };
+        return Err(source.value(&["analysis", kind, "stop"], problem));
+    }
+    let mut events = Vec::new();
+    let mut names = Vec::new();
+    for (list, stops, ends) in [("stop", &a.stop, true), ("record", &a.record, false)] {
+        for (k, stop) in stops.iter().enumerate() {
+            let index = k.to_string();
+            let at = ["analysis", kind, list, index.as_str()];
+            let (event, name) = event(source, &at, model, nodes, stop)?;
+            events.push((event, ends));
+            names.push(name);
+        }
+    }
+    let options = ArcLengthOptions {
+        from: a.from,
+        first_step: a.first_step,
+        max_step: a.max_step,
+        min_step: a.min_step,
+        max_steps: a.max_steps,
+        load_scale: a.load_scale,
+        target_iterations: a.target_iterations,
+        events,
+        forward: a.direction == Direction::Forward,
+        newton: newton(source, kind, &a.newton)?,
+    };
+    Ok(Plan::Path(options, names))
+}
+
+fn event(
+    source: &Text<'_>,
+    at: &[&str],
+    model: &Model,
+    nodes: &Names<NodeId>,
+    stop: &Stop,
+) -> Result<(Event, String), InputError> {
+    Ok(match stop {
+        Stop::TurningPoint => (Event::TurningPoint, "turning-point".to_owned()),
+        Stop::Load(load) => (Event::Load(*load), format!("load = {load}")),
+        Stop::Coordinate(c) => {
+            let path = [at, &["coordinate", "node"]].concat();
+            let node = nodes.find(source, &path, &c.node)?;
+            let unknown = model.unknown(node, c.dof.dof()).ok_or_else(|| {
+                let problem = Problem::PrescribedEvent {
+                    node: c.node.clone(),
+                    dof: c.dof.key(),
+                };
+                source.value(at, problem)
+            })?;
+            let name = format!("{} of {} = {}", c.dof.key(), c.node, c.value);
+            let value = c.value;
+            (Event::Coordinate { unknown, value }, name)
+        }
+    })
+}

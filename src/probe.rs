@@ -1,0 +1,191 @@
+//! Probes: quantities recorded at each step.
+
+#![allow(non_snake_case)]
+
+use crate::input::Quantity;
+use nalgebra::Vector3;
+use pullback_elements::element::SectionState;
+use pullback_elements::model::{ElementId, Model, NodeId, Reaction};
+use std::f64::consts::TAU;
+
+/// What a probe looks at.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Target {
+    /// A node and its name.
+    Node(NodeId, String),
+    /// An element.
+    Element(ElementId),
+    /// The whole model.
+    Whole,
+}
+
+/// Which part of a vector is recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Component {
+    /// All three, with the ends of their column names.
+    All([&'static str; 3]),
+    /// One.
+    One(usize),
+    /// The Euclidean norm.
+    Norm,
+    /// The quantity is no vector.
+    Whole,
+}
+
+/// A probe of a model.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    name: String,
+    quantity: Quantity,
+    target: Target,
+    component: Component,
+    /// Rotation vector at the last step, continued over changes of chart.
+    continued: Vector3<f64>,
+}
+
+/// The answers of a model at one step, asked once for all probes.
+pub struct Answers {
+    sections: Vec<(ElementId, SectionState)>,
+    reactions: Vec<Reaction>,
+    strain_energy: f64,
+}
+
+impl Answers {
+    /// Asks a model in the configuration it is in.
+    pub fn of(model: &Model, t: f64) -> Self {
+        Self {
+            sections: model.section_states(t),
+            reactions: model.reactions(),
+            strain_energy: model.strain_energy(t),
+        }
+    }
+
+    /// Strains and forces at all integration points.
+    pub fn sections(&self) -> &[(ElementId, SectionState)] {
+        &self.sections
+    }
+
+    /// Reactions of all supported nodes.
+    pub fn reactions(&self) -> &[Reaction] {
+        &self.reactions
+    }
+
+    /// Strain energy of the structure.
+    pub fn strain_energy(&self) -> f64 {
+        self.strain_energy
+    }
+
+    /// Mean over the integration points of an element; zero for one that has none.
+    pub fn mean(&self, id: ElementId, part: impl Fn(&SectionState) -> Vector3<f64>) -> Vector3<f64> {
+        // The states stand in the order of the elements.
+        let first = self.sections.partition_point(|(e, _)| *e < id);
+        let own = self.sections[first..].iter().take_while(|(e, _)| *e == id);
+        let (sum, count) = own.fold((Vector3::zeros(), 0.0), |(sum, count), (_, state)| {
+            (sum + part(state), count + 1.0)
+        });
+        if count > 0.0 { sum / count } else { sum }
+    }
+}
+
+impl Probe {
+    /// A probe that has seen no rotation yet.
+    pub fn new(name: &str, quantity: Quantity, target: Target, component: Component) -> Self {
+        Self {
+            name: name.to_owned(),
+            quantity,
+            target,
+            component,
+            continued: Vector3::zeros(),
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it records.
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// Heads of its columns.
+    pub fn columns(&self) -> Vec<String> {
+        match self.component {
+            Component::All(ends) => ends.map(|end| format!("{}.{end}", self.name)).to_vec(),
+            _ => vec![self.name.clone()],
+        }
+    }
+
+    /// Appends its values at a converged step.
+    pub fn record(&mut self, model: &Model, answers: &Answers, out: &mut Vec<f64>) {
+        let v = self.vector(model, answers);
+        match self.component {
+            Component::All(_) => out.extend(v.iter()),
+            Component::One(k) => out.push(v[k]),
+            Component::Norm => out.push(v.norm()),
+            Component::Whole => out.push(answers.strain_energy),
+        }
+    }
+
+    fn vector(&mut self, model: &Model, answers: &Answers) -> Vector3<f64> {
+        match &self.target {
+            Target::Whole => Vector3::zeros(),
+            Target::Element(id) => answers.mean(*id, |s| match self.quantity {
+                Quantity::M => s.M,
+                Quantity::Gamma => s.Gamma,
+                Quantity::K => s.K,
+                _ => s.N,
+            }),
+            Target::Node(node, name) => {
+                let state = model.node_state(*node);
+                let reaction = |part: fn(&Reaction) -> Vector3<f64>| {
+                    let own = answers.reactions.iter().find(|r| r.node == *name);
+                    own.map_or_else(Vector3::zeros, part)
+                };
+                match self.quantity {
+                    Quantity::position => state.place,
+                    Quantity::chart_rotation => state.psi,
+                    Quantity::rotation => {
+                        self.continued = continue_rotation(&self.continued, &state.psi);
+                        self.continued
+                    }
+                    Quantity::reaction_force => reaction(|r| r.force),
+                    Quantity::reaction_moment => reaction(|r| r.moment),
+                    _ => state.d,
+                }
+            }
+        }
+    }
+}
+
+/// The rotation vector of the same rotation as `psi` that is closest to `before`: the family is
+/// Ψ + 2πk e with e = Ψ/ψ (any e where Ψ = 0).
+pub fn continue_rotation(before: &Vector3<f64>, psi: &Vector3<f64>) -> Vector3<f64> {
+    let angle = psi.norm();
+    if angle < 1e-9 {
+        let turns = (before.norm() / TAU).round();
+        return if turns == 0.0 { *psi } else { before.normalize() * (turns * TAU) + psi };
+    }
+    let e = psi / angle;
+    let turns = ((e.dot(before) - angle) / TAU).round();
+    psi + e * (turns * TAU)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rotation_is_continued_over_many_turns_both_ways() {
+        let axis = Vector3::new(2.0, -1.0, 0.5).normalize();
+        let mut continued = Vector3::zeros();
+        let path = (0..100).chain((-40..100).rev()).map(|k| 0.3 * f64::from(k));
+        for angle in path {
+            // The chart keeps its angle at most π.
+            let folded = angle - TAU * (angle / TAU).round();
+            continued = continue_rotation(&continued, &(axis * folded));
+            assert!((continued - axis * angle).norm() < 1e-12, "at {angle}");
+        }
+    }
+}
