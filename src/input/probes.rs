@@ -124,4 +124,21 @@ impl Quantity {
             Self::strain_energy => "strain_energy",
         }
     }
+
+    /// Label of an axis of a figure.
+    pub fn axis(self) -> &'static str {
+        match self {
+            Self::displacement => "displacement d",
+            Self::position => "place x",
+            Self::rotation => "rotation vector Ψ [rad]",
+            Self::chart_rotation => "rotation vector Ψ in its chart [rad]",
+            Self::reaction_force => "reaction force",
+            Self::reaction_moment => "reaction moment",
+            Self::N => "forces N",
+            Self::M => "moments M",
+            Self::Gamma => "strains Γ",
+            Self::K => "curvatures K",
+            Self::strain_energy => "strain energy",
+        }
+    }
 }

@@ -1,0 +1,119 @@
+//! The directory of a run's results, with files that are either whole or not there.
+
+use super::plot::PlotError;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Why results cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The file system refuses.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file or directory.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A figure cannot be drawn.
+    #[error("cannot draw {name}: {source}")]
+    Draw {
+        /// Its file name.
+        name: String,
+        /// Why.
+        source: PlotError,
+    },
+    /// A result cannot be put into words.
+    #[error("cannot encode {name}: {source}")]
+    Encode {
+        /// Its file name.
+        name: String,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
+
+/// A directory that results are written into.
+#[derive(Debug)]
+pub struct Directory {
+    path: PathBuf,
+    files: Vec<String>,
+}
+
+impl Directory {
+    /// Opens a directory, makes it where it does not exist, and removes what an earlier run has
+    /// left there (known by its `result.json`): steps of two runs must not mix.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let fail = |source| OutputError::Write {
+            path: path.to_owned(),
+            source,
+        };
+        fs::create_dir_all(path).map_err(fail)?;
+        if path.join(super::results::NAME).is_file() {
+            for entry in fs::read_dir(path).map_err(fail)? {
+                let entry = entry.map_err(fail)?;
+                if entry.file_name().to_str().is_some_and(is_result) {
+                    fs::remove_file(entry.path()).map_err(fail)?;
+                }
+            }
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            files: Vec::new(),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Names of the files written so far, without repetitions.
+    pub fn files(&self) -> &[String] {
+        &self.files
+    }
+
+    /// Writes a file as a whole, in place of one of the same name.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`]; nothing is left under the final name then that was not there.
+    pub fn write(&mut self, name: &str, content: &str) -> Result<(), OutputError> {
+        let path = self.path.join(name);
+        let temporary = self.path.join(format!(".{name}.{}", std::process::id()));
+        let outcome = fs::File::create(&temporary)
+            .and_then(|mut file| {
+                file.write_all(content.as_bytes())?;
+                file.sync_data()
+            })
+            .and_then(|()| fs::rename(&temporary, &path));
+        if let Err(source) = outcome {
+            // Best effort: the failure to be told is the first one.
+            fs::remove_file(&temporary).ok();
+            return Err(OutputError::Write { path, source });
+        }
+        if !self.files.iter().any(|f| f == name) {
+            self.files.push(name.to_owned());
+        }
+        Ok(())
+    }
+}
+
+/// Whether a file name is one that a run gives.
+fn is_result(name: &str) -> bool {
+    let step = name
+        .strip_prefix("step_")
+        .and_then(|rest| rest.strip_suffix(".vtu"));
+    step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+        || [
+            super::results::NAME,
+            "history.csv",
+            "steps.pvd",
+            "deformed.svg",
+            "history.svg",
+        ]
+        .contains(&name)
+}

@@ -1,0 +1,82 @@
+//! `history.csv`: one row per converged step and located event.
+
+use std::fmt::Write;
+
+/// Columns before those of the probes.
+pub const COLUMNS: [&str; 13] = [
+    "row",
+    "step",
+    "event",
+    "t",
+    "step_size",
+    "iterations",
+    "residual_force",
+    "residual_moment",
+    "residual_over_tolerance",
+    "last_correction",
+    "chart_changes",
+    "largest_rotation",
+    "strain_energy",
+];
+
+/// A converged step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Number of the step; 0 is the start.
+    pub step: usize,
+    /// What was located here, if anything.
+    pub event: Option<String>,
+    /// Load parameter.
+    pub t: f64,
+    /// Step in the load parameter, or along the path.
+    pub step_size: f64,
+    /// Linear solutions.
+    pub iterations: usize,
+    /// Largest force and moment out of balance.
+    pub residual: [f64; 2],
+    /// The worse of them over what the convergence test allows.
+    pub ratio: f64,
+    /// Last correction, relative to the scale of its coordinate.
+    pub correction: f64,
+    /// Charts changed before the step.
+    pub chart_changes: usize,
+    /// Largest rotation angle ψ of any node in its chart, in radians.
+    pub largest_rotation: f64,
+    /// Strain energy.
+    pub strain_energy: f64,
+    /// Values of the probes.
+    pub probes: Vec<f64>,
+}
+
+/// The whole file.
+pub fn csv(probes: &[String], rows: &[Row]) -> String {
+    let mut out = COLUMNS.join(",");
+    for probe in probes {
+        out += ",";
+        out += probe;
+    }
+    out += "\n";
+    for (k, row) in rows.iter().enumerate() {
+        let event = row.event.as_deref().unwrap_or_default();
+        let [force, moment] = row.residual;
+        // Writing to a string cannot fail.
+        let _ = write!(
+            out,
+            "{k},{},{event},{:?},{:?},{},{force:?},{moment:?},{:?},{:?},{},{:?},{:?}",
+            row.step,
+            row.t,
+            row.step_size,
+            row.iterations,
+            row.ratio,
+            row.correction,
+            row.chart_changes,
+            row.largest_rotation,
+            row.strain_energy,
+        );
+        for value in &row.probes {
+            let _ = write!(out, ",{value:?}");
+        }
+        out += "\n";
+    }
+    out
+}

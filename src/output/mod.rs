@@ -1,0 +1,16 @@
+//! What a run writes: history, results, figures, ParaView files.
+//!
+//! Files are written under temporary names and renamed when they are whole.
+
+mod directory;
+mod history;
+pub mod plot;
+mod recorder;
+mod results;
+mod vtu;
+
+pub use directory::{Directory, OutputError};
+pub use history::{COLUMNS, Row, csv};
+pub use recorder::Recorder;
+pub use results::{Ending, FinalState, NodeResult, ReactionResult, Results, Statistics};
+pub use vtu::{Frame, collection, grid};
