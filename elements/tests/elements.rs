@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{coupled, section};
+use common::{Coupling, coupled, section};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use pullback_elements::beam::{Beam, BeamError};
 use pullback_elements::check;
@@ -49,6 +49,11 @@ fn beams() {
             check::element(&*beam).assert();
         }
     }
+}
+
+#[test]
+fn the_coupling_of_the_model_tests() {
+    check::element(&Coupling).assert();
 }
 
 #[test]

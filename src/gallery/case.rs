@@ -1,6 +1,7 @@
 //! What a case is, and the rows it makes.
 
 use crate::input;
+use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Dof, Model, NodeId, NodeState};
 use pullback_integrators::statics::{
     ArcLengthOptions, Event, StaticOptions, StaticsError, Step, Summary, solve_statics, trace_path,
@@ -94,11 +95,6 @@ impl Context {
         rows
     }
 
-    /// Directory for plots, if any are wanted.
-    pub fn out(&self) -> Option<&Path> {
-        self.out.as_deref()
-    }
-
     /// Adds a row.
     pub fn compare(
         &mut self,
@@ -135,6 +131,32 @@ impl Context {
         }
     }
 
+    /// Draws curves over one x axis into `case.svg`, where plots are wanted.
+    pub(super) fn figure(
+        &self,
+        title: &str,
+        [x, y]: [&str; 2],
+        curves: Vec<Curve>,
+    ) -> Result<(), CaseError> {
+        let Some(out) = &self.out else {
+            return Ok(());
+        };
+        let path = out.join(format!("{}.svg", self.case));
+        let panel = Panel {
+            x: x.to_owned(),
+            y: y.to_owned(),
+            curves,
+        };
+        let fail = |reason: String| CaseError::Plot {
+            case: self.case.to_owned(),
+            path: path.clone(),
+            reason,
+        };
+        let svg = panels(Some(title), &[panel]).map_err(|e| fail(e.to_string()))?;
+        std::fs::create_dir_all(out).map_err(|e| fail(e.to_string()))?;
+        std::fs::write(&path, svg).map_err(|e| fail(e.to_string()))
+    }
+
     /// The model file of this text, ready to be varied.
     pub(super) fn file(&self, text: &str) -> Result<input::ModelFile, CaseError> {
         input::parse(self.case, text).map_err(|source| self.model_error(source))
@@ -148,11 +170,7 @@ impl Context {
     }
 
     /// Builds a model file and finds the node that is watched.
-    pub(super) fn build(
-        &self,
-        file: &input::ModelFile,
-        node: &str,
-    ) -> Result<Watched, CaseError> {
+    pub(super) fn build(&self, file: &input::ModelFile, node: &str) -> Result<Watched, CaseError> {
         let model = input::build(self.case, file).map_err(|source| self.model_error(source))?;
         let watched = model.find(node).ok_or_else(|| CaseError::Node {
             case: self.case.to_owned(),

@@ -1,14 +1,11 @@
 //! The helical beam: rotations far beyond π, elements astride a change of chart most of the time.
 
 use super::case::{Case, CaseError, Context, Record};
-
+use crate::output::plot::Curve;
 use pullback_integrators::statics::StaticOptions;
 
 /// The helical beam with 100 and 200 elements.
-pub const CASE: Case = Case {
-    name: "helix",
-    run,
-};
+pub const CASE: Case = Case { name: "helix", run };
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola
 /// through the largest recorded point and its neighbours.
@@ -40,7 +37,13 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         })?;
         let (load, value) = first_maximum(&records);
         let source = "published: figure in Mäkinen 2004 4.2, as described";
-        context.compare(format!("first maximum, {elements} elements"), value, 3.28, 0.05, source);
+        context.compare(
+            format!("first maximum, {elements} elements"),
+            value,
+            3.28,
+            0.05,
+            source,
+        );
         let quantity = format!("load factor of the first maximum, {elements} elements");
         context.compare(quantity, load, 0.036, 0.002, source);
         let last = records.last().map_or(f64::NAN, |r| r.t);
@@ -48,7 +51,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         context.compare(quantity, last, 1.0, 0.0, "the whole path");
         drifts.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
         let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
-        curves.push((format!("{elements} elements"), points));
+        curves.push(Curve::new(format!("{elements} elements"), points));
     }
     context.compare(
         "drift at full load, 100 over 200 elements",
@@ -57,6 +60,9 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         0.5,
         "published: about 2.5 (description of the figure)",
     );
-    let _ = curves;
-    Ok(())
+    context.figure(
+        "Helical beam",
+        ["load factor", "tip displacement along e3"],
+        curves,
+    )
 }

@@ -1,5 +1,7 @@
 //! Supports and loads of the file.
 
+#![allow(non_snake_case)]
+
 use super::assemble::{LineGeometry, Names};
 use super::file::{Load, ModelFile, Support, Time};
 use super::{InputError, Problem, Text};

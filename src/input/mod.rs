@@ -18,6 +18,7 @@ pub use assemble::{Geometry, Job, LineGeometry};
 pub use error::{InputError, Problem};
 pub use file::*;
 pub use locate::LARGEST;
+pub use settings::Plan;
 
 use locate::Locator;
 use pullback_elements::model::Model;

@@ -11,6 +11,6 @@ mod vtu;
 
 pub use directory::{Directory, OutputError};
 pub use history::{COLUMNS, Row, csv};
-pub use recorder::Recorder;
+pub use recorder::{Recorder, Setting};
 pub use results::{Ending, FinalState, NodeResult, ReactionResult, Results, Statistics};
 pub use vtu::{Frame, collection, grid};

@@ -40,7 +40,10 @@ pub struct Recorder<'a> {
     rows: Vec<Row>,
     frames: Vec<Frame>,
     reference: Shapes,
+    /// Shapes on the way, thinned out as they grow many.
     shapes: Vec<(f64, Shapes)>,
+    /// The shape of the last row, where it is not among them.
+    latest: Option<(f64, Shapes)>,
     /// Every how many rows a shape is kept.
     stride: usize,
     last: Option<FinalState>,
@@ -79,6 +82,7 @@ impl<'a> Recorder<'a> {
             rows: Vec::new(),
             frames: Vec::new(),
             shapes: Vec::new(),
+            latest: None,
             stride: 1,
             last: None,
             pending: None,
@@ -167,16 +171,12 @@ impl<'a> Recorder<'a> {
         }
         self.last = Some(final_state(model, &answers, row.t));
         let number = self.rows.len();
+        let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
         if number.is_multiple_of(self.stride) {
-            self.shapes.push((row.t, Shapes::of(model, self.setting.geometry, false)));
-            if self.shapes.len() > SHAPES {
-                let mut k = 0;
-                self.shapes.retain(|_| {
-                    k += 1;
-                    k % 2 == 1
-                });
-                self.stride *= 2;
-            }
+            self.latest = None;
+            self.keep(shape);
+        } else {
+            self.latest = Some(shape);
         }
         let every = self.setting.output.paraview_every;
         if every > 0 {
@@ -192,6 +192,17 @@ impl<'a> Recorder<'a> {
         }
         self.rows.push(row);
         Ok(())
+    }
+
+    /// Keeps a shape; when there are too many, every second one goes. The limit is even, so the
+    /// last one stays.
+    fn keep(&mut self, shape: (f64, Shapes)) {
+        self.shapes.push(shape);
+        if self.shapes.len() > SHAPES {
+            let all = std::mem::take(&mut self.shapes);
+            self.shapes = all.into_iter().step_by(2).collect();
+            self.stride *= 2;
+        }
     }
 
     fn write_pending(&mut self) -> Result<(), OutputError> {
@@ -261,6 +272,7 @@ impl<'a> Recorder<'a> {
                     source,
                 })
             };
+            self.shapes.extend(self.latest.take());
             let shape = plot::deformed(title, &self.reference, &self.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;

@@ -13,6 +13,12 @@ use std::collections::HashMap;
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
 
+/// What the coordinates of a frame node measure.
+pub(super) const FRAME_KINDS: [Kind; FRAME] = {
+    use Kind::{Angle, Length};
+    [Length, Length, Length, Angle, Angle, Angle]
+};
+
 /// A node of the builder that made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub(crate) u32);
@@ -104,8 +110,9 @@ impl ModelBuilder {
     /// Adds a frame node whose six coordinates follow from those of `masters` through a map.
     ///
     /// # Errors
-    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::Dimension`] when the
-    /// map does not take the masters' coordinates to six; [`ModelError::PrescribedSlave`] never.
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] when
+    /// the map does not take the masters' coordinates to six; [`ModelError::SlaveOfSlave`] when a
+    /// master is mapped itself; [`ModelError::ForeignNode`].
     pub fn mapped_node(
         &mut self,
         name: impl Into<String>,
@@ -114,13 +121,21 @@ impl ModelBuilder {
         masters: &[NodeId],
     ) -> Result<NodeId, ModelError> {
         let name = name.into();
+        let joint = || format!("joint at node {name}");
+        self.check_own(masters, joint)?;
+        if let Some(&master) = masters.iter().find(|m| !self.nodes[m.0 as usize].is_own()) {
+            return Err(ModelError::SlaveOfSlave {
+                node: name,
+                master: self.node_name(master).to_owned(),
+            });
+        }
         let (d, n) = map.dims();
         let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-        if d != found || n != FRAME || masters.iter().any(|m| !self.nodes[m.0 as usize].is_own()) {
-            return Err(ModelError::Dimension {
-                element: format!("joint at node {name}"),
-                nodes: self.names_of(masters),
-                expected: d,
+        if d != found || n != FRAME {
+            return Err(ModelError::JointDimension {
+                node: name,
+                masters: self.names_of(masters),
+                map: (d, n),
                 found,
             });
         }
@@ -185,6 +200,14 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].place
     }
 
+    fn check_own(&self, nodes: &[NodeId], what: impl Fn() -> String) -> Result<(), ModelError> {
+        if nodes.iter().all(|n| (n.0 as usize) < self.nodes.len()) {
+            Ok(())
+        } else {
+            Err(ModelError::ForeignNode { what: what() })
+        }
+    }
+
     fn names_of(&self, nodes: &[NodeId]) -> String {
         let names: Vec<&str> = nodes.iter().map(|&n| self.node_name(n)).collect();
         names.join(", ")
@@ -213,9 +236,7 @@ impl ModelBuilder {
         element: Box<dyn Element>,
         nodes: &[NodeId],
     ) -> Result<ElementId, ModelError> {
-        if nodes.iter().any(|n| n.0 as usize >= self.nodes.len()) {
-            return Err(ModelError::ForeignNode { element: name });
-        }
+        self.check_own(nodes, || format!("element {name}"))?;
         if nodes.len() > MAX_NODES {
             return Err(ModelError::TooManyNodes {
                 element: name,
@@ -415,15 +436,16 @@ impl ModelBuilder {
 }
 
 fn frame_kinds() -> Vec<Kind> {
-    [[Kind::Length; 3], [Kind::Angle; 3]].concat()
+    FRAME_KINDS.to_vec()
 }
 
-/// Every own node must meet an element that is not a load, directly or through a joint.
+/// Every own node must meet an element that is not a load, directly or through a joint; a mapped
+/// node, which has no coordinates of its own, may carry a load alone.
 fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelError> {
     let mut connected = vec![false; nodes.len()];
-    for e in elements.iter().filter(|e| !e.element.is_load()) {
+    for e in elements {
         for &n in &e.nodes {
-            connected[n as usize] = true;
+            connected[n as usize] |= !e.element.is_load();
         }
     }
     for (n, node) in nodes.iter().enumerate() {
@@ -434,6 +456,9 @@ fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelE
                 connected[m as usize] = true;
             }
         }
+    }
+    for &n in elements.iter().flat_map(|e| &e.nodes) {
+        connected[n as usize] |= !nodes[n as usize].is_own();
     }
     match connected.iter().position(|c| !c) {
         None => Ok(()),
@@ -450,8 +475,19 @@ fn resolve_prescribed(
     let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
     let mut taken = std::collections::HashSet::new();
     for (id, dof, function) in prescribed {
-        let node = &nodes[id.0 as usize];
-        let coordinate = format!("node {}, {}", node.name, DOF_NAMES[dof]);
+        let Some(node) = nodes.get(id.0 as usize) else {
+            return Err(ModelError::ForeignNode {
+                what: "a support or driven motion".to_owned(),
+            });
+        };
+        if dof >= node.dim {
+            return Err(ModelError::NoCoordinate {
+                node: node.name.clone(),
+                dof: Dof::ALL[dof],
+                dim: node.dim,
+            });
+        }
+        let coordinate = node.coordinate_name(dof);
         if let Source::Mapped { masters, .. } = &node.source {
             let masters: Vec<&str> = masters
                 .iter()

@@ -30,8 +30,29 @@ pub enum ModelError {
         found: usize,
         limit: usize,
     },
-    #[error("element {element} refers to a node of another model builder")]
-    ForeignNode { element: String },
+    #[error(
+        "the map of the joint at node {node} takes {} coordinates to {}, but it must take the \
+         {found} of its masters ({masters}) to 6", map.0, map.1
+    )]
+    JointDimension {
+        node: String,
+        masters: String,
+        map: (usize, usize),
+        found: usize,
+    },
+    #[error(
+        "node {node} cannot follow node {master}, which follows other nodes itself; compose the \
+         two maps and name the masters of {master}"
+    )]
+    SlaveOfSlave { node: String, master: String },
+    #[error("{what} refers to a node of another model builder")]
+    ForeignNode { what: String },
+    #[error("node {node} has {dim} coordinates, so there is no {dof:?} to prescribe")]
+    NoCoordinate {
+        node: String,
+        dof: super::Dof,
+        dim: usize,
+    },
     #[error("element {element}: {source}")]
     Beam { element: String, source: BeamError },
     #[error("line {line}: {source}")]

@@ -68,8 +68,18 @@ impl Node {
         self.dim * self.masters_dim
     }
 
+    /// Not by number alone: a joint may release six coordinates that are no frame.
     fn is_frame(&self) -> bool {
-        self.dim == 6
+        self.kinds == builder::FRAME_KINDS
+    }
+
+    /// Name of coordinate `k` of this node.
+    fn coordinate_name(&self, k: usize) -> String {
+        if self.is_frame() {
+            format!("node {}, {}", self.name, builder::DOF_NAMES[k])
+        } else {
+            format!("{}, coordinate {}", self.name, k + 1)
+        }
     }
 
     fn is_own(&self) -> bool {

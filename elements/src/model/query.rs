@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::builder::{DOF_NAMES, ElementId, NodeId};
+use super::builder::{ElementId, NodeId};
 use super::slots::Complement;
 use super::{Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
@@ -89,8 +89,7 @@ impl Model {
             .iter()
             .find(|n| n.range().contains(&c));
         match node {
-            Some(n) if n.is_frame() => format!("node {}, {}", n.name, DOF_NAMES[c - n.first]),
-            Some(n) => format!("{}, coordinate {}", n.name, c - n.first + 1),
+            Some(n) => n.coordinate_name(c - n.first),
             None => format!("coordinate {c}"),
         }
     }

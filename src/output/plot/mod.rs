@@ -8,7 +8,7 @@ pub use curves::{Curve, Panel, panels};
 pub use shape::{Shapes, deformed};
 
 use plotters::drawing::DrawingAreaErrorKind;
-use plotters::style::{RGBColor, TextStyle};
+use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, TextStyle};
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -29,18 +29,34 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
-/// Colour of the frame around a plot.
+/// Colour of frames and text.
 const INK: RGBColor = RGBColor(40, 40, 40);
 /// Colour of grid lines.
 const GRID: RGBColor = RGBColor(228, 228, 228);
 /// Colour of reference shapes.
-const PALE: RGBColor = RGBColor(160, 160, 160);
+const PALE: RGBColor = RGBColor(150, 150, 150);
 
-/// Font sizes of text and titles in pixels.
-const TEXT: u32 = 15;
-const TITLE: u32 = 18;
+/// Font sizes of text and titles in units of the figure.
+const TEXT: i32 = 15;
+const TITLE: i32 = 18;
 
-fn font(size: u32) -> TextStyle<'static> {
-    use plotters::style::{FontStyle, IntoTextStyle, register_font as _};
-    ("sans-serif", size).into_text_style(&(0, 0)).color(&INK)
+/// The library places everything at whole pixels; this many of them are one unit of the figure,
+/// so that curves stay smooth.
+const FINE: i32 = 8;
+
+fn font(size: i32) -> TextStyle<'static> {
+    let size = f64::from(size * FINE);
+    FontDesc::new(FontFamily::SansSerif, size, FontStyle::Normal).color(&INK)
+}
+
+/// Estimated width of a text, in fine pixels.
+fn width(text: &str, size: i32) -> i32 {
+    // Font sizes of the library are 1.24 times those of the text; a letter is half as wide.
+    text.chars().count() as i32 * size * FINE * 45 / 100
+}
+
+/// Gives a figure drawn in fine pixels its size in units.
+fn scaled(svg: &str, [w, h]: [i32; 2]) -> String {
+    let fine = format!("width=\"{}\" height=\"{}\"", w * FINE, h * FINE);
+    svg.replacen(&fine, &format!("width=\"{w}\" height=\"{h}\""), 1)
 }

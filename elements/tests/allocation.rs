@@ -1,0 +1,109 @@
+//! An evaluation allocates nothing: buffers are made when the model is.
+
+#![allow(non_snake_case)]
+
+mod common;
+
+use common::{Coupling, Offset, coupled};
+use nalgebra::Vector3;
+use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
+use pullback_elements::time::{Constant, Proportional, Table};
+use pullback_manifold::map::Map;
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System as Allocator;
+
+#[global_allocator]
+static GLOBAL: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
+
+// One test in this file: another thread's allocations would be counted too.
+#[test]
+fn nothing_is_allocated_after_the_first_evaluation() {
+    let mut b = ModelBuilder::new();
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
+    let axis = Straight {
+        from: b.place(root),
+        to: b.place(end),
+        second: None,
+        twist: 0.2,
+    };
+    let line = Line {
+        elements: 3,
+        order: 2,
+        section: coupled(),
+    };
+    let nodes = b.line("line", &axis, [root, end], &line).unwrap().nodes;
+    let offset = Offset([0.0, 0.3, 0.4]).boxed();
+    let slave = b
+        .mapped_node("slave", [3.0, 0.3, 0.4], offset, &[end])
+        .unwrap();
+    b.element("coupling", Coupling, &[nodes[2], slave]).unwrap();
+    let load = NodalLoad::new(Which::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
+    b.element("load", load, &[slave]).unwrap();
+    let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
+    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
+    let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
+    b.element("wind", wind, &nodes[..3]).unwrap();
+    b.support(root, &[Dof::X, Dof::Y]);
+    for dof in Dof::ROTATIONS {
+        b.prescribe(root, dof, Constant(1.0));
+    }
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    let mut q = vec![0.0; n];
+    // Nodes astride π, so that elements change charts.
+    for (k, &node) in nodes.iter().enumerate().skip(1) {
+        let psi = Vector3::new(1.0, 1.0, 1.0) * (1.7 + 0.05 * k as f64);
+        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
+            q[model.unknown(node, dof).unwrap()] = psi[i];
+        }
+    }
+    let changes = model.change_charts(0.5, &mut q, &mut [], &mut []);
+    assert!(changes.charts > 0 && changes.charts < nodes.len() - 1);
+    let (v, a) = (vec![0.3; n], vec![-0.2; n]);
+    let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
+    let mut S = vec![0.0; model.pattern().len()];
+    let weights = Weights {
+        K: 1.0,
+        C: 2.0,
+        M: 3.0,
+    };
+    let mut all = |model: &mut dyn System| {
+        let rest = Point {
+            t: 0.5,
+            q: &q,
+            v: &[],
+            a: &[],
+        };
+        let moving = Point {
+            v: &v,
+            a: &a,
+            ..rest
+        };
+        for at in [rest, moving] {
+            let out = Evaluation {
+                r: &mut r,
+                S: Some((weights, &mut S)),
+                r_t: Some(&mut r_t),
+            };
+            model.evaluate(at, out).unwrap();
+            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+            let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+            model.evaluate_from(rest, at, out).unwrap();
+        }
+    };
+    all(&mut model);
+    let region = Region::new(GLOBAL);
+    all(&mut model);
+    let change = region.change();
+    assert_eq!(
+        (change.allocations, change.reallocations),
+        (0, 0),
+        "{change:?}"
+    );
+    // The counter counts.
+    let seen = std::hint::black_box(vec![0_u8; 64]);
+    assert!(region.change().allocations > 0, "{seen:?}");
+}

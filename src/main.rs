@@ -1,0 +1,185 @@
+//! The program `pullback`.
+
+mod terminal;
+
+use clap::{Parser, Subcommand};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+use pullback::output::Ending;
+use pullback::run::{Outcome, RunError, run};
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use terminal::{Interrupt, Progress};
+
+/// The analysis failed, or a gallery case is off.
+const FAILED: u8 = 1;
+/// The model file is refused, or results cannot be written.
+const REFUSED: u8 = 2;
+/// Stopped by Ctrl-C.
+const INTERRUPTED: u8 = 130;
+
+/// Flexible multibody dynamics on manifolds.
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Runs a model file and writes history, results, figures and ParaView files.
+    ///
+    /// Exit code 0: complete; 1: the analysis failed; 2: the model file is refused or the results
+    /// cannot be written; 130: interrupted. After a failure or Ctrl-C the steps that converged are
+    /// kept, and result.json says that they are not all.
+    Run {
+        /// Model file (TOML; see docs/model_file.md).
+        model: PathBuf,
+        /// Directory of the results; beside the model file by default, `MODEL.out`.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Says nothing unless something goes wrong.
+        #[arg(long, short)]
+        quiet: bool,
+    },
+    /// Prints the JSON Schema of the model file.
+    Schema,
+    /// Computes the built-in cases and compares them with published or exact results.
+    Gallery {
+        /// Names of cases; all by default.
+        cases: Vec<String>,
+        /// Prints the rows as JSON.
+        #[arg(long)]
+        json: bool,
+        /// Directory for plots.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+}
+
+fn main() -> ExitCode {
+    let code = match Arguments::parse().command {
+        Command::Run { model, out, quiet } => run_model(&model, out.as_deref(), quiet),
+        Command::Schema => print_schema(),
+        Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
+    };
+    ExitCode::from(code)
+}
+
+/// Prints to standard output; a reader that has gone away (`| head`) is no failure.
+fn print(text: &str) -> u8 {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            eprintln!("cannot write to standard output: {error}");
+            REFUSED
+        }
+        _ => 0,
+    }
+}
+
+fn print_schema() -> u8 {
+    match serde_json::to_string_pretty(&pullback::input::schema()) {
+        Ok(text) => print(&(text + "\n")),
+        Err(error) => {
+            eprintln!("cannot encode the schema: {error}");
+            REFUSED
+        }
+    }
+}
+
+fn run_model(model: &Path, out: Option<&Path>, quiet: bool) -> u8 {
+    let interrupt = Interrupt::install();
+    let progress = Progress::new(quiet);
+    let ran = run(model, out, &mut |step| {
+        progress.step(step);
+        interrupt.flow()
+    });
+    progress.clear();
+    match ran {
+        Err(RunError::Input(error)) => {
+            complain(&error);
+            REFUSED
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            REFUSED
+        }
+        Ok(outcome) => report(&outcome, quiet),
+    }
+}
+
+fn report(outcome: &Outcome, quiet: bool) -> u8 {
+    let directory = outcome.directory.display();
+    let kept = format!(
+        "{} rows up to load parameter {:.6} are kept in {directory}, marked incomplete",
+        outcome.rows, outcome.t
+    );
+    match &outcome.ending {
+        Ending::Complete => {
+            let text = format!(
+                "complete: {} rows up to load parameter {:.6} in {directory}\n",
+                outcome.rows, outcome.t
+            );
+            if quiet { 0 } else { print(&text) }
+        }
+        Ending::Interrupted { .. } => {
+            eprintln!("interrupted: {kept}");
+            INTERRUPTED
+        }
+        Ending::StepLimit { max_steps, .. } => {
+            eprintln!("error: no stop was reached within max_steps = {max_steps}; {kept}");
+            FAILED
+        }
+        Ending::Failed { message } => {
+            eprintln!("error: {message}\n{kept}");
+            FAILED
+        }
+        Ending::Running => FAILED,
+    }
+}
+
+/// Prints a refusal with the place in the file.
+fn complain(error: &dyn Diagnostic) {
+    let theme = if io::stderr().is_terminal() {
+        GraphicalTheme::unicode()
+    } else {
+        GraphicalTheme::unicode_nocolor()
+    };
+    let mut text = String::new();
+    let handler = GraphicalReportHandler::new_themed(theme).with_width(100);
+    match handler.render_report(&mut text, error) {
+        Ok(()) => eprintln!("{text}"),
+        Err(_) => eprintln!("error: {error}"),
+    }
+}
+
+fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
+    let progress = Progress::new(json);
+    let ran = pullback::gallery::run(cases, out, &mut |case| progress.say(case));
+    progress.clear();
+    let rows = match ran {
+        Ok(rows) => rows,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return REFUSED;
+        }
+    };
+    let passed = rows.iter().all(|row| row.passed());
+    let text = if json {
+        match serde_json::to_string_pretty(&rows) {
+            Ok(text) => text + "\n",
+            Err(error) => {
+                eprintln!("cannot encode the rows: {error}");
+                return REFUSED;
+            }
+        }
+    } else {
+        terminal::table(&rows)
+    };
+    match print(&text) {
+        0 if passed => 0,
+        0 => FAILED,
+        code => code,
+    }
+}

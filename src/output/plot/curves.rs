@@ -1,0 +1,133 @@
+//! Curves in panels.
+
+use super::axes::{self, Area, Mark, legend_height, legend_rows};
+use super::{FINE, PALETTE, PlotError, TITLE, font, scaled};
+use plotters::element::{Circle, PathElement};
+use plotters::prelude::{IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, WHITE};
+
+/// A curve with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What the legend says.
+    pub label: String,
+    /// Points, in order.
+    pub points: Vec<(f64, f64)>,
+    /// Whether only the points are drawn, without lines between them (published values, say).
+    pub scattered: bool,
+}
+
+impl Curve {
+    /// A line through points.
+    pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            label: label.into(),
+            points,
+            scattered: false,
+        }
+    }
+
+    /// Points alone.
+    pub fn points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            scattered: true,
+            ..Self::new(label, points)
+        }
+    }
+}
+
+/// Curves over the same axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Description of the horizontal axis.
+    pub x: String,
+    /// Description of the vertical axis.
+    pub y: String,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// Size of a plot without its legend, alone or beside another.
+const ALONE: [i32; 2] = [640, 420];
+const BESIDE: [i32; 2] = [520, 360];
+
+/// A figure of panels, two in a row, as SVG text.
+///
+/// # Errors
+/// [`PlotError`] of the drawing library.
+pub fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError> {
+    let [w, h] = if panels.len() > 1 { BESIDE } else { ALONE };
+    let columns = panels.len().clamp(1, 2) as i32;
+    let rows = (panels.len() as i32 + 1) / 2;
+    let entries: Vec<_> = panels.iter().map(entries).collect();
+    let room = w - axes::LEFT - 2 * axes::MARGIN;
+    let words = entries.iter().map(|e| legend_rows(e, room)).max();
+    let words = legend_height(words.unwrap_or(0));
+    let head = if title.is_some() { 34 } else { 0 };
+    let size = [columns * w, head + rows.max(1) * (h + words)];
+    let mut svg = String::new();
+    {
+        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
+        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
+        root.fill(&WHITE)?;
+        heading(&root, title, size[0])?;
+        for (k, (panel, entries)) in panels.iter().zip(&entries).enumerate() {
+            let k = k as i32;
+            let [x, y] = [k % 2 * w, head + k / 2 * (h + words)];
+            let corner = [x + axes::LEFT + axes::MARGIN, y + 4];
+            axes::legend(&root, corner, room, entries)?;
+            let span = |start: i32, length: i32| start * FINE..(start + length) * FINE;
+            let (xs, ys) = (span(x, w), span(y + words, h));
+            let shrunk = root.clone().shrink((xs.start, ys.start), (w * FINE, h * FINE));
+            draw(&shrunk, panel)?;
+        }
+        root.present()?;
+    }
+    Ok(scaled(&svg, size))
+}
+
+/// The title over a figure of a width.
+pub(super) fn heading(root: &Area<'_>, title: Option<&str>, w: i32) -> Result<(), PlotError> {
+    if let Some(title) = title {
+        let style = font(TITLE).pos(Pos::new(HPos::Center, VPos::Center));
+        root.draw_text(title, &style, (w * FINE / 2, 20 * FINE))?;
+    }
+    Ok(())
+}
+
+fn entries(panel: &Panel) -> Vec<(String, Mark)> {
+    let curves = panel.curves.iter().zip(PALETTE.iter().cycle());
+    curves
+        .map(|(curve, &color)| {
+            let mark = if curve.scattered {
+                Mark::Dot(color)
+            } else {
+                Mark::Line(color, 4)
+            };
+            (curve.label.clone(), mark)
+        })
+        .collect()
+}
+
+fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
+    let all = || panel.curves.iter().flat_map(|c| &c.points);
+    let x = axes::range(all().map(|p| p.0));
+    let y = axes::range(all().map(|p| p.1));
+    let mut chart = axes::axes(area, x, y, [&panel.x, &panel.y])?;
+    for (curve, color) in panel.curves.iter().zip(PALETTE.iter().cycle()) {
+        let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
+        let points: Vec<(f64, f64)> = curve.points.iter().filter(finite).copied().collect();
+        // Few points are shown as what they are: converged steps.
+        if curve.scattered || points.len() <= 40 {
+            let radius = if curve.scattered { 4 } else { 3 } * FINE;
+            let dots = points.iter().map(|&p| Circle::new(p, radius, color.filled()));
+            chart.draw_series(dots)?;
+        }
+        if !curve.scattered {
+            let style = color.stroke_width(2 * FINE as u32);
+            chart.draw_series(std::iter::once(PathElement::new(points, style)))?;
+        }
+    }
+    Ok(())
+}

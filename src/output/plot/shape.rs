@@ -1,0 +1,309 @@
+//! The shape of a structure: reference and deformed, with equal scales on all axes.
+
+use super::axes::{self, Area, Chart, Mark, legend_height, legend_rows};
+use super::curves::heading;
+use super::{FINE, INK, PALE, PALETTE, PlotError, TEXT, font, scaled};
+use crate::input::Geometry;
+use nalgebra::Vector3;
+use plotters::chart::ChartBuilder;
+use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::prelude::{IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, RGBColor, WHITE};
+use pullback_elements::model::Model;
+
+/// Points per element of higher order.
+const PIECES: usize = 8;
+/// Intermediate shapes drawn at most.
+const BETWEEN: usize = 4;
+/// Nodes are marked where there are at most so many.
+const MARKED: usize = 41;
+/// A structure is plane when its extent across is at most this part of the largest.
+const FLAT: f64 = 1e-3;
+
+/// Lines of a structure in one configuration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shapes {
+    /// Points along each line.
+    lines: Vec<Vec<Vector3<f64>>>,
+    /// Places of the nodes.
+    nodes: Vec<Vector3<f64>>,
+    /// Places of supported nodes.
+    supports: Vec<Vector3<f64>>,
+}
+
+impl Shapes {
+    /// The reference configuration of a model, or the one it is in.
+    pub fn of(model: &Model, geometry: &Geometry, reference: bool) -> Self {
+        let place = |node| {
+            if reference {
+                model.reference(node)
+            } else {
+                model.node_state(node).place
+            }
+        };
+        let mut out = Self {
+            supports: geometry.supports.iter().map(|&n| place(n)).collect(),
+            ..Self::default()
+        };
+        for line in &geometry.lines {
+            let nodes: Vec<Vector3<f64>> = line.nodes.iter().map(|&n| place(n)).collect();
+            out.lines.push(interpolate(&nodes, line.order));
+            out.nodes.extend(nodes);
+        }
+        out
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.lines.iter().flatten().chain(&self.supports)
+    }
+}
+
+/// Points along a line of elements: its nodes, and between them the interpolation of the order.
+fn interpolate(nodes: &[Vector3<f64>], order: usize) -> Vec<Vector3<f64>> {
+    if order == 1 {
+        return nodes.to_vec();
+    }
+    let mut out: Vec<Vector3<f64>> = nodes.first().copied().into_iter().collect();
+    for start in (0..nodes.len().saturating_sub(order)).step_by(order) {
+        let own = &nodes[start..=start + order];
+        for piece in 1..=PIECES {
+            let u = (order * piece) as f64 / PIECES as f64;
+            let weight = |i: usize| -> f64 {
+                let others = (0..=order).filter(|&j| j != i);
+                others.map(|j| (u - j as f64) / (i as f64 - j as f64)).product()
+            };
+            out.push(own.iter().enumerate().map(|(i, x)| x * weight(i)).sum());
+        }
+    }
+    out
+}
+
+/// A projection on a plane of the page.
+#[derive(Clone, Copy)]
+enum View {
+    /// Coordinates a (to the right) and b (upwards).
+    Plane(usize, usize),
+    /// From the direction (1, −1, 1)/√3 with e3 upwards.
+    Isometric,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl View {
+    fn project(self, p: &Vector3<f64>) -> (f64, f64) {
+        match self {
+            Self::Plane(a, b) => (p[a], p[b]),
+            Self::Isometric => (
+                (p.x + p.y) / 2.0_f64.sqrt(),
+                (2.0 * p.z - p.x + p.y) / 6.0_f64.sqrt(),
+            ),
+        }
+    }
+
+    fn range(self, points: &[Vector3<f64>]) -> [[f64; 2]; 2] {
+        let of = |pick: fn((f64, f64)) -> f64| {
+            let values = points.iter().map(|p| pick(self.project(p)));
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            })
+        };
+        [of(|p| p.0), of(|p| p.1)]
+    }
+}
+
+fn extent([low, high]: [f64; 2]) -> f64 {
+    high - low
+}
+
+/// A figure of the reference shape, the last one and some between, as SVG text: one view of a
+/// plane structure, three views and an isometric one of any other.
+///
+/// # Errors
+/// [`PlotError`] of the drawing library.
+pub fn deformed(
+    title: Option<&str>,
+    reference: &Shapes,
+    shapes: &[(f64, Shapes)],
+) -> Result<String, PlotError> {
+    let chosen = between(shapes.len()).chain(shapes.len().checked_sub(1));
+    let drawn = std::iter::once(reference).chain(chosen.map(|k| &shapes[k].1));
+    let points: Vec<Vector3<f64>> = drawn
+        .flat_map(Shapes::points)
+        .filter(|p| p.iter().all(|x| x.is_finite()))
+        .copied()
+        .collect();
+    let extents = [0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0]));
+    let largest = extents.iter().fold(0.0_f64, |a, &b| a.max(b));
+    // The axis across the plane: the flattest.
+    let across = (0..3).fold(0, |best, k| if extents[k] <= extents[best] { k } else { best });
+    let flat = extents[across] <= FLAT * largest;
+    let entries = entries(reference, shapes);
+    let head = if title.is_some() { 34 } else { 0 };
+    let fit = |room: f64, a: f64, b: f64, [low, high]: [f64; 2]| {
+        (room * b / a.max(1e-300)).clamp(low, high) as i32
+    };
+    let edge = [axes::LEFT + 2 * axes::MARGIN, axes::BOTTOM + 2 * axes::MARGIN];
+    // Views with the place and size of their plots, in units.
+    let mut views = Vec::new();
+    let size;
+    if flat {
+        let (a, b) = ([1, 0, 0][across], [2, 2, 1][across]);
+        let w = 640;
+        let h = fit(f64::from(w - edge[0]), extents[a], extents[b], [140.0, 560.0]) + edge[1];
+        let words = legend_height(legend_rows(&entries, w - edge[0]));
+        views.push((View::Plane(a, b), [0, head + words], [w, h]));
+        size = [w, head + words + h];
+    } else {
+        // Front (x, z) and side (y, z) above, plan (x, y) and the isometric view below.
+        let [ex, ey, ez] = extents.map(|e| e.max(0.35 * largest));
+        let unit = 680.0 / (ex + ey);
+        let [w1, w2] = [ex, ey].map(|e| (e * unit) as i32 + edge[0]);
+        let [h1, h2] = [ez, ey].map(|e| (e * unit) as i32 + edge[1]);
+        let words = legend_height(legend_rows(&entries, w1 + w2 - edge[0]));
+        let top = head + words;
+        views.push((View::Plane(0, 2), [0, top], [w1, h1]));
+        views.push((View::Plane(1, 2), [w1, top], [w2, h1]));
+        views.push((View::Plane(0, 1), [0, top + h1], [w1, h2]));
+        views.push((View::Isometric, [w1, top + h1], [w2, h2]));
+        size = [w1 + w2, top + h1 + h2];
+    }
+    // The plane views share one scale; the isometric one has its own.
+    let scale = |view: View, [w, h]: [i32; 2]| {
+        let [x, y] = view.range(&points).map(extent);
+        (x / f64::from(w - edge[0])).max(y / f64::from(h - edge[1]))
+    };
+    let common = |v: &(View, [i32; 2], [i32; 2])| match v.0 {
+        View::Plane(..) => scale(v.0, v.2),
+        View::Isometric => 0.0,
+    };
+    let common = views.iter().map(common).fold(0.0, f64::max);
+    let mut svg = String::new();
+    {
+        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
+        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
+        root.fill(&WHITE)?;
+        heading(&root, title, size[0])?;
+        let corner = [axes::LEFT + axes::MARGIN, head + 2];
+        axes::legend(&root, corner, size[0] - edge[0], &entries)?;
+        for (view, [x, y], [w, h]) in views {
+            let area = root.clone().shrink((x * FINE, y * FINE), (w * FINE, h * FINE));
+            let own = match view {
+                View::Plane(..) => common,
+                View::Isometric => scale(view, [w, h]),
+            };
+            let own = if own > 0.0 && own.is_finite() { 1.1 * own } else { 1.0 };
+            let plot = [w - edge[0], h - edge[1]];
+            let [x, y] = [0, 1].map(|k| centred(view.range(&points)[k], own, plot[k]));
+            draw(&area, view, [x, y], own, reference, shapes)?;
+        }
+        root.present()?;
+    }
+    Ok(scaled(&svg, size))
+}
+
+/// Indices of the shapes between the reference and the last, evenly over the load path.
+fn between(count: usize) -> impl Iterator<Item = usize> {
+    let wanted = BETWEEN.min(count.saturating_sub(2));
+    (1..=wanted).map(move |k| k * (count - 1) / (wanted + 1))
+}
+
+fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> {
+    let mut out = vec![("reference".to_owned(), Mark::Line(PALE, 3))];
+    if between(shapes.len()).next().is_some() {
+        out.push(("on the way".to_owned(), Mark::Line(pale_blue(), 2)));
+    }
+    if let Some((t, _)) = shapes.last() {
+        let t = axes::tick(*t, 0.1);
+        out.push((format!("deformed, t = {t}"), Mark::Line(PALETTE[0], 5)));
+    }
+    if !reference.supports.is_empty() {
+        out.push(("support".to_owned(), Mark::Square(INK)));
+    }
+    out
+}
+
+fn pale_blue() -> RGBColor {
+    RGBColor(158, 202, 225)
+}
+
+/// The range of a plot of a size and scale around the middle of another range.
+fn centred([low, high]: [f64; 2], scale: f64, size: i32) -> [f64; 2] {
+    let (middle, half) = (0.5 * (low + high), 0.5 * scale * f64::from(size));
+    let middle = if middle.is_finite() { middle } else { 0.0 };
+    [middle - half, middle + half]
+}
+
+/// One view, with the same scale (units of the model per unit of the figure) along both axes.
+fn draw(
+    area: &Area<'_>,
+    view: View,
+    [x, y]: [[f64; 2]; 2],
+    scale: f64,
+    reference: &Shapes,
+    shapes: &[(f64, Shapes)],
+) -> Result<(), PlotError> {
+    let mut chart = match view {
+        View::Plane(a, b) => axes::axes(area, x, y, [AXES[a], AXES[b]])?,
+        View::Isometric => {
+            let chart = ChartBuilder::on(area)
+                .margin(axes::MARGIN * FINE)
+                .x_label_area_size(axes::BOTTOM * FINE)
+                .y_label_area_size(axes::LEFT * FINE)
+                .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
+            triad(area, view)?;
+            chart
+        }
+    };
+    outline(&mut chart, view, reference, PALE, 3)?;
+    for k in between(shapes.len()) {
+        outline(&mut chart, view, &shapes[k].1, pale_blue(), 2)?;
+    }
+    if let Some((_, last)) = shapes.last() {
+        outline(&mut chart, view, last, PALETTE[0], 5)?;
+        if last.nodes.len() <= MARKED {
+            let places = last.nodes.iter().map(|p| view.project(p));
+            let dots = places.map(|p| Circle::new(p, 5 * FINE / 2, PALETTE[0].filled()));
+            chart.draw_series(dots)?;
+        }
+    }
+    let half = 4.0 * scale;
+    let squares = reference.supports.iter().map(|p| {
+        let (x, y) = view.project(p);
+        Rectangle::new([(x - half, y - half), (x + half, y + half)], INK.filled())
+    });
+    chart.draw_series(squares)?;
+    Ok(())
+}
+
+fn outline(
+    chart: &mut Chart<'_, '_>,
+    view: View,
+    shapes: &Shapes,
+    color: RGBColor,
+    stroke: i32,
+) -> Result<(), PlotError> {
+    let style = color.stroke_width((stroke * FINE / 2) as u32);
+    let lines = shapes.lines.iter().map(|line| {
+        let places = line.iter().map(|p| view.project(p));
+        PathElement::new(places.collect::<Vec<_>>(), style)
+    });
+    chart.draw_series(lines)?;
+    Ok(())
+}
+
+/// The three axes' directions at the lower left of a view without axes of its own.
+fn triad(area: &Area<'_>, view: View) -> Result<(), PlotError> {
+    let (_, height) = area.dim_in_pixel();
+    let origin = (26 * FINE, height as i32 - 60 * FINE);
+    let style = font(TEXT).pos(Pos::new(HPos::Center, VPos::Center));
+    let length = f64::from(44 * FINE);
+    for (k, name) in AXES.into_iter().enumerate() {
+        let (x, y) = view.project(&Vector3::ith(k, length));
+        let at = |part: f64| (origin.0 + (part * x) as i32, origin.1 - (part * y) as i32);
+        let arrow = vec![origin, at(1.0)];
+        area.draw(&PathElement::new(arrow, INK.stroke_width(FINE as u32)))?;
+        area.draw_text(name, &style, at(1.25))?;
+    }
+    Ok(())
+}

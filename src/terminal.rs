@@ -1,0 +1,105 @@
+//! What the program shows while it works, and how it is stopped.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use pullback::gallery::Comparison;
+use pullback::integrators::statics::Step;
+use std::fmt::Write;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A line that tells where the analysis is; silent when standard error is no terminal.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// A line, or none.
+    pub fn new(quiet: bool) -> Self {
+        if quiet {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// Tells of a converged step.
+    pub fn step(&self, step: &Step<'_>) {
+        self.0.set_message(format!(
+            "step {}  load parameter {:.6}  step size {:.3e}  {} iterations",
+            step.number, step.t, step.step_size, step.iterations
+        ));
+        self.0.tick();
+    }
+
+    /// Tells something.
+    pub fn say(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+        self.0.tick();
+    }
+
+    /// Removes the line.
+    pub fn clear(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// Ctrl-C: the first asks the analysis to stop after the present step, the second ends the
+/// program at once.
+pub struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Listens from now on.
+    pub fn install() -> Self {
+        let asked = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&asked);
+        let installed = ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(crate::INTERRUPTED));
+            }
+            eprintln!("\nstopping after this step (Ctrl-C again stops at once)");
+        });
+        if let Err(error) = installed {
+            eprintln!("warning: Ctrl-C will stop the program without saving: {error}");
+        }
+        Self(asked)
+    }
+
+    /// Whether to go on.
+    pub fn flow(&self) -> ControlFlow<()> {
+        if self.0.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// The rows of the gallery as text.
+pub fn table(rows: &[Comparison]) -> String {
+    let longest = |pick: fn(&Comparison) -> &str| {
+        rows.iter().map(|r| pick(r).chars().count()).max().unwrap_or(0)
+    };
+    let (case, quantity) = (longest(|r| &r.case), longest(|r| &r.quantity));
+    let mut out = format!(
+        "{:case$}  {:quantity$}  {:>14}  {:>14}  {:>10}  {:>9}      source\n",
+        "case", "quantity", "computed", "published", "difference", "tolerance"
+    );
+    for row in rows {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{:case$}  {:quantity$}  {:>14.6}  {:>14.6}  {:>10.2e}  {:>9.1e}  {}  {}",
+            row.case,
+            row.quantity,
+            row.computed,
+            row.published,
+            row.difference,
+            row.tolerance,
+            if row.passed() { "ok" } else { "NO" },
+            row.source
+        );
+    }
+    out
+}
