@@ -1,5 +1,7 @@
 //! The 45° bend of the README: a curved cantilever, bent out of its plane by a tip force.
 
+#![allow(non_snake_case)]
+
 use pullback::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -23,7 +23,10 @@ pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let states = states(n);
     // An element without energy answers zero: only one that differs somewhere is held to it.
-    let energies: Vec<f64> = states.iter().map(|(_, s)| element.energy(&motion(s))).collect();
+    let energies: Vec<f64> = states
+        .iter()
+        .map(|(_, s)| element.energy(&motion(s)))
+        .collect();
     let conservative = energies.iter().any(|&e| e != 0.0);
     let mut report = forces_at(
         &format!("element of {n} coordinates"),
@@ -101,9 +104,8 @@ fn evaluate_from(
 
 /// A request for less gives the same numbers, to the last bit.
 fn requests(report: &mut Report, element: &dyn Element, at: &str, s: &State, all: &Forces) {
-    let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
-        f.map_or(f64::NAN, |f| of(&f, all))
-    };
+    let gap =
+        |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| f.map_or(f64::NAN, |f| of(&f, all));
     report.defect(
         "r does not depend on what else is asked",
         at,
@@ -152,9 +154,8 @@ fn iterates(
     let mut d = DVector::zeros(s.x.len());
     random.direction(1.0, d.as_mut_slice());
     let from = |e: f64| evaluate_from(element, Some(&(&s.x - &d * e)), s, Ask::Stiffness);
-    let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
-        f.map_or(f64::NAN, |f| of(&f, all))
-    };
+    let gap =
+        |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| f.map_or(f64::NAN, |f| of(&f, all));
     report.defect(
         "r does not depend on the previous iterate",
         at,

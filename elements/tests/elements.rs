@@ -144,7 +144,11 @@ impl Element for Wrong {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        let factor = if self.error == Error::Energy { 1.001 } else { 1.0 };
+        let factor = if self.error == Error::Energy {
+            1.001
+        } else {
+            1.0
+        };
         factor * self.beam.energy(at)
     }
 }
@@ -274,8 +278,15 @@ fn a_line_load_adds_up_to_force_times_length() {
             assert!((sum - f).abs() < 1e-14, "{nodes} nodes, {k}: {sum}");
         }
         // The resultant acts at the middle.
-        let moment: f64 = places.iter().enumerate().map(|(i, p)| p.x * r[6 * i + 1]).sum();
-        assert!((moment + 3.0 * 0.75).abs() < 1e-14, "{nodes} nodes: {moment}");
+        let moment: f64 = places
+            .iter()
+            .enumerate()
+            .map(|(i, p)| p.x * r[6 * i + 1])
+            .sum();
+        assert!(
+            (moment + 3.0 * 0.75).abs() < 1e-14,
+            "{nodes} nodes: {moment}"
+        );
     }
     let one = LineLoad::new(&helix(2)[..1], [1.0; 3], false, Box::new(Constant(1.0)));
     assert_eq!(one.unwrap_err(), BeamError::Nodes(1));
@@ -283,11 +294,13 @@ fn a_line_load_adds_up_to_force_times_length() {
 
 #[test]
 fn impossible_beams_are_refused_with_their_reason() {
-    let refused = |places: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| {
-        match Beam::along(places, frame, &section()) {
-            Err(error) => error,
-            Ok(_) => panic!("accepted"),
-        }
+    let refused = |places: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| match Beam::along(
+        places,
+        frame,
+        &section(),
+    ) {
+        Err(error) => error,
+        Ok(_) => panic!("accepted"),
     };
     let x = |x: f64| Vector3::new(x, 0.0, 0.0);
     let straight = |_: f64| Matrix3::identity();

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Coupling, Offset, TwoTurn, Twin, coupled, section};
+use common::{Coupling, Offset, Twin, TwoTurn, coupled, section};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::load::{LineLoad, NodalLoad, Which};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
@@ -151,7 +151,10 @@ fn a_rotation_driven_past_a_turn() {
     assert!((found - expected.matrix()).norm() < 1e-13);
     // And the other way: halfway to the second turn, in the chart of negative vectors.
     let changes = model.change_charts(0.3, q.as_mut_slice(), &mut [], &mut []);
-    assert_eq!(changes.charts, 0, "3.6 rad is nearer to one turn than to none");
+    assert_eq!(
+        changes.charts, 0,
+        "3.6 rad is nearer to one turn than to none"
+    );
     let changes = model.change_charts(0.2, q.as_mut_slice(), &mut [], &mut []);
     assert_eq!(changes.charts, 1, "2.4 rad is in the first chart");
 }
@@ -239,7 +242,9 @@ fn nodes_astride_pi() {
     // 2.7, 3.1, 3.3, 3.5 rad: the last two are stored as their complements.
     let angles = [2.7, 3.1, 3.3, 3.5];
     let mut q = turned(&model, |k| {
-        let at = nodes.iter().position(|n| model.frames().nth(k).unwrap().0 == *n);
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
         e * angles[at.unwrap()]
     });
     let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
@@ -274,7 +279,8 @@ fn mapped_nodes_stored_in_the_other_chart() {
             section: coupled(),
         };
         b.line(name, &axis, ends, &line).unwrap();
-        b.element(format!("coupling {name}"), Coupling, &ends).unwrap();
+        b.element(format!("coupling {name}"), Coupling, &ends)
+            .unwrap();
     }
     b.prescribe(masters[1], Dof::RY, sine(0.3));
     let mut model = b.build().unwrap();
@@ -289,7 +295,9 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
     let (mut model, nodes) = chain(2);
     let e = Vector3::new(0.36, 0.48, -0.8);
     let mut q = turned(&model, |k| {
-        let at = nodes.iter().position(|n| model.frames().nth(k).unwrap().0 == *n);
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
         e * [2.9, 3.1, 3.3][at.unwrap()]
     });
     model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
@@ -347,7 +355,9 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
     let mut model = b.build().unwrap();
     assert!(model.is_symmetric());
     let mut q = turned(&model, |k| {
-        let at = nodes.iter().position(|n| model.frames().nth(k).unwrap().0 == *n);
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
         Vector3::new(1.0, -2.0, 2.0) / 3.0 * (2.8 + 0.2 * at.unwrap() as f64)
     });
     model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);

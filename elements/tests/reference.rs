@@ -95,18 +95,34 @@ fn torsion_constants_of_rectangles() {
         assert!((found / ratio - k1).abs() <= figures, "{ratio}: {found}");
         // No side is the first; the scale is a length to the fourth power.
         assert_eq!(found, rectangle_torsion(1.0, ratio));
-        near(rectangle_torsion(0.02 * ratio, 0.02), found * 0.02_f64.powi(4), 1e-14);
+        near(
+            rectangle_torsion(0.02 * ratio, 0.02),
+            found * 0.02_f64.powi(4),
+            1e-14,
+        );
     }
     // A thin strip: (a b³/3)(1 − 0.63025 b/a) (ibid.; 192/π⁵ Σ 1/n⁵ = 0.630249...).
-    near(rectangle_torsion(1.0, 1e-3), 1e-9 / 3.0 * (1.0 - 0.630_249e-3), 1e-8);
+    near(
+        rectangle_torsion(1.0, 1e-3),
+        1e-9 / 3.0 * (1.0 - 0.630_249e-3),
+        1e-8,
+    );
 }
 
 #[test]
 fn torsion_constant_of_the_princeton_beam() {
     // published.json, S08: h = 12.3777 mm, b = 3.2024 mm. Its last digits are those of a truncated
     // series: the sum to 30 digits is 1.134071924826731e-10.
-    near(rectangle_torsion(0.0123777, 0.0032024), 1.134_071_924_843_914e-10, 2e-11);
-    near(rectangle_torsion(0.0123777, 0.0032024), 1.134_071_924_826_731e-10, 1e-13);
+    near(
+        rectangle_torsion(0.0123777, 0.0032024),
+        1.134_071_924_843_914e-10,
+        2e-11,
+    );
+    near(
+        rectangle_torsion(0.0123777, 0.0032024),
+        1.134_071_924_826_731e-10,
+        1e-13,
+    );
 }
 
 #[test]
@@ -164,7 +180,10 @@ fn impossible_sections_are_refused_with_their_reason() {
         message(Section::rectangle(STEEL, 1.0, f64::NAN)),
         positive("height", "NaN")
     );
-    assert_eq!(message(Section::circle(STEEL, -1.0)), positive("radius", "-1"));
+    assert_eq!(
+        message(Section::circle(STEEL, -1.0)),
+        positive("radius", "-1")
+    );
     for (inner, outer) in [(0.5, 0.5), (0.0, 0.5), (-0.1, 0.5), (f64::NAN, 0.5)] {
         assert_eq!(
             message(Section::tube(STEEL, inner, outer)),
@@ -178,7 +197,10 @@ fn impossible_sections_are_refused_with_their_reason() {
             format!("Poisson's ratio must lie in (-1, 0.5], got {nu}")
         );
     }
-    let rigid = Material { E: f64::INFINITY, ..STEEL };
+    let rigid = Material {
+        E: f64::INFINITY,
+        ..STEEL
+    };
     assert_eq!(
         message(Section::circle(rigid, 1.0)),
         positive("Young's modulus E", "inf")

@@ -171,7 +171,10 @@ fn reports_are_deterministic_tables() {
     assert_eq!(report, check::map(&Planted::BDotHalf));
     let text = report.to_string();
     assert!(text.starts_with("Planted\n"), "{text}");
-    assert!(text.contains("FAIL  B_dot, B_ddot along the motion"), "{text}");
+    assert!(
+        text.contains("FAIL  B_dot, B_ddot along the motion"),
+        "{text}"
+    );
     assert!(text.contains("ok    B = dphi/dq"), "{text}");
     // A lost factor in Ḃ leaves a remainder of first order.
     let slope = report.failures().into_iter().find_map(|r| match r.measure {
@@ -440,7 +443,10 @@ fn every_law_of_a_system_finds_its_error() {
     report(Assembly::Right).assert();
     let failing = |error, law: &str| {
         let report = report(error);
-        assert!(broken(&report).iter().any(|l| l == law), "{error:?}\n{report}");
+        assert!(
+            broken(&report).iter().any(|l| l == law),
+            "{error:?}\n{report}"
+        );
     };
     failing(Assembly::NotOverwritten, "K = -dr/dx");
     failing(Assembly::WeightForgotten, "S = cK K + cC C + cM M");

@@ -22,7 +22,11 @@ struct Driven;
 impl Map<2, 3> for Driven {
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 2>) -> SVector<S, 3> {
         let cart = (t * 2.0).sin() * q[0];
-        Vector3::new(cart + q[1].sin(), q[1].cos() * (t + 1.0), q[0] * q[1] * t * t)
+        Vector3::new(
+            cart + q[1].sin(),
+            q[1].cos() * (t + 1.0),
+            q[0] * q[1] * t * t,
+        )
     }
 }
 

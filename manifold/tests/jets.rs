@@ -120,7 +120,14 @@ fn value_gradient_and_time_jets_are_those_of_num_dual() {
         d: V[i],
         dd: A[i],
     });
-    let taylor = phi!(Taylor { v: T, d: 1.0, dd: 0.0 }, taylor);
+    let taylor = phi!(
+        Taylor {
+            v: T,
+            d: 1.0,
+            dd: 0.0
+        },
+        taylor
+    );
     let second: [Dual2<f64>; D] = std::array::from_fn(|i| Dual2::new(Q[i], V[i], A[i]));
     let second = phi!(Dual2::new(T, 1.0, 0.0), second);
     for i in 0..N {
@@ -145,7 +152,10 @@ fn third_derivatives_are_those_of_num_dual() {
     let two = G::<G<f64>>::variable(one, 0);
     let three = G::<G<G<f64>>>::variable(two, 0);
     let fixed = |x: f64| G::<G<G<f64>>>::constant(x);
-    let found = phi!(fixed(T), [three, fixed(0.9), three * three, fixed(0.3) - three]);
+    let found = phi!(
+        fixed(T),
+        [three, fixed(0.9), three * three, fixed(0.3) - three]
+    );
     let x = Dual3::from_re(x0).derivative();
     let c = Dual3::from_re;
     let expected = phi!(c(T), [x, c(0.9), x * x, c(0.3) - x]);
@@ -176,12 +186,23 @@ fn operators_obey_their_definitions() {
     let (x, y) = (0.8, 1.3);
     let q = [Hess::<2>::variable(x, 0), Hess::<2>::variable(y, 1)];
     let h = operators(q[0], q[1]);
-    let g = operators(Grad::<f64, 2>::variable(x, 0), Grad::<f64, 2>::variable(y, 1));
+    let g = operators(
+        Grad::<f64, 2>::variable(x, 0),
+        Grad::<f64, 2>::variable(y, 1),
+    );
     let f = operators(x, y);
     // By hand: values, gradients, Hessians (xx, yx, yy).
     let expected = [
-        ((y - x) * (x - 1.0), [y - 2.0 * x + 1.0, x - 1.0], [-2.0, 1.0, 0.0]),
-        (-x / y, [-1.0 / y, x / (y * y)], [0.0, 1.0 / (y * y), -2.0 * x / (y * y * y)]),
+        (
+            (y - x) * (x - 1.0),
+            [y - 2.0 * x + 1.0, x - 1.0],
+            [-2.0, 1.0, 0.0],
+        ),
+        (
+            -x / y,
+            [-1.0 / y, x / (y * y)],
+            [0.0, 1.0 / (y * y), -2.0 * x / (y * y * y)],
+        ),
         (x, [1.0, 0.0], [0.0; 3]),
         (y, [0.0, 1.0], [0.0; 3]),
         (0.0, [0.0, 0.0], [0.0; 3]),
@@ -191,9 +212,9 @@ fn operators_obey_their_definitions() {
         close("f64", f[i], value);
         close("Hess value", h[i].v, value);
         close("Grad value", g[i].v, value);
-        for j in 0..2 {
-            close("Grad", g[i].g[j], gradient[j]);
-            close("Hess gradient", h[i].g[j], gradient[j]);
+        for (j, slope) in gradient.into_iter().enumerate() {
+            close("Grad", g[i].g[j], slope);
+            close("Hess gradient", h[i].g[j], slope);
         }
         close("h xx", h[i].h[0][0], hessian[0]);
         close("h yx", h[i].h[1][0], hessian[1]);
@@ -205,17 +226,37 @@ fn operators_obey_their_definitions() {
 #[test]
 fn angles_and_powers_at_their_special_points() {
     // atan2 in every quadrant, at the axes, and its derivatives −s/r², c/r².
-    for angle in [0.0, 0.5, 1.6, 3.1, -3.1, -1.6, -0.5, std::f64::consts::FRAC_PI_2] {
+    for angle in [
+        0.0,
+        0.5,
+        1.6,
+        3.1,
+        -3.1,
+        -1.6,
+        -0.5,
+        std::f64::consts::FRAC_PI_2,
+    ] {
         let (s, c) = f64::sin_cos(angle);
-        let (y, x) = (Grad::<f64, 2>::variable(2.0 * s, 0), Grad::variable(2.0 * c, 1));
+        let (y, x) = (
+            Grad::<f64, 2>::variable(2.0 * s, 0),
+            Grad::variable(2.0 * c, 1),
+        );
         let found = y.atan2(x);
         close("atan2", found.v, angle);
         close("d atan2/dy", found.g[0], 0.5 * c);
         close("d atan2/dx", found.g[1], -0.5 * s);
     }
     // Powers at zero: no 0·∞ from derivatives that vanish.
-    let zero = Taylor { v: 0.0, d: 1.0, dd: 0.0 };
-    for (n, expected) in [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 2.0])] {
+    let zero = Taylor {
+        v: 0.0,
+        d: 1.0,
+        dd: 0.0,
+    };
+    for (n, expected) in [
+        (0, [1.0, 0.0, 0.0]),
+        (1, [0.0, 1.0, 0.0]),
+        (2, [0.0, 0.0, 2.0]),
+    ] {
         let p = zero.powi(n);
         assert_eq!([p.v, p.d, p.dd], expected, "x^{n}");
     }

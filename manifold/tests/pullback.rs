@@ -124,7 +124,10 @@ fn places() -> Vec<Place> {
 fn pulled(
     places: &mut [Place],
     s: &State,
-) -> (DVector<f64>, impl Fn(&[Place], Weights) -> DMatrix<f64> + use<>) {
+) -> (
+    DVector<f64>,
+    impl Fn(&[Place], Weights) -> DMatrix<f64> + use<>,
+) {
     let mut first = 0;
     let (zero, d) = (DVector::zeros(s.x.len()), s.x.len());
     let (v, a) = if s.is_static() {
@@ -277,12 +280,16 @@ fn identity_slots_and_absent_tangents_cost_nothing_and_change_nothing() {
     assert_eq!(r.len(), 10);
     // Dense: B = diag(I, B, I).
     let mut B = DMatrix::<f64>::identity(N, N);
-    B.view_mut((3, 3), (6, 6))
-        .copy_from_slice(&places[1].B[0]);
+    B.view_mut((3, 3), (6, 6)).copy_from_slice(&places[1].B[0]);
     let M_mr = combine(&places, Weights::MASS);
     // M at the embedded x, not at q.
     let embedded = |k: usize| {
-        DVector::from_vec(places.iter().flat_map(|p| p.x[k].clone()).collect::<Vec<_>>())
+        DVector::from_vec(
+            places
+                .iter()
+                .flat_map(|p| p.x[k].clone())
+                .collect::<Vec<_>>(),
+        )
     };
     let [.., M_x] = tangents(&embedded(0), &embedded(1), &embedded(2));
     assert!((M_mr - B.transpose() * M_x * B).norm() < 1e-13);

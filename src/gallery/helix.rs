@@ -50,7 +50,9 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         let quantity = format!("load factor reached, {elements} elements");
         context.compare(quantity, last, 1.0, 0.0, "the whole path");
         drifts.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
-        let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
+        let points = std::iter::once((0.0, 0.0))
+            .chain(records.iter().map(|r| (r.t, r.state.d.z)))
+            .collect();
         curves.push(Curve::new(format!("{elements} elements"), points));
     }
     context.compare(

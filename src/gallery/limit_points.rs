@@ -34,6 +34,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
     events.push((Event::Load(1.0), true));
     let records = frame.trace(&ArcLengthOptions {
         first_step: 0.02,
+        max_step: 0.04,
         events,
         ..ArcLengthOptions::default()
     })?;
@@ -69,7 +70,9 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
         "published: Simo & Vu-Quoc 1986, figure",
     );
     let path = |pick: fn(&Record) -> f64| -> Vec<(f64, f64)> {
-        records.iter().map(|r| (pick(r), r.t * FORCE)).collect()
+        std::iter::once((0.0, 0.0))
+            .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
+            .collect()
     };
     context.figure(
         "Lee's frame",

@@ -32,6 +32,8 @@ pub enum Problem {
     UnknownKey { found: String, known: Vec<String> },
     #[error("the number {number} cannot be used")]
     Number { number: String },
+    #[error("invalid length {found}, expected an array of length {expected}")]
+    Components { found: usize, expected: usize },
     #[error("the model has no {what}")]
     Missing { what: &'static str },
     #[error("there is no {what} named \"{name}\"")]

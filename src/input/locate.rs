@@ -60,11 +60,40 @@ impl<'a> Locator<'a> {
         self.root.as_ref().is_some_and(|r| r.get_ref().is_empty())
     }
 
+    /// The first array that has other components than were taken from it, when the file is read
+    /// back as `read`: span, components found and taken.
+    pub fn surplus(&self, read: &serde_json::Value) -> Option<(Range<usize>, usize, usize)> {
+        let root = self.root.as_ref()?.get_ref();
+        let found = root
+            .iter()
+            .filter_map(|(key, value)| surplus(value, read.get(key.get_ref().as_ref())?));
+        found.min_by_key(|(span, ..)| span.start)
+    }
+
     /// The first number that is infinite, not a number, or beyond [`LARGEST`]: span and text.
     pub fn unusable_number(&self) -> Option<(Range<usize>, String)> {
         let root = self.root.as_ref()?;
         let found = root.get_ref().values().filter_map(unusable);
         found.min_by_key(|(span, _)| span.start)
+    }
+}
+
+fn surplus(
+    value: &Spanned<DeValue<'_>>,
+    read: &serde_json::Value,
+) -> Option<(Range<usize>, usize, usize)> {
+    match value.get_ref() {
+        DeValue::Array(array) => {
+            let taken = read.as_array()?;
+            if taken.len() != array.len() {
+                return Some((value.span(), array.len(), taken.len()));
+            }
+            array.iter().zip(taken).find_map(|(v, r)| surplus(v, r))
+        }
+        DeValue::Table(table) => table
+            .iter()
+            .find_map(|(key, v)| surplus(v, read.get(key.get_ref().as_ref())?)),
+        _ => None,
     }
 }
 

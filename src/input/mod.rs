@@ -118,11 +118,18 @@ fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
     if let Some((span, number)) = source.places.unusable_number() {
         return Err(source.at(Problem::Number { number }, Some(span)));
     }
-    toml::from_str(source.text).map_err(|error| {
+    let file: ModelFile = toml::from_str(source.text).map_err(|error| {
         let message = error.message();
         let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(message.to_owned()));
         source.at(problem, error.span())
-    })
+    })?;
+    // Serde takes the first components of an array that has too many.
+    let read = serde_json::to_value(&file).unwrap_or_default();
+    if let Some((span, found, expected)) = source.places.surplus(&read) {
+        let problem = Problem::Components { found, expected };
+        return Err(source.at(problem, Some(span)));
+    }
+    Ok(file)
 }
 
 /// Reads serde's message about an unknown field or variant: the names stand in backticks, the

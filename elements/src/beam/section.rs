@@ -252,7 +252,7 @@ impl Section {
 pub fn rectangle_torsion(width: f64, height: f64) -> f64 {
     let (a, b) = (width.max(height), width.min(height));
     // Σ 1/n⁵ over odd n is 31 ζ(5)/32; what tanh leaves of 1 decays exponentially.
-    const ODD: f64 = 31.0 / 32.0 * 1.036_927_755_143_369_9;
+    const ODD: f64 = 31.0 / 32.0 * 1.036_927_755_143_37;
     let rest: f64 = (0..12)
         .map(|k| {
             let n = f64::from(2 * k + 1);

@@ -9,6 +9,7 @@ use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
@@ -158,9 +159,10 @@ impl ModelBuilder {
             return Err(ModelError::NotFinite { node: name, place });
         }
         let id = NodeId(self.nodes.len() as u32);
-        if self.names.insert(name.clone(), id).is_some() {
-            return Err(ModelError::DuplicateNode { node: name });
-        }
+        match self.names.entry(name.clone()) {
+            Entry::Occupied(_) => return Err(ModelError::DuplicateNode { node: name }),
+            Entry::Vacant(entry) => entry.insert(id),
+        };
         self.nodes.push(Node {
             name,
             place: place.into(),

@@ -110,8 +110,7 @@ impl Element for Coupling {
                     M[i + 12 * column] += value;
                 }
             };
-            out.r[i] += (x[j] * x[i]).sin() + 0.3 * v(i) * v(j) * x[k]
-                - (1.5 + x[k].cos()) * a(i)
+            out.r[i] += (x[j] * x[i]).sin() + 0.3 * v(i) * v(j) * x[k] - (1.5 + x[k].cos()) * a(i)
                 + 0.2 * a(j) * v(k);
             let c = (x[j] * x[i]).cos();
             put(&mut out.K, j, -c * x[i]);

@@ -77,7 +77,14 @@ where
             allowed,
         );
         // Velocities, accelerations, forces and their stiffness: the laws of the map itself.
-        laws(&mut report, "transition: ", &transition, at, &q, &mut random);
+        laws(
+            &mut report,
+            "transition: ",
+            &transition,
+            at,
+            &q,
+            &mut random,
+        );
     }
     if asked == 0 {
         report.impossible("domain", "everywhere", "no place is inside the chart");

@@ -91,7 +91,15 @@ pub fn forces_at(
     for (at, state) in states {
         if let Some(f) = evaluate(state) {
             asked += 1;
-            laws(&mut report, at, state, &f, symmetric, &mut random, &mut evaluate);
+            laws(
+                &mut report,
+                at,
+                state,
+                &f,
+                symmetric,
+                &mut random,
+                &mut evaluate,
+            );
         }
     }
     if asked == 0 {
@@ -153,7 +161,12 @@ fn laws(
     }
     if symmetric && state.is_static() {
         let size = f.K.norm();
-        report.defect("K symmetric", at, (&f.K - f.K.transpose()).norm(), 1e-13 * size);
+        report.defect(
+            "K symmetric",
+            at,
+            (&f.K - f.K.transpose()).norm(),
+            1e-13 * size,
+        );
     }
     if let (Some(energy), true) = (f.energy, state.is_static()) {
         let size = energy.abs() + f.r.norm() * (1.0 + state.x.norm());

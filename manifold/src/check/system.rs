@@ -42,7 +42,8 @@ pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]
         if let (Some(C), Some(M)) = (&f.C, &f.M) {
             sum += C * weights.C + M * weights.M;
         }
-        let (r, S) = one(system, state, weights).unwrap_or_else(|| (f.r.clone(), sum.clone() * f64::NAN));
+        let (r, S) =
+            one(system, state, weights).unwrap_or_else(|| (f.r.clone(), sum.clone() * f64::NAN));
         report.defect(
             "S = cK K + cC C + cM M",
             at,

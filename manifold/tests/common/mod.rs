@@ -71,5 +71,8 @@ pub fn relative<const R: usize, const C: usize>(
     tolerance: f64,
 ) {
     let error = (found - expected).amax() / expected.amax();
-    assert!(error <= tolerance, "{name}: {error:e}\n{found:e}{expected:e}");
+    assert!(
+        error <= tolerance,
+        "{name}: {error:e}\n{found:e}{expected:e}"
+    );
 }
