@@ -5,6 +5,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::model::{Line, ModelBuilder, NodeId, Straight};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -127,5 +128,52 @@ impl Element for Coupling {
 
     fn is_symmetric(&self) -> bool {
         false
+    }
+}
+
+pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> Straight {
+    Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    }
+}
+
+pub fn line(elements: usize, order: usize) -> Line {
+    Line {
+        elements,
+        order,
+        section: section(),
+    }
+}
+
+/// A line of one element between two named nodes.
+pub fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2]) {
+    let axis = straight(b, ends);
+    b.line(name, &axis, ends, &line(1, 1)).unwrap();
+}
+
+/// Two nodes a metre apart and a beam.
+pub fn simple() -> (ModelBuilder, [NodeId; 2]) {
+    let mut b = ModelBuilder::new();
+    let ends = [
+        b.node("a", [0.0; 3]).unwrap(),
+        b.node("b", [1.0, 0.0, 0.0]).unwrap(),
+    ];
+    beam(&mut b, "beam", ends);
+    (b, ends)
+}
+
+/// Any number of coordinates, no force.
+pub struct Idle(pub usize);
+
+impl Element for Idle {
+    fn dim(&self) -> usize {
+        self.0
+    }
+
+    fn evaluate(&self, _: &Motion<'_>, _: &mut Response<'_>) -> Result<(), ElementError> {
+        Ok(())
     }
 }

@@ -1,0 +1,187 @@
+//! The conformance kit fails when it should: errors planted in forces and in an assembly.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::check::{self, Forces, Report, State};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+
+/// Laws that fail, each once.
+fn broken(report: &Report) -> Vec<String> {
+    let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
+    laws.sort();
+    laws.dedup();
+    laws
+}
+
+/// Errors of a small nonlinear law of forces in three coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Law {
+    Right,
+    K,
+    C,
+    MissingM,
+    Rate,
+    Energy,
+    NotSymmetric,
+    Nowhere,
+}
+
+/// r = p(t) − ∇E(x) − |v|² v − m(x) a with E = (1 + x·x)², m = 1 + x·x.
+fn law(case: Law, s: &State) -> Option<Forces> {
+    if case == Law::Nowhere {
+        return None;
+    }
+    let n = s.x.len();
+    let one = DMatrix::<f64>::identity(n, n);
+    let u = 1.0 + s.x.dot(&s.x);
+    let load = DVector::from_element(n, (2.0 * s.t).sin());
+    let mut r = &load - &s.x * (4.0 * u);
+    let mut K = &one * (4.0 * u) + &s.x * s.x.transpose() * 8.0;
+    let (mut C, mut M) = (None, None);
+    if !s.is_static() {
+        r -= &s.v * s.v.dot(&s.v) + &s.a * u;
+        K += &s.a * s.x.transpose() * 2.0;
+        C = Some(&one * s.v.dot(&s.v) + &s.v * s.v.transpose() * 2.0);
+        M = Some(&one * u);
+    }
+    let mut r_t = DVector::from_element(n, 2.0 * (2.0 * s.t).cos());
+    let mut energy = u * u - load.dot(&s.x);
+    match case {
+        Law::K => K[(0, 1)] += 1e-3,
+        Law::C => C = C.map(|C| C * 0.5),
+        Law::MissingM => M = None,
+        Law::Rate => r_t *= 0.5,
+        Law::Energy => energy *= 1.01,
+        Law::NotSymmetric => {
+            r[0] -= 0.1 * s.x[1];
+            K[(0, 1)] += 0.1;
+        }
+        _ => {}
+    }
+    Some(Forces {
+        r,
+        K,
+        C,
+        M,
+        r_t: Some(r_t),
+        energy: Some(energy),
+    })
+}
+
+#[test]
+fn every_law_of_forces_finds_its_error() {
+    let report = |case| check::forces("law", 3, true, |s| law(case, s));
+    report(Law::Right).assert();
+    assert_eq!(broken(&report(Law::K)), ["K = -dr/dx", "K symmetric"]);
+    assert_eq!(broken(&report(Law::C)), ["C = -dr/dv"]);
+    assert_eq!(broken(&report(Law::MissingM)), ["M = -dr/da"]);
+    assert_eq!(broken(&report(Law::Rate)), ["r_t = dr/dt"]);
+    assert_eq!(broken(&report(Law::Energy)), ["r = -dE/dx"]);
+    assert_eq!(
+        broken(&report(Law::NotSymmetric)),
+        ["K symmetric", "r = -dE/dx"]
+    );
+    assert_eq!(broken(&report(Law::Nowhere)), ["domain"]);
+}
+
+/// The same law as a system of one dense block, with errors of an assembly.
+struct Assembled {
+    pattern: BlockPattern,
+    error: Assembly,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Assembly {
+    Right,
+    NotOverwritten,
+    WeightForgotten,
+    Transposed,
+    ResidualChanges,
+}
+
+impl System for Assembled {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let vector = |x: &[f64]| DVector::from_column_slice(x);
+        let s = State {
+            t: at.t,
+            x: vector(at.q),
+            v: vector(at.v),
+            a: vector(at.a),
+        };
+        let Some(f) = law(Law::NotSymmetric, &s) else {
+            return Ok(());
+        };
+        out.r.copy_from_slice(f.r.as_slice());
+        let Some((w, values)) = out.S else {
+            if let Some(r_t) = out.r_t {
+                r_t.copy_from_slice(f.r_t.unwrap_or_default().as_slice());
+            }
+            return Ok(());
+        };
+        if self.error == Assembly::ResidualChanges {
+            out.r[1] += 1e-9;
+        }
+        let mut S = f.K * w.K;
+        let c = if self.error == Assembly::WeightForgotten && w.K != 0.0 {
+            1.0
+        } else {
+            w.C
+        };
+        if let (Some(C), Some(M)) = (f.C, f.M) {
+            S += C * c + M * w.M;
+        }
+        if self.error == Assembly::Transposed {
+            S.transpose_mut();
+        }
+        if self.error != Assembly::NotOverwritten {
+            values.fill(0.0);
+        }
+        for (value, s) in values.iter_mut().zip(S.iter()) {
+            *value += s;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn every_law_of_a_system_finds_its_error() {
+    let report = |error| {
+        let mut system = Assembled {
+            pattern: BlockPattern::dense(3),
+            error,
+        };
+        check::system("assembled", &mut system, &check::states(3))
+    };
+    report(Assembly::Right).assert();
+    let failing = |error, law: &str| {
+        let report = report(error);
+        assert!(
+            broken(&report).iter().any(|l| l == law),
+            "{error:?}\n{report}"
+        );
+    };
+    failing(Assembly::NotOverwritten, "K = -dr/dx");
+    failing(Assembly::WeightForgotten, "S = cK K + cC C + cM M");
+    failing(Assembly::Transposed, "K = -dr/dx");
+    failing(
+        Assembly::ResidualChanges,
+        "r does not depend on what else is asked",
+    );
+}
+
+#[test]
+fn dense_matrices_come_out_of_their_blocks() {
+    let pattern = BlockPattern::new(&[2, 1, 3], [[0, 1], [1, 2]]);
+    let values: Vec<f64> = (1..=pattern.len()).map(|k| k as f64).collect();
+    let A = check::dense(&pattern, &values);
+    let x: Vec<f64> = (0..6).map(|k| 1.0 + k as f64).collect();
+    let mut y = vec![0.0; 6];
+    pattern.multiply_add(1.0, &values, &x, &mut y);
+    assert_eq!((A * DVector::from_vec(x)).as_slice(), y);
+}
