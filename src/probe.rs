@@ -76,7 +76,11 @@ impl Answers {
     }
 
     /// Mean over the integration points of an element; zero for one that has none.
-    pub fn mean(&self, id: ElementId, part: impl Fn(&SectionState) -> Vector3<f64>) -> Vector3<f64> {
+    pub fn mean(
+        &self,
+        id: ElementId,
+        part: impl Fn(&SectionState) -> Vector3<f64>,
+    ) -> Vector3<f64> {
         // The states stand in the order of the elements.
         let first = self.sections.partition_point(|(e, _)| *e < id);
         let own = self.sections[first..].iter().take_while(|(e, _)| *e == id);
@@ -165,7 +169,11 @@ pub fn continue_rotation(before: &Vector3<f64>, psi: &Vector3<f64>) -> Vector3<f
     let angle = psi.norm();
     if angle < 1e-9 {
         let turns = (before.norm() / TAU).round();
-        return if turns == 0.0 { *psi } else { before.normalize() * (turns * TAU) + psi };
+        return if turns == 0.0 {
+            *psi
+        } else {
+            before.normalize() * (turns * TAU) + psi
+        };
     }
     let e = psi / angle;
     let turns = ((e.dot(before) - angle) / TAU).round();

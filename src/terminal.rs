@@ -79,7 +79,10 @@ impl Interrupt {
 /// The rows of the gallery as text.
 pub fn table(rows: &[Comparison]) -> String {
     let longest = |pick: fn(&Comparison) -> &str| {
-        rows.iter().map(|r| pick(r).chars().count()).max().unwrap_or(0)
+        rows.iter()
+            .map(|r| pick(r).chars().count())
+            .max()
+            .unwrap_or(0)
     };
     let (case, quantity) = (longest(|r| &r.case), longest(|r| &r.quantity));
     let mut out = format!(

@@ -136,7 +136,12 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     }
     let mut builder = ModelBuilder::new();
     let mut nodes = add_nodes(source, &mut builder, &file)?;
-    distinct(source, "lines", "line", file.lines.iter().map(|l| l.name.as_str()))?;
+    distinct(
+        source,
+        "lines",
+        "line",
+        file.lines.iter().map(|l| l.name.as_str()),
+    )?;
     let mut geometry = Geometry::default();
     for (k, line) in file.lines.iter().enumerate() {
         let laid = lines::lay(source, &mut builder, &nodes, &made, k, line)?;

@@ -46,7 +46,10 @@ pub enum Problem {
     Duplicate { what: &'static str, name: String },
     #[error("the {what} name \"{name}\" cannot be used")]
     Name { what: &'static str, name: String },
-    #[error("section \"{section}\" must be given in one way, but has {}", list(given))]
+    #[error(
+        "section \"{section}\" must be given in one way, but has {}",
+        list(given)
+    )]
     SectionKind {
         section: String,
         given: Vec<&'static str>,
@@ -94,7 +97,9 @@ pub enum Problem {
     UselessSupport { node: String },
     #[error("coordinate {dof} of node \"{node}\" is prescribed twice")]
     PrescribedTwice { node: String, dof: &'static str },
-    #[error("coordinate {dof} of node \"{node}\" is prescribed, so the path cannot be measured by it")]
+    #[error(
+        "coordinate {dof} of node \"{node}\" is prescribed, so the path cannot be measured by it"
+    )]
     PrescribedEvent { node: String, dof: &'static str },
     #[error("this load has {}", list(given))]
     LoadKind { given: Vec<&'static str> },
@@ -160,7 +165,10 @@ impl Problem {
     /// What would be right.
     pub fn advice(&self) -> Option<String> {
         let fixed = match self {
-            Self::UnknownKey { found, known } | Self::UnknownName { name: found, known, .. } => {
+            Self::UnknownKey { found, known }
+            | Self::UnknownName {
+                name: found, known, ..
+            } => {
                 return Some(suggestion(found, known));
             }
             Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
@@ -222,7 +230,11 @@ impl InputError {
             let start = s.start.min(text.len());
             let end = s.end.clamp(start, text.len());
             let line = text.get(start..end).and_then(|t| t.find('\n'));
-            start..line.map_or(end, |k| start + k)
+            let next = text.get(start..).and_then(|t| t.chars().next());
+            let next = next
+                .filter(|c| *c != '\n')
+                .map_or(start, |c| start + c.len_utf8());
+            start..line.map_or(end, |k| start + k).max(next)
         });
         Self {
             problem: Box::new(problem),

@@ -35,7 +35,12 @@ pub(super) fn lay(
         )
     })?;
     let counts = [
-        ("elements", line.elements, MOST_ELEMENTS, "a count from 1 to 1000000"),
+        (
+            "elements",
+            line.elements,
+            MOST_ELEMENTS,
+            "a count from 1 to 1000000",
+        ),
         ("order", line.order, 3, "1, 2 or 3"),
     ];
     for (key, value, most, expected) in counts {

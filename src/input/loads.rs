@@ -139,9 +139,7 @@ pub(super) fn apply(
                                 })
                             },
                         )?;
-                        builder
-                            .element(element, load, nodes)
-                            .map_err(model_error)?;
+                        builder.element(element, load, nodes).map_err(model_error)?;
                     }
                 }
             }

@@ -13,7 +13,12 @@ pub(super) fn resolve(
     geometry: &Geometry,
     described: &[Described],
 ) -> Result<Vec<Probe>, InputError> {
-    distinct(source, "probes", "probe", described.iter().map(|p| p.name.as_str()))?;
+    distinct(
+        source,
+        "probes",
+        "probe",
+        described.iter().map(|p| p.name.as_str()),
+    )?;
     let mut elements = Names::new("element");
     for line in &geometry.lines {
         for (e, &id) in line.elements.iter().enumerate() {

@@ -65,7 +65,12 @@ impl<'a> Recorder<'a> {
         probes: Vec<Probe>,
         model: &Model,
     ) -> Result<Self, OutputError> {
-        let elements = setting.geometry.lines.iter().map(|l| l.elements.len()).sum();
+        let elements = setting
+            .geometry
+            .lines
+            .iter()
+            .map(|l| l.elements.len())
+            .sum();
         let statistics = Statistics {
             nodes: model.frames().count(),
             elements,
@@ -144,7 +149,11 @@ impl<'a> Recorder<'a> {
             ratio: end.map_or(0.0, |i| i.ratio),
             correction,
             // A located event repeats the changes of the step it lies in.
-            chart_changes: if event.is_some() { 0 } else { step.chart_changes },
+            chart_changes: if event.is_some() {
+                0
+            } else {
+                step.chart_changes
+            },
             event,
             ..Row::default()
         };
@@ -209,7 +218,8 @@ impl<'a> Recorder<'a> {
         if let Some((frame, text)) = self.pending.take() {
             self.directory.write(&frame.file, &text)?;
             self.frames.push(frame);
-            self.directory.write("steps.pvd", &collection(&self.frames))?;
+            self.directory
+                .write("steps.pvd", &collection(&self.frames))?;
         }
         Ok(())
     }
@@ -293,7 +303,11 @@ impl<'a> Recorder<'a> {
             for label in probe.columns() {
                 let points = self.rows.iter().map(|row| {
                     let value = row.probes[column];
-                    if upright { (value, row.t) } else { (row.t, value) }
+                    if upright {
+                        (value, row.t)
+                    } else {
+                        (row.t, value)
+                    }
                 });
                 let curve = Curve::new(label, points.collect());
                 let quantity = probe.quantity();
@@ -306,7 +320,11 @@ impl<'a> Recorder<'a> {
         }
         if panels.is_empty() {
             let points = self.rows.iter().map(|row| {
-                if upright { (row.strain_energy, row.t) } else { (row.t, row.strain_energy) }
+                if upright {
+                    (row.strain_energy, row.t)
+                } else {
+                    (row.t, row.strain_energy)
+                }
             });
             let curve = Curve::new("strain energy", points.collect());
             panels.push((crate::input::Quantity::strain_energy, vec![curve]));
@@ -315,7 +333,11 @@ impl<'a> Recorder<'a> {
             .into_iter()
             .map(|(quantity, curves)| {
                 let (load, value) = ("load parameter t".to_owned(), quantity.axis().to_owned());
-                let (x, y) = if upright { (value, load) } else { (load, value) };
+                let (x, y) = if upright {
+                    (value, load)
+                } else {
+                    (load, value)
+                };
                 Panel { x, y, curves }
             })
             .collect()

@@ -115,7 +115,10 @@ fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
 }
 
 fn integers<T: std::fmt::Display>(out: &mut String, name: &str, kind: &str, values: &[T]) {
-    let _ = writeln!(out, "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">");
+    let _ = writeln!(
+        out,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">"
+    );
     for row in values.chunks(20) {
         let words: Vec<String> = row.iter().map(T::to_string).collect();
         let _ = writeln!(out, "{}", words.join(" "));

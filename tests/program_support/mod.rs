@@ -1,7 +1,11 @@
 //! A small model and directories for the tests of the program.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use std::path::PathBuf;
+use pullback::input::{InputError, assemble_text};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
 /// A cantilever bent by an end moment M = (π/2) EI/L: a quarter of a circle.
 pub const MODEL: &str = r#"title = "Quarter circle"
@@ -70,11 +74,91 @@ pub fn directory(name: &str) -> PathBuf {
 }
 
 /// Names of the files in a directory, sorted.
-pub fn files(path: &std::path::Path) -> Vec<String> {
+pub fn files(path: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(path).unwrap();
     let mut names: Vec<String> = entries
         .map(|e| e.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
     names
+}
+
+/// The refusal of a text.
+pub fn refusal(text: &str) -> InputError {
+    match assemble_text("model.toml", text) {
+        Ok(_) => panic!("this was accepted:\n{text}"),
+        Err(error) => error,
+    }
+}
+
+/// Refuses `text` with a message, advice, and a place whose text begins with `place`.
+#[track_caller]
+pub fn check(text: &str, place: &str, message: &str, advice: &str) {
+    let error = refusal(text);
+    let said = error.to_string();
+    assert!(said.contains(message), "message {said:?} lacks {message:?}");
+    let help = error.problem.advice().unwrap_or_default();
+    assert!(help.contains(advice), "advice {help:?} lacks {advice:?}");
+    let span = error.span.clone().expect("a place");
+    assert!(
+        text[span.clone()].starts_with(place),
+        "{said}: place {:?} instead of {place:?}",
+        &text[span.start..(span.end + 20).min(text.len())]
+    );
+    let (line, column) = error.line_column().unwrap();
+    let before = &text[..span.start];
+    assert_eq!(
+        line,
+        before.lines().count().max(1) + usize::from(before.ends_with('\n'))
+    );
+    let start = before.rfind('\n').map_or(0, |k| k + 1);
+    assert_eq!(column, before[start..].chars().count() + 1);
+}
+
+/// The program, run with arguments.
+pub fn program(arguments: &[&Path]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("run")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A model file of this text in a directory.
+pub fn write(directory: &Path, text: &str) -> PathBuf {
+    let path = directory.join("model.toml");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// The text of a file.
+pub fn read(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// What result.json says.
+pub fn results(out: &Path) -> Value {
+    serde_json::from_str(&read(out.join("result.json"))).unwrap()
+}
+
+/// Rows of history.csv by column name.
+pub fn history(out: &Path) -> Vec<HashMap<String, String>> {
+    let text = read(out.join("history.csv"));
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert_eq!(cells.len(), head.len(), "{line}");
+            head.iter()
+                .zip(cells)
+                .map(|(h, c)| (h.to_string(), c.to_owned()))
+                .collect()
+        })
+        .collect()
+}
+
+/// A cell as a number.
+pub fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap()
 }

@@ -2,11 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::slots::Complement;
-use super::{Attached, Model, NONE, Node, Source};
-use crate::element::{ElementError, Motion, Response};
+use super::local::Local;
+use super::{Attached, Model, Node, Source};
+use crate::element::ElementError;
 use pullback_manifold::map::KinematicsMut;
-use pullback_manifold::pullback::{self, Slot, Tangents};
+use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     ChartChanges, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
@@ -36,31 +36,6 @@ pub(super) struct Workspace {
     scales: Scales,
 }
 
-/// Buffers of one element.
-#[derive(Default)]
-struct Local {
-    x: Vec<f64>,
-    previous: Vec<f64>,
-    v: Vec<f64>,
-    a: Vec<f64>,
-    r: Vec<f64>,
-    r_t: Vec<f64>,
-    K: Vec<f64>,
-    C: Vec<f64>,
-    M: Vec<f64>,
-    S: Vec<f64>,
-    /// Second set, for a pull-back in two stages.
-    K2: Vec<f64>,
-    C2: Vec<f64>,
-    M2: Vec<f64>,
-    work: Vec<f64>,
-    K_sigma: Vec<f64>,
-    q: Vec<f64>,
-    qv: Vec<f64>,
-    qa: Vec<f64>,
-    complements: Vec<Complement>,
-}
-
 impl Workspace {
     pub(super) fn new(nodes: &[Node], elements: &[Attached], length: f64) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
@@ -85,27 +60,7 @@ impl Workspace {
             B: zeros(operators),
             B_dot: zeros(operators),
             B_ddot: zeros(operators),
-            local: Local {
-                x: zeros(n),
-                previous: zeros(n),
-                v: zeros(n),
-                a: zeros(n),
-                r: zeros(n),
-                r_t: zeros(n),
-                K: zeros(n * n),
-                C: zeros(n * n),
-                M: zeros(n * n),
-                S: zeros(n * n),
-                K2: zeros(n * n),
-                C2: zeros(n * n),
-                M2: zeros(n * n),
-                work: zeros(n),
-                K_sigma: zeros(masters * masters),
-                q: zeros(masters),
-                qv: zeros(masters),
-                qa: zeros(masters),
-                complements: vec![Complement::default(); MAX_NODES],
-            },
+            local: Local::new(n, masters),
             scales,
         }
     }
@@ -235,7 +190,13 @@ impl Model {
                 }
             }
             if let Some((weights, values)) = &mut S {
-                local.combine(e, &self.nodes, *weights, statics, [&w.B, &w.B_dot, &w.B_ddot]);
+                local.combine(
+                    e,
+                    &self.nodes,
+                    *weights,
+                    statics,
+                    [&w.B, &w.B_dot, &w.B_ddot],
+                );
                 self.placement.scatter(e, &local.S, values);
             }
         }
@@ -328,246 +289,6 @@ fn named(error: ElementError, name: &str) -> SystemError {
     }
 }
 
-impl Local {
-    fn gather(&mut self, e: &Attached, nodes: &[Node], x: &[f64], v: &[f64], a: &[f64]) {
-        let mut k = 0;
-        for &node in &e.nodes {
-            let range = nodes[node as usize].range();
-            let end = k + range.len();
-            self.x[k..end].copy_from_slice(&x[range.clone()]);
-            self.v[k..end].copy_from_slice(&v[range.clone()]);
-            self.a[k..end].copy_from_slice(&a[range]);
-            k = end;
-        }
-    }
-
-    /// The previous iterate in the element's chart.
-    fn gather_previous(&mut self, e: &Attached, nodes: &[Node], x: &[f64]) {
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            let range = nodes[node as usize].range();
-            let end = k + range.len();
-            self.previous[k..end].copy_from_slice(&x[range]);
-            if e.switched & (1 << i) != 0 {
-                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
-                self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
-            }
-            k = end;
-        }
-    }
-
-    /// Takes the nodes that the element wants in the other chart through the complement map.
-    fn switch(&mut self, e: &Attached, nodes: &[Node]) -> bool {
-        if e.switched == 0 {
-            return false;
-        }
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            let dim = nodes[node as usize].dim;
-            if e.switched & (1 << i) != 0 {
-                let psi = k + 3..k + 6;
-                self.complements[i].apply(
-                    &mut self.x[psi.clone()],
-                    &mut self.v[psi.clone()],
-                    &mut self.a[psi],
-                );
-            }
-            k += dim;
-        }
-        true
-    }
-
-    fn evaluate(
-        &mut self,
-        e: &Attached,
-        t: f64,
-        statics: bool,
-        weights: Option<Weights>,
-        rates: bool,
-        previous: bool,
-    ) -> Result<(), ElementError> {
-        let n = e.element.dim();
-        let tangent = weights.is_some() || rates;
-        let moving = tangent && !statics;
-        self.r[..n].fill(0.0);
-        if tangent {
-            self.K[..n * n].fill(0.0);
-        }
-        if moving {
-            self.C[..n * n].fill(0.0);
-            self.M[..n * n].fill(0.0);
-        }
-        if rates {
-            self.r_t[..n].fill(0.0);
-        }
-        let end = if statics { 0 } else { n };
-        let at = Motion {
-            t,
-            x: &self.x[..n],
-            v: &self.v[..end],
-            a: &self.a[..end],
-        };
-        let mut out = Response {
-            r: &mut self.r[..n],
-            K: tangent.then_some(&mut self.K[..n * n]),
-            C: moving.then_some(&mut self.C[..n * n]),
-            M: moving.then_some(&mut self.M[..n * n]),
-            r_t: rates.then_some(&mut self.r_t[..n]),
-        };
-        if previous {
-            e.element
-                .evaluate_from(&self.previous[..n], &at, &mut out)
-        } else {
-            e.element.evaluate(&at, &mut out)
-        }
-    }
-
-    fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
-        let mut k = 0;
-        for &node in &e.nodes {
-            for kind in &nodes[node as usize].kinds {
-                let force = &mut scales.force[kind.index()];
-                *force = force.max(self.r[k].abs());
-                k += 1;
-            }
-        }
-    }
-
-    /// First stage: from the element's chart to the charts of its nodes.
-    fn pull_back_switch(
-        &mut self,
-        e: &Attached,
-        nodes: &[Node],
-        weights: Option<Weights>,
-        statics: bool,
-        rates: bool,
-    ) {
-        let n = e.element.dim();
-        let mut k = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            if e.switched & (1 << i) != 0 {
-                self.complements[i].load(&self.r[k + 3..k + 6]);
-            }
-            k += nodes[node as usize].dim;
-        }
-        let mut slots = [Slot::default(); 2 * MAX_NODES];
-        let mut count = 0;
-        for (i, &node) in e.nodes.iter().enumerate() {
-            let dim = nodes[node as usize].dim;
-            if e.switched & (1 << i) != 0 {
-                // The translation is not touched: only the rotation has another chart.
-                slots[count] = Slot {
-                    n: 3,
-                    d: 3,
-                    ..Slot::default()
-                };
-                slots[count + 1] = self.complements[i].slot();
-                count += 2;
-            } else {
-                slots[count] = Slot {
-                    n: dim,
-                    d: dim,
-                    ..Slot::default()
-                };
-                count += 1;
-            }
-        }
-        let slots = &slots[..count];
-        if weights.is_some() || rates {
-            let moving = (!statics).then_some(());
-            let tangents = Tangents {
-                K: Some(&self.K[..n * n]),
-                C: moving.map(|()| &self.C[..n * n]),
-                M: moving.map(|()| &self.M[..n * n]),
-            };
-            let one = |K, C, M| Weights { K, C, M };
-            pullback::tangent(slots, tangents, one(1.0, 0.0, 0.0), &mut self.K2, &mut self.work);
-            if !statics {
-                pullback::tangent(slots, tangents, one(0.0, 1.0, 0.0), &mut self.C2, &mut self.work);
-                pullback::tangent(slots, tangents, one(0.0, 0.0, 1.0), &mut self.M2, &mut self.work);
-                std::mem::swap(&mut self.C, &mut self.C2);
-                std::mem::swap(&mut self.M, &mut self.M2);
-            }
-            std::mem::swap(&mut self.K, &mut self.K2);
-        }
-        if rates {
-            // d/dt (B_sᵀ r) at fixed unknowns = B_sᵀ ∂r/∂t + Ḃ_sᵀ r: before r is overwritten.
-            pullback::residual(slots, &self.r_t, &mut self.work);
-            self.r_t[..n].copy_from_slice(&self.work[..n]);
-            let mut k = 0;
-            for (i, &node) in e.nodes.iter().enumerate() {
-                if e.switched & (1 << i) != 0 {
-                    self.complements[i].add_rate(&self.r[k + 3..k + 6], &mut self.r_t[k + 3..k + 6]);
-                }
-                k += nodes[node as usize].dim;
-            }
-        }
-        pullback::residual(slots, &self.r, &mut self.work);
-        self.r[..n].copy_from_slice(&self.work[..n]);
-    }
-
-    /// Second stage: from the nodes' coordinates to the unknowns' blocks, with the weights.
-    fn combine(
-        &mut self,
-        e: &Attached,
-        nodes: &[Node],
-        weights: Weights,
-        statics: bool,
-        [B, B_dot, B_ddot]: [&[f64]; 3],
-    ) {
-        let n = e.element.dim();
-        let moving = (!statics).then_some(());
-        if !e.mapped {
-            if statics {
-                std::mem::swap(&mut self.K, &mut self.S);
-                if weights.K != 1.0 {
-                    self.S[..n * n].iter_mut().for_each(|s| *s *= weights.K);
-                }
-            } else {
-                for (k, S) in self.S[..n * n].iter_mut().enumerate() {
-                    *S = weights.K * self.K[k] + weights.C * self.C[k] + weights.M * self.M[k];
-                }
-            }
-            return;
-        }
-        let mut slots = [Slot::default(); MAX_NODES];
-        for (slot, &node) in slots.iter_mut().zip(&e.nodes) {
-            let node = &nodes[node as usize];
-            *slot = match &node.source {
-                Source::Own => Slot {
-                    n: node.dim,
-                    d: node.dim,
-                    ..Slot::default()
-                },
-                Source::Mapped { .. } => {
-                    let range = node.operator..node.operator + node.operator_len();
-                    Slot {
-                        n: node.dim,
-                        d: node.masters_dim(),
-                        B: Some(&B[range.clone()]),
-                        B_dot: moving.map_or(&[], |()| &B_dot[range.clone()]),
-                        B_ddot: moving.map_or(&[], |()| &B_ddot[range]),
-                        // The geometric stiffness is added once per node, for the sum of forces.
-                        K_sigma: &[],
-                    }
-                }
-            };
-        }
-        let tangents = Tangents {
-            K: Some(&self.K[..n * n]),
-            C: moving.map(|()| &self.C[..n * n]),
-            M: moving.map(|()| &self.M[..n * n]),
-        };
-        pullback::tangent(
-            &slots[..e.nodes.len()],
-            tangents,
-            weights,
-            &mut self.S,
-            &mut self.work,
-        );
-    }
-}
-
 impl System for Model {
     fn pattern(&self) -> &BlockPattern {
         &self.pattern
@@ -596,9 +317,7 @@ impl System for Model {
         for (u, &c) in self.coordinates.iter().enumerate() {
             r[u] = self.work.r[c];
             if !r[u].is_finite() {
-                return Err(SystemError::NotFinite {
-                    what: self.name(u),
-                });
+                return Err(SystemError::NotFinite { what: self.name(u) });
             }
         }
         if let Some(r_t) = r_t {
@@ -647,93 +366,5 @@ impl System for Model {
 
     fn scales(&self) -> Scales {
         self.work.scales
-    }
-}
-
-/// Where local matrices go in the pattern: found once, looked up by position afterwards.
-#[derive(Default)]
-pub(super) struct Placement {
-    /// Per own node: row of each coordinate inside its block, [`NONE`] when prescribed.
-    pub rows: Vec<Vec<u32>>,
-    /// Per own node: number of its block in the pattern, [`NONE`] when all is prescribed.
-    pub blocks: Vec<u32>,
-    /// Per element, consecutively: own node of each block.
-    pub nodes: Vec<u32>,
-    /// Per element, consecutively: first value of each pair of blocks, column by column.
-    pub positions: Vec<u32>,
-}
-
-impl Placement {
-    /// Adds an element's local matrix `S` (d×d).
-    fn scatter(&self, e: &Attached, S: &[f64], values: &mut [f64]) {
-        let nodes = &self.nodes[e.first_block..e.first_block + e.blocks];
-        let positions = &self.positions[e.first_position..e.first_position + e.blocks * e.blocks];
-        let d = e.pulled;
-        let mut column = 0;
-        for (j, &nj) in nodes.iter().enumerate() {
-            let columns = &self.rows[nj as usize];
-            let mut row = 0;
-            for (i, &ni) in nodes.iter().enumerate() {
-                let rows = &self.rows[ni as usize];
-                let start = positions[j * nodes.len() + i];
-                if start != NONE {
-                    add_block(rows, columns, &S[row + column * d..], d, &mut values[start as usize..]);
-                }
-                row += rows.len();
-            }
-            column += columns.len();
-        }
-    }
-
-    /// Adds a matrix (d×d) over the blocks of own nodes, found by search.
-    fn scatter_nodes(
-        &self,
-        nodes: &[u32],
-        S: &[f64],
-        d: usize,
-        pattern: &BlockPattern,
-        values: &mut [f64],
-    ) {
-        let mut column = 0;
-        for &nj in nodes {
-            let columns = &self.rows[nj as usize];
-            let mut row = 0;
-            for &ni in nodes {
-                let rows = &self.rows[ni as usize];
-                let (bi, bj) = (self.blocks[ni as usize], self.blocks[nj as usize]);
-                if bi != NONE
-                    && bj != NONE
-                    && let Some(start) = pattern.find(bi as usize, bj as usize)
-                {
-                    add_block(rows, columns, &S[row + column * d..], d, &mut values[start..]);
-                }
-                row += rows.len();
-            }
-            column += columns.len();
-        }
-    }
-}
-
-/// Adds one dense block, leaving out prescribed rows and columns; `S` has leading dimension d.
-#[inline]
-fn add_block(rows: &[u32], columns: &[u32], S: &[f64], d: usize, values: &mut [f64]) {
-    let height = rows.iter().filter(|&&r| r != NONE).count();
-    if height == 6 && rows.len() == 6 && columns.len() == 6 && columns.iter().all(|&c| c != NONE) {
-        for (c, values) in values[..36].chunks_exact_mut(6).enumerate() {
-            for (value, s) in values.iter_mut().zip(&S[c * d..c * d + 6]) {
-                *value += s;
-            }
-        }
-        return;
-    }
-    for (c, &column) in columns.iter().enumerate() {
-        if column == NONE {
-            continue;
-        }
-        for (r, &row) in rows.iter().enumerate() {
-            if row != NONE {
-                values[row as usize + column as usize * height] += S[r + c * d];
-            }
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
 
-use super::assembly::{MAX_NODES, Placement, Workspace};
+use super::assembly::{MAX_NODES, Workspace};
+use super::placement::Placement;
 use super::{Attached, Model, ModelError, NONE, Node, Prescribed, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};

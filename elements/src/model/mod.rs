@@ -8,6 +8,8 @@ mod builder;
 mod charts;
 mod error;
 mod line;
+mod local;
+mod placement;
 mod query;
 mod slots;
 
@@ -19,7 +21,8 @@ pub use line::{Line, LineNodes};
 
 use crate::element::Element;
 use crate::time::TimeFunction;
-use assembly::{Placement, Workspace};
+use assembly::Workspace;
+use placement::Placement;
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;

@@ -9,7 +9,9 @@ mod probe;
 mod section;
 mod time;
 
-pub use analysis::{Analysis, ArcLength, Coordinate, Direction, NewtonSettings, Output, Static, Stop};
+pub use analysis::{
+    Analysis, ArcLength, Coordinate, Direction, NewtonSettings, Output, Static, Stop,
+};
 pub use line::{Arc, Line};
 pub use load::{DofName, Driven, Fix, Load, Support};
 pub use probe::{Probe, Quantity};

@@ -79,7 +79,9 @@ pub fn panels(title: Option<&str>, panels: &[Panel]) -> Result<String, PlotError
             axes::legend(&root, corner, room, entries)?;
             let span = |start: i32, length: i32| start * FINE..(start + length) * FINE;
             let (xs, ys) = (span(x, w), span(y + words, h));
-            let shrunk = root.clone().shrink((xs.start, ys.start), (w * FINE, h * FINE));
+            let shrunk = root
+                .clone()
+                .shrink((xs.start, ys.start), (w * FINE, h * FINE));
             draw(&shrunk, panel)?;
         }
         root.present()?;
@@ -121,7 +123,9 @@ fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
         // Few points are shown as what they are: converged steps.
         if curve.scattered || points.len() <= 40 {
             let radius = if curve.scattered { 4 } else { 3 } * FINE;
-            let dots = points.iter().map(|&p| Circle::new(p, radius, color.filled()));
+            let dots = points
+                .iter()
+                .map(|&p| Circle::new(p, radius, color.filled()));
             chart.draw_series(dots)?;
         }
         if !curve.scattered {

@@ -71,7 +71,9 @@ fn interpolate(nodes: &[Vector3<f64>], order: usize) -> Vec<Vector3<f64>> {
             let u = (order * piece) as f64 / PIECES as f64;
             let weight = |i: usize| -> f64 {
                 let others = (0..=order).filter(|&j| j != i);
-                others.map(|j| (u - j as f64) / (i as f64 - j as f64)).product()
+                others
+                    .map(|j| (u - j as f64) / (i as f64 - j as f64))
+                    .product()
             };
             out.push(own.iter().enumerate().map(|(i, x)| x * weight(i)).sum());
         }
@@ -136,24 +138,34 @@ pub fn deformed(
     let extents = [0, 1, 2].map(|k| extent(View::Plane(k, k).range(&points)[0]));
     let largest = extents.iter().fold(0.0_f64, |a, &b| a.max(b));
     // The axis across the plane: the flattest.
-    let across = (0..3).fold(0, |best, k| if extents[k] <= extents[best] { k } else { best });
+    let across = (0..3).fold(
+        0,
+        |best, k| if extents[k] <= extents[best] { k } else { best },
+    );
     let flat = extents[across] <= FLAT * largest;
     let entries = entries(reference, shapes);
     let head = if title.is_some() { 34 } else { 0 };
     let fit = |room: f64, a: f64, b: f64, [low, high]: [f64; 2]| {
         (room * b / a.max(1e-300)).clamp(low, high) as i32
     };
-    let edge = [axes::LEFT + 2 * axes::MARGIN, axes::BOTTOM + 2 * axes::MARGIN];
+    let edge = [
+        axes::LEFT + 2 * axes::MARGIN,
+        axes::BOTTOM + 2 * axes::MARGIN,
+    ];
     // Views with the place and size of their plots, in units.
     let mut views = Vec::new();
-    let size;
-    if flat {
+    let size = if flat {
         let (a, b) = ([1, 0, 0][across], [2, 2, 1][across]);
         let w = 640;
-        let h = fit(f64::from(w - edge[0]), extents[a], extents[b], [140.0, 560.0]) + edge[1];
+        let h = fit(
+            f64::from(w - edge[0]),
+            extents[a],
+            extents[b],
+            [140.0, 560.0],
+        ) + edge[1];
         let words = legend_height(legend_rows(&entries, w - edge[0]));
         views.push((View::Plane(a, b), [0, head + words], [w, h]));
-        size = [w, head + words + h];
+        [w, head + words + h]
     } else {
         // Front (x, z) and side (y, z) above, plan (x, y) and the isometric view below.
         let [ex, ey, ez] = extents.map(|e| e.max(0.35 * largest));
@@ -166,8 +178,8 @@ pub fn deformed(
         views.push((View::Plane(1, 2), [w1, top], [w2, h1]));
         views.push((View::Plane(0, 1), [0, top + h1], [w1, h2]));
         views.push((View::Isometric, [w1, top + h1], [w2, h2]));
-        size = [w1 + w2, top + h1 + h2];
-    }
+        [w1 + w2, top + h1 + h2]
+    };
     // The plane views share one scale; the isometric one has its own.
     let scale = |view: View, [w, h]: [i32; 2]| {
         let [x, y] = view.range(&points).map(extent);
@@ -187,12 +199,18 @@ pub fn deformed(
         let corner = [axes::LEFT + axes::MARGIN, head + 2];
         axes::legend(&root, corner, size[0] - edge[0], &entries)?;
         for (view, [x, y], [w, h]) in views {
-            let area = root.clone().shrink((x * FINE, y * FINE), (w * FINE, h * FINE));
+            let area = root
+                .clone()
+                .shrink((x * FINE, y * FINE), (w * FINE, h * FINE));
             let own = match view {
                 View::Plane(..) => common,
                 View::Isometric => scale(view, [w, h]),
             };
-            let own = if own > 0.0 && own.is_finite() { 1.1 * own } else { 1.0 };
+            let own = if own > 0.0 && own.is_finite() {
+                1.1 * own
+            } else {
+                1.0
+            };
             let plot = [w - edge[0], h - edge[1]];
             let [x, y] = [0, 1].map(|k| centred(view.range(&points)[k], own, plot[k]));
             draw(&area, view, [x, y], own, reference, shapes)?;
