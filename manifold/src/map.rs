@@ -238,7 +238,9 @@ where
         let outer = self.outer.tangent(t, &inner.x);
         let middle = self.outer.geometric_stiffness(t, &inner.x, f);
         inner.B.transpose() * middle * inner.B
-            + self.inner.geometric_stiffness(t, q, &(outer.B.transpose() * f))
+            + self
+                .inner
+                .geometric_stiffness(t, q, &(outer.B.transpose() * f))
     }
 }
 

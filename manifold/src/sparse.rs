@@ -32,8 +32,9 @@ impl BlockPattern {
         G: IntoIterator,
         G::Item: AsRef<[u32]>,
     {
-        let mut neighbours: Vec<BTreeSet<u32>> =
-            (0..sizes.len()).map(|i| BTreeSet::from([i as u32])).collect();
+        let mut neighbours: Vec<BTreeSet<u32>> = (0..sizes.len())
+            .map(|i| BTreeSet::from([i as u32]))
+            .collect();
         for group in groups {
             let group = group.as_ref();
             for &i in group {

@@ -261,12 +261,11 @@ impl<const NN: usize> Element for Beam<NN> {
         for p in &self.points {
             let line = Self::line(p, at.x);
             let s = Strained::new(&line, &p.X_prime, &p.law);
-            let d: Vector3<f64> = at
-                .x
-                .chunks_exact(6)
-                .zip(&p.N)
-                .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
-                .sum();
+            let d: Vector3<f64> =
+                at.x.chunks_exact(6)
+                    .zip(&p.N)
+                    .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
+                    .sum();
             let section = |v: &Vector3<f64>| p.R0.tr_mul(v);
             out.push(SectionState {
                 reference: p.X,

@@ -129,8 +129,7 @@ impl Section {
             }
         }
         // Definiteness does not depend on the units: test the law scaled to a unit diagonal.
-        let scaled =
-            Matrix6::from_fn(|i, j| C[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
+        let scaled = Matrix6::from_fn(|i, j| C[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
         if scaled.symmetric_eigenvalues().min() <= 1e-14 {
             return Err(SectionError::NotPositiveDefinite { diagonal });
         }
@@ -147,19 +146,16 @@ impl Section {
     ///
     /// # Errors
     /// [`SectionError::NotPositive`] naming the stiffness that is not positive.
-    pub fn diagonal(
-        EA: f64,
-        GA: [f64; 2],
-        GJ: f64,
-        EI: [f64; 2],
-    ) -> Result<Self, SectionError> {
+    pub fn diagonal(EA: f64, GA: [f64; 2], GJ: f64, EI: [f64; 2]) -> Result<Self, SectionError> {
         positive("axial stiffness EA", EA)?;
         positive("shear stiffness GA2", GA[0])?;
         positive("shear stiffness GA3", GA[1])?;
         positive("torsional stiffness GJ", GJ)?;
         positive("bending stiffness EI2", EI[0])?;
         positive("bending stiffness EI3", EI[1])?;
-        Self::new(Matrix6::from_diagonal(&[EA, GA[0], GA[1], GJ, EI[0], EI[1]].into()))
+        Self::new(Matrix6::from_diagonal(
+            &[EA, GA[0], GA[1], GJ, EI[0], EI[1]].into(),
+        ))
     }
 
     /// The same section with mass per length Aρ and inertia per length J (section axes).
@@ -184,10 +180,7 @@ impl Section {
         let nu = material.nu;
         let k = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
         let area = width * height;
-        let I = [
-            width * height.powi(3) / 12.0,
-            height * width.powi(3) / 12.0,
-        ];
+        let I = [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0];
         Self::from_geometry(material, area, k, rectangle_torsion(width, height), I)
     }
 
@@ -235,12 +228,7 @@ impl Section {
         let Material { E, rho, .. } = material;
         let G = material.G();
         let shear = k * G * area;
-        let section = Self::diagonal(
-            E * area,
-            [shear, shear],
-            G * torsion,
-            [E * I[0], E * I[1]],
-        )?;
+        let section = Self::diagonal(E * area, [shear, shear], G * torsion, [E * I[0], E * I[1]])?;
         let J = Vector3::new(I[0] + I[1], I[0], I[1]) * rho;
         Ok(section.with_mass(rho * area, Matrix3::from_diagonal(&J)))
     }

@@ -45,7 +45,10 @@ mod tests {
     fn gauss_rules_integrate_monomials() {
         for n in 1..=4 {
             for degree in 0..2 * n {
-                let sum: f64 = gauss(n).iter().map(|(x, w)| w * x.powi(degree as i32)).sum();
+                let sum: f64 = gauss(n)
+                    .iter()
+                    .map(|(x, w)| w * x.powi(degree as i32))
+                    .sum();
                 let exact = if degree % 2 == 0 {
                     2.0 / (degree as f64 + 1.0)
                 } else {

@@ -74,12 +74,11 @@ impl Element for LineLoad {
             let mut f = self.force;
             let mut D = Matrix3::zeros();
             if self.follower {
-                let psi: Vector3<f64> = at
-                    .x
-                    .chunks_exact(6)
-                    .zip(N)
-                    .map(|(x, n)| Vector3::new(x[3], x[4], x[5]) * *n)
-                    .sum();
+                let psi: Vector3<f64> =
+                    at.x.chunks_exact(6)
+                        .zip(N)
+                        .map(|(x, n)| Vector3::new(x[3], x[4], x[5]) * *n)
+                        .sum();
                 let c = Quotients::new(psi.norm()).tangent();
                 let R = so3::R(&psi, &c);
                 f = R * self.force;
@@ -116,12 +115,11 @@ impl Element for LineLoad {
             .points
             .iter()
             .map(|(N, weight)| {
-                let d: Vector3<f64> = at
-                    .x
-                    .chunks_exact(6)
-                    .zip(N)
-                    .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
-                    .sum();
+                let d: Vector3<f64> =
+                    at.x.chunks_exact(6)
+                        .zip(N)
+                        .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
+                        .sum();
                 weight * self.force.dot(&d)
             })
             .sum();

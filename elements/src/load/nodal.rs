@@ -33,11 +33,7 @@ pub struct NodalLoad {
 impl NodalLoad {
     /// `vector` (global components; for follower loads those of the reference configuration)
     /// times `amplitude`.
-    pub fn new(
-        which: Which,
-        vector: [f64; 3],
-        amplitude: impl TimeFunction + 'static,
-    ) -> Self {
+    pub fn new(which: Which, vector: [f64; 3], amplitude: impl TimeFunction + 'static) -> Self {
         Self::boxed(which, vector, Box::new(amplitude))
     }
 

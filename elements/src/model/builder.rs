@@ -89,11 +89,7 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`].
-    pub fn node(
-        &mut self,
-        name: impl Into<String>,
-        place: [f64; 3],
-    ) -> Result<NodeId, ModelError> {
+    pub fn node(&mut self, name: impl Into<String>, place: [f64; 3]) -> Result<NodeId, ModelError> {
         self.add_node(name.into(), place, frame_kinds(), Source::Own, 0)
     }
 

@@ -4,8 +4,8 @@ use super::Model;
 use super::builder::FRAME;
 use super::slots::Complement;
 use nalgebra::Vector3;
-use pullback_manifold::system::ChartChanges;
 use pullback_manifold::so3;
+use pullback_manifold::system::ChartChanges;
 use std::f64::consts::{PI, TAU};
 
 /// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
@@ -26,9 +26,7 @@ impl Model {
             let Some(unknowns) = self.free_rotation(node, t) else {
                 continue;
             };
-            let take = |from: &[f64]| {
-                Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]))
-            };
+            let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
             let psi = take(q);
             if psi.norm() <= PI {
                 continue;
@@ -41,7 +39,11 @@ impl Model {
                     }
                 }
             };
-            let velocity = if v.is_empty() { Vector3::zeros() } else { take(v) };
+            let velocity = if v.is_empty() {
+                Vector3::zeros()
+            } else {
+                take(v)
+            };
             let mut x = psi;
             let mut first = velocity;
             for a in accelerations.iter_mut() {
@@ -88,9 +90,8 @@ impl Model {
         if unknowns.iter().all(Option::is_none) {
             return None;
         }
-        let held = |p: &&super::Prescribed| {
-            (node.first + 3..node.first + FRAME).contains(&p.coordinate)
-        };
+        let held =
+            |p: &&super::Prescribed| (node.first + 3..node.first + FRAME).contains(&p.coordinate);
         self.prescribed
             .iter()
             .filter(held)

@@ -84,12 +84,11 @@ impl ModelBuilder {
             };
             let element_name = format!("{name}:{}", e + 1);
             let own = own.to_vec();
-            let beam = Beam::along(&places, &frame, &line.section).map_err(|source| {
-                ModelError::Beam {
+            let beam =
+                Beam::along(&places, &frame, &line.section).map_err(|source| ModelError::Beam {
                     element: element_name.clone(),
                     source,
-                }
-            })?;
+                })?;
             elements.push(self.boxed_element(element_name, beam, &own)?);
         }
         Ok(LineNodes { nodes, elements })

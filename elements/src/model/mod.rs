@@ -16,14 +16,14 @@ mod slots;
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use error::ModelError;
-pub use query::{NodeState, Reaction};
 pub use line::{Line, LineNodes};
+pub use query::{NodeState, Reaction};
 
 use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::Workspace;
-use placement::Placement;
 use nalgebra::Vector3;
+use placement::Placement;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;

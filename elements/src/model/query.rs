@@ -84,10 +84,7 @@ impl Model {
     }
 
     pub(super) fn coordinate_name(&self, c: usize) -> String {
-        let node = self
-            .nodes
-            .iter()
-            .find(|n| n.range().contains(&c));
+        let node = self.nodes.iter().find(|n| n.range().contains(&c));
         match node {
             Some(n) => n.coordinate_name(c - n.first),
             None => format!("coordinate {c}"),
@@ -120,9 +117,8 @@ impl Model {
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
         for n in self.nodes.iter().filter(|n| n.is_frame()) {
-            let prescribed = std::array::from_fn(|k| {
-                self.unknowns[n.first + k] == NONE && n.is_own()
-            });
+            let prescribed =
+                std::array::from_fn(|k| self.unknowns[n.first + k] == NONE && n.is_own());
             if !prescribed.contains(&true) {
                 continue;
             }
@@ -218,7 +214,9 @@ impl Model {
             if !self.nodes[n].is_frame() || !seen.insert(part) {
                 continue;
             }
-            let members: Vec<usize> = (0..self.nodes.len()).filter(|&m| parts[m] == part).collect();
+            let members: Vec<usize> = (0..self.nodes.len())
+                .filter(|&m| parts[m] == part)
+                .collect();
             if let Some(motion) = self.free_motion(&members) {
                 return Err(ModelError::Unsupported {
                     node: self.nodes[n].name.clone(),
@@ -333,11 +331,7 @@ impl Model {
 }
 
 /// A rigid motion (translation of the centre, rotation times length) in words.
-fn describe_motion(
-    motion: &nalgebra::Vector6<f64>,
-    center: &Vector3<f64>,
-    length: f64,
-) -> String {
+fn describe_motion(motion: &nalgebra::Vector6<f64>, center: &Vector3<f64>, length: f64) -> String {
     let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
     let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
     let show = |v: &Vector3<f64>| {

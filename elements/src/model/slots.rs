@@ -3,11 +3,11 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::chart::Complement as ComplementMap;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::map::{Kinematics, Map};
 use pullback_manifold::pullback::Slot;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::chart::Complement as ComplementMap;
 
 /// One node of an element seen in the other chart: the operators of the complement map.
 #[derive(Clone, Copy, Debug)]

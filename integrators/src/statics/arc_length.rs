@@ -199,17 +199,21 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         out.summary.steps += 1;
         out.summary.iterations += iterations;
-        let located = locate_events(
-            &mut newton, solver, system, &at, &next, ds, &norm, options,
-        );
+        let located = locate_events(&mut newton, solver, system, &at, &next, ds, &norm, options);
         let moved = !located.is_empty();
         for Located { index, s, place } in located {
             out.events.push((index, place.lambda));
             newton
                 .evaluate(system, None, &place.q, place.lambda)
-                .map_err(|source| StaticsError::Step(Box::new(FailedStep::new(
-                    system, &newton, Failure::System(source), &out.summary, place.lambda,
-                ))))?;
+                .map_err(|source| {
+                    StaticsError::Step(Box::new(FailedStep::new(
+                        system,
+                        &newton,
+                        Failure::System(source),
+                        &out.summary,
+                        place.lambda,
+                    )))
+                })?;
             let report = Step {
                 number: out.summary.steps,
                 t: place.lambda,

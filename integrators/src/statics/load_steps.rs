@@ -110,7 +110,9 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     let direction = (options.to - options.from).signum();
     let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
     let mut start = q.clone();
-    summary.chart_changes = system.change_charts(options.from, q, &mut [], &mut []).charts;
+    summary.chart_changes = system
+        .change_charts(options.from, q, &mut [], &mut [])
+        .charts;
     let mut fresh = false;
     loop {
         let rest = options.to - summary.t;

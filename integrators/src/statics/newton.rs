@@ -186,8 +186,8 @@ impl Newton {
                 .history
                 .last()
                 .is_some_and(|i| i.damping > 0.0 && i.correction * i.damping <= options.correction);
-            let on_condition = condition
-                .is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
+            let on_condition =
+                condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
             let stop = on_condition && (ratio <= 1.0 || (small_correction && ratio <= 1e6));
             if stop || self.history.len() > options.max_iterations {
                 self.history.push(Iteration {
