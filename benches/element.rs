@@ -1,0 +1,142 @@
+//! Element kernels in units of a static 12×12 by 12×12 matrix product, measured in the same run.
+//!
+//! Limit for internal force and tangent of the two-node beam: 4 products.
+
+#![allow(non_snake_case, missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Matrix3, SMatrix};
+use pullback::elements::beam::Beam;
+use pullback::elements::element::{Element, Motion, Response};
+use pullback::manifold::chart::Complement;
+use pullback::manifold::map::{Map, derived};
+use pullback::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// A straight beam element of the given number of nodes along e1, and a bent state of it.
+fn beam(nodes: usize) -> (Box<dyn Element>, Vec<f64>) {
+    let places: Vec<Vector3<f64>> = (0..nodes)
+        .map(|k| Vector3::x() * k as f64 / (nodes - 1) as f64)
+        .collect();
+    let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0]).expect("a valid section");
+    let beam = Beam::along(&places, &|_| Matrix3::identity(), &section).expect("a valid beam");
+    let x = (0..6 * nodes).map(|i| 0.1 * (i as f64).sin()).collect();
+    (beam, x)
+}
+
+/// Residual, and tangent where wanted, at x; from a previous iterate where given.
+fn evaluate(
+    beam: &dyn Element,
+    x: &[f64],
+    previous: Option<&[f64]>,
+    r: &mut [f64],
+    K: Option<&mut [f64]>,
+) {
+    r.fill(0.0);
+    let at = Motion {
+        t: 0.0,
+        x: black_box(x),
+        v: &[],
+        a: &[],
+    };
+    let mut out = Response {
+        r,
+        K,
+        C: None,
+        M: None,
+        r_t: None,
+    };
+    match previous {
+        None => beam.evaluate(&at, &mut out),
+        Some(previous) => beam.evaluate_from(previous, &at, &mut out),
+    }
+    .expect("inside the chart");
+}
+
+/// Best of several averages, in seconds.
+fn seconds(mut f: impl FnMut()) -> f64 {
+    (0..15)
+        .map(|_| {
+            let start = Instant::now();
+            for _ in 0..4000 {
+                f();
+            }
+            start.elapsed().as_secs_f64() / 4000.0
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn kernels(c: &mut Criterion) {
+    let a = SMatrix::<f64, 12, 12>::from_fn(|i, j| ((i * 7 + j * 3) % 5) as f64 + 0.1);
+    let b = a.transpose();
+    let mut product = a;
+    c.bench_function("12x12 product", |bench| {
+        bench.iter(|| black_box(&a).mul_to(black_box(&b), &mut product));
+    });
+    let unit = seconds(|| {
+        black_box(&a).mul_to(black_box(&b), &mut product);
+        black_box(&product);
+    });
+    let mut rows = Vec::new();
+    for nodes in 2..=4 {
+        let (element, x) = beam(nodes);
+        let previous: Vec<f64> = x.iter().map(|x| 1.1 * x).collect();
+        let n = 6 * nodes;
+        let (mut r, mut K) = (vec![0.0; n], vec![0.0; n * n]);
+        let mut force_and_tangent = |previous: Option<&[f64]>| {
+            K.fill(0.0);
+            evaluate(&*element, &x, previous, &mut r, Some(&mut K));
+            black_box(&K);
+        };
+        c.bench_function(&format!("{nodes}-node beam, force and tangent"), |bench| {
+            bench.iter(|| force_and_tangent(None));
+        });
+        rows.push((
+            format!("{nodes}-node beam, force and tangent"),
+            seconds(|| force_and_tangent(None)),
+        ));
+        rows.push((
+            format!("{nodes}-node beam, the same with extrapolated stresses"),
+            seconds(|| force_and_tangent(Some(&previous))),
+        ));
+        rows.push((
+            format!("{nodes}-node beam, force alone"),
+            seconds(|| {
+                evaluate(&*element, &x, None, &mut r, None);
+                black_box(&r);
+            }),
+        ));
+    }
+    let psi = Vector3::new(1.0, -2.0, 2.4);
+    let (v, a) = (Vector3::new(0.3, 0.1, -0.5), Vector3::new(1.0, -0.7, 0.2));
+    rows.push((
+        "change of chart: closed form of B, Ḃ, B̈".to_owned(),
+        seconds(|| {
+            black_box(Complement.kinematics(0.0, black_box(&psi), &v, &a));
+        }),
+    ));
+    rows.push((
+        "change of chart: the same derived from φ alone".to_owned(),
+        seconds(|| {
+            black_box(derived::kinematics(
+                &Complement,
+                0.0,
+                black_box(&psi),
+                &v,
+                &a,
+            ));
+        }),
+    ));
+    println!("\nin units of one static 12x12 by 12x12 product:");
+    for (name, time) in rows {
+        println!("  {:6.2}  {name}", time / unit);
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(30).measurement_time(std::time::Duration::from_secs(2));
+    targets = kernels
+}
+criterion_main!(benches);

@@ -1,0 +1,154 @@
+//! Roll-up of a cantilever with 100 to 10,000 elements: time per element and Newton iteration,
+//! everything included, its growth with the model, and where it goes.
+
+#![allow(non_snake_case, missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, Symmetry};
+use pullback::manifold::system::{Evaluation, Point, Weights};
+use pullback::prelude::*;
+use std::f64::consts::PI;
+use std::time::Instant;
+
+/// A cantilever of unit length with an end moment that rolls it up twice.
+fn rollup(elements: usize) -> Model {
+    let mut builder = ModelBuilder::new();
+    let root = builder.node("root", [0.0; 3]).expect("a new name");
+    let tip = builder.node("tip", [1.0, 0.0, 0.0]).expect("a new name");
+    let axis = Straight {
+        from: builder.place(root),
+        to: builder.place(tip),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements,
+        order: 1,
+        section: Section::diagonal(1e4, [1e4, 1e4], 2.0, [2.0, 2.0]).expect("positive"),
+    };
+    builder
+        .line("beam", &axis, [root, tip], &line)
+        .expect("a straight line");
+    builder.support(root, &Dof::ALL);
+    let moment = NodalLoad::new(
+        Which::SpatialMoment,
+        [0.0, 0.0, 8.0 * PI],
+        Proportional(1.0),
+    );
+    builder.element("moment", moment, &[tip]).expect("one node");
+    builder.build().expect("a valid model")
+}
+
+/// Seconds and iterations of the whole analysis in equal steps.
+fn analyse(model: &mut Model) -> (f64, usize) {
+    let start = Instant::now();
+    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let options = StaticOptions::equal_steps(8);
+    let summary = solve_statics(model, &mut vec![], &options, proceed).expect("converges");
+    (start.elapsed().as_secs_f64(), summary.iterations)
+}
+
+/// Best of several averages over at least 100,000 elements, in seconds.
+fn seconds(elements: usize, mut f: impl FnMut()) -> f64 {
+    let count = (100_000 / elements).max(1);
+    (0..7)
+        .map(|_| {
+            let start = Instant::now();
+            for _ in 0..count {
+                f();
+            }
+            start.elapsed().as_secs_f64() / count as f64
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn whole_analysis(c: &mut Criterion) {
+    let mut model = rollup(100);
+    c.bench_function("roll-up, 100 elements, 8 steps", |bench| {
+        bench.iter(|| analyse(&mut model));
+    });
+    println!("\nper element and Newton iteration, microseconds:");
+    println!(
+        "elements   whole   force  +tangent  +assembly  factorise   solve | faer factorise+solve"
+    );
+    let mut whole = Vec::new();
+    for elements in [100, 1_000, 10_000] {
+        let mut model = rollup(elements);
+        let (best, iterations) =
+            (0..5)
+                .map(|_| analyse(&mut model))
+                .fold(
+                    (f64::INFINITY, 1),
+                    |best, run| if run.0 < best.0 { run } else { best },
+                );
+        let unit = 1e-6 * elements as f64;
+        whole.push(best / iterations as f64 / unit);
+
+        let n = model.pattern().dim();
+        let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
+        let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
+        let at = Point {
+            t: 1.0,
+            q: &q,
+            v: &[],
+            a: &[],
+        };
+        let force = seconds(elements, || {
+            model
+                .evaluate(at, Evaluation::residual(&mut r))
+                .expect("inside the chart");
+        });
+        let assembled = seconds(elements, || {
+            let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
+            model.evaluate(at, out).expect("inside the chart");
+        });
+        // What writing a full set of element matrices into the pattern costs by itself.
+        let mut sink = S.clone();
+        let assembly = seconds(elements, || {
+            sink.fill(0.0);
+            for (a, b) in sink.iter_mut().zip(&S) {
+                *a += b;
+            }
+        });
+        let mut times = [0.0; 4];
+        let mut block = BlockLu::new();
+        let mut faer = FaerLu::new();
+        let solvers: [&mut dyn LinearSolver; 2] = [&mut block, &mut faer];
+        for (k, solver) in solvers.into_iter().enumerate() {
+            let mut b = r.clone();
+            solver
+                .analyse(model.pattern(), Symmetry::General)
+                .expect("a chain");
+            if solver.factorise(&S).is_err() {
+                times[2 * k] = f64::NAN;
+                continue;
+            }
+            times[2 * k] = seconds(elements, || solver.factorise(&S).expect("regular"));
+            times[2 * k + 1] = seconds(elements, || {
+                b.copy_from_slice(&r);
+                solver.solve(&mut b).expect("regular");
+            });
+        }
+        println!(
+            "{elements:8}  {:6.2}  {:6.2}  {:8.2}  {:9.2}  {:9.2}  {:6.2} | {:6.2}",
+            whole[whole.len() - 1],
+            force / unit,
+            (assembled - assembly) / unit,
+            assembly / unit,
+            times[0] / unit,
+            times[1] / unit,
+            (times[2] + times[3]) / unit,
+        );
+    }
+    println!(
+        "growth from 1,000 to 10,000 elements: {:.2}",
+        whole[2] / whole[1]
+    );
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(2));
+    targets = whole_analysis
+}
+criterion_main!(benches);
