@@ -61,7 +61,7 @@ pub struct Evaluation<'a> {
     pub r: &'a mut [f64],
     /// Combined tangent cK·K + cC·C + cM·M, values in the system's [`BlockPattern`].
     pub S: Option<(Weights, &'a mut [f64])>,
-    /// Partial derivative ∂r/∂t at fixed q, q̇, q̈.
+    /// Partial derivative ∂r/∂t at fixed q, in statics only: with t as the load parameter.
     pub r_t: Option<&'a mut [f64]>,
 }
 

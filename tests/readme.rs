@@ -1,0 +1,30 @@
+//! What the README shows is what the repository has.
+
+const README: &str = include_str!("../README.md");
+
+/// The fenced block that starts with the given line.
+fn block(fence: &str) -> &'static str {
+    let start = README.find(fence).unwrap() + fence.len() + 1;
+    let end = README[start..].find("\n```").unwrap();
+    &README[start..start + end]
+}
+
+#[test]
+fn the_first_program_is_the_example() {
+    let example = include_str!("../examples/first_program.rs");
+    assert_eq!(block("```rust").trim(), example.trim());
+}
+
+#[test]
+fn the_first_model_assembles() {
+    pullback::input::assemble_text("README.md", block("```toml")).unwrap();
+}
+
+#[test]
+fn every_path_that_it_names_exists() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    for part in README.split("](").skip(1) {
+        let path = &part[..part.find(')').unwrap()];
+        assert!(root.join(path).exists(), "{path}");
+    }
+}
