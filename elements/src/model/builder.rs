@@ -310,7 +310,7 @@ impl ModelBuilder {
         check_connections(&nodes, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
 
-        // Numbering: unknowns in the order of the nodes, block by block.
+        // Numbering: block by block, away from the supports.
         let mut free: Vec<bool> = nodes
             .iter()
             .flat_map(|n| std::iter::repeat_n(n.is_own(), n.dim))
@@ -321,8 +321,13 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut placement = Placement::default();
-        for node in &nodes {
+        let mut placement = Placement {
+            rows: vec![Vec::new(); nodes.len()],
+            blocks: vec![NONE; nodes.len()],
+            ..Placement::default()
+        };
+        for n in outward(&nodes, &elements, &prescribed) {
+            let node = &nodes[n];
             let mut size = 0;
             let rows = node
                 .range()
@@ -336,13 +341,11 @@ impl ModelBuilder {
                     size - 1
                 })
                 .collect();
-            placement.rows.push(rows);
-            placement.blocks.push(if size == 0 {
-                NONE
-            } else {
+            placement.rows[n] = rows;
+            if size > 0 {
+                placement.blocks[n] = sizes.len() as u32;
                 sizes.push(size as usize);
-                sizes.len() as u32 - 1
-            });
+            }
         }
         if coordinates.is_empty() {
             return Err(ModelError::NothingFree);
@@ -432,6 +435,64 @@ impl ModelBuilder {
         model.choose_element_charts(0.0, &zero);
         Ok(model)
     }
+}
+
+/// All nodes by their distance from the supports, counted in elements.
+///
+/// Elimination takes the last first: from free ends towards supports every partial structure is
+/// held by what is still to come, and pivots keep their size. The other way round the last pivot
+/// of a cantilever would be its tip stiffness, small by the cube of the number of elements.
+fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> Vec<usize> {
+    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
+    let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
+    groups.extend(elements.iter().map(|e| indices(&e.nodes)));
+    for (n, node) in nodes.iter().enumerate() {
+        if let Source::Mapped { masters, .. } = &node.source {
+            groups.push(indices(masters));
+            groups.last_mut().into_iter().for_each(|g| g.push(n));
+        }
+    }
+    for (g, group) in groups.iter().enumerate() {
+        for &n in group {
+            touching[n].push(g);
+        }
+    }
+    let mut coordinate_node = Vec::new();
+    for (n, node) in nodes.iter().enumerate() {
+        coordinate_node.extend(std::iter::repeat_n(n, node.dim));
+    }
+    let mut reached = vec![false; nodes.len()];
+    let mut used = vec![false; groups.len()];
+    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
+    let mut next = 0;
+    let held = prescribed.iter().map(|p| coordinate_node[p.coordinate]);
+    for n in held {
+        if !std::mem::replace(&mut reached[n], true) {
+            order.push(n);
+        }
+    }
+    for seed in 0..=nodes.len() {
+        while next < order.len() {
+            for &g in &touching[order[next]] {
+                if std::mem::replace(&mut used[g], true) {
+                    continue;
+                }
+                for &m in &groups[g] {
+                    if !std::mem::replace(&mut reached[m], true) {
+                        order.push(m);
+                    }
+                }
+            }
+            next += 1;
+        }
+        // Parts without a support follow, each from its first node.
+        if seed < nodes.len() && !reached[seed] {
+            reached[seed] = true;
+            order.push(seed);
+        }
+    }
+    order
 }
 
 fn frame_kinds() -> Vec<Kind> {
