@@ -143,6 +143,20 @@ impl Default for Scales {
     }
 }
 
+/// Energies and powers of a system at a point, with which a run in time can be audited:
+/// d/dt (kinetic + stored) = supplied − dissipated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Energy stored in elements (strain energy), loads excluded.
+    pub stored: f64,
+    /// Power of all loads, supports and driven coordinates on the system.
+    pub supplied: f64,
+    /// Power lost in damping, ≥ 0.
+    pub dissipated: f64,
+}
+
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
@@ -205,6 +219,21 @@ pub trait System {
     ) -> ChartChanges {
         let _ = (t, q, v, accelerations);
         ChartChanges::default()
+    }
+
+    /// Times at which a prescribed function has a kink: a derivative jumps there, so that a time
+    /// step may end there but not cross it. In any order, possibly repeated; none by default.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Energies and powers at a point in motion; `None` for a system that does not know them.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let _ = at;
+        Ok(None)
     }
 
     /// Whether the tangents are symmetric (conservative loads).
