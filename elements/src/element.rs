@@ -105,6 +105,17 @@ pub trait Element: Send + Sync {
         0.0
     }
 
+    /// Power lost in damping, ≥ 0; zero for elements without damping.
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        let _ = at;
+        0.0
+    }
+
+    /// Times at which a function of time inside has a kink; none by default.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Whether K is symmetric wherever the element can be.
     fn is_symmetric(&self) -> bool {
         true

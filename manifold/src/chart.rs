@@ -131,7 +131,7 @@ impl Map<3, 3> for Complement {
         so3::complement(q)
     }
 
-    fn margin(&self, q: &Vector3<f64>) -> f64 {
+    fn margin(&self, _t: f64, q: &Vector3<f64>) -> f64 {
         let psi = q.norm();
         psi.min(TAU - psi)
     }
@@ -245,9 +245,9 @@ where
         Self::join(&self.first.phi(t, &a), &self.second.phi(t, &b))
     }
 
-    fn margin(&self, q: &SVector<f64, D>) -> f64 {
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         let (a, b) = Self::split(q);
-        self.first.margin(&a).min(self.second.margin(&b))
+        self.first.margin(t, &a).min(self.second.margin(t, &b))
     }
 }
 
@@ -260,8 +260,9 @@ impl<M: Map<D, D>, const D: usize> Map<D, D> for Either<M> {
         self.0.as_ref().map_or(*q, |map| map.phi(t, q))
     }
 
-    fn margin(&self, q: &SVector<f64, D>) -> f64 {
-        self.0.as_ref().map_or(f64::INFINITY, |map| map.margin(q))
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        let map = self.0.as_ref();
+        map.map_or(f64::INFINITY, |map| map.margin(t, q))
     }
 }
 

@@ -15,6 +15,7 @@
 
 use crate::jet::{Grad, Hess, Taylor};
 use crate::scalar::Scalar;
+use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
 
 /// Value and gradient of a map at one point.
@@ -54,9 +55,23 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
 
     /// Distance of q to the edge of the domain on which φ is a chart; a point with a margin ≤ 0
     /// is refused by whoever evaluates the map. Infinite by default.
-    fn margin(&self, q: &SVector<f64, D>) -> f64 {
-        let _ = q;
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        let _ = (t, q);
         f64::INFINITY
+    }
+
+    /// Changes the charts in which φ gives its values (the sheet of a logarithm, the segment of a
+    /// curve) where another one is better at q. Called at converged states only: within a step φ
+    /// stays one smooth function. Nothing to do by default.
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
+        let _ = (t, q);
+        ChartChanges::default()
+    }
+
+    /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
+    /// elements; 0 for every other map.
+    fn segment(&self) -> usize {
+        0
     }
 
     /// x and B.
@@ -194,10 +209,22 @@ where
         self.outer.phi(t, &self.inner.phi(t, q))
     }
 
-    fn margin(&self, q: &SVector<f64, D>) -> f64 {
-        // The inner map may depend on time, its value at t = 0 would be a guess: only its own
-        // domain is known here; the outer one is asked when it is evaluated.
-        self.inner.margin(q)
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        let inner = self.inner.margin(t, q);
+        if inner > 0.0 {
+            inner.min(self.outer.margin(t, &self.inner.phi(t, q)))
+        } else {
+            inner
+        }
+    }
+
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
+        let inner = self.inner.change_charts(t, q);
+        let outer = self.outer.change_charts(t, &self.inner.phi(t, q));
+        ChartChanges {
+            charts: inner.charts + outer.charts,
+            residual: inner.residual || outer.residual,
+        }
     }
 
     fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
@@ -264,7 +291,13 @@ pub trait Parametrization: Send + Sync {
     fn dims(&self) -> (usize, usize);
 
     /// See [`Map::margin`].
-    fn margin(&self, q: &[f64]) -> f64;
+    fn margin(&self, t: f64, q: &[f64]) -> f64;
+
+    /// See [`Map::change_charts`].
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
+
+    /// See [`Map::segment`].
+    fn segment(&self) -> usize;
 
     /// Writes x (n) and B (n×d).
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
@@ -287,8 +320,16 @@ where
         (D, N)
     }
 
-    fn margin(&self, q: &[f64]) -> f64 {
-        self.0.margin(&SVector::from_column_slice(q))
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        self.0.margin(t, &SVector::from_column_slice(q))
+    }
+
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
+        self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn segment(&self) -> usize {
+        self.0.segment()
     }
 
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {

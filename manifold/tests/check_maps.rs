@@ -39,7 +39,7 @@ impl Map<3, 2> for Planted {
         )
     }
 
-    fn margin(&self, _q: &SVector<f64, 3>) -> f64 {
+    fn margin(&self, _t: f64, _q: &SVector<f64, 3>) -> f64 {
         if *self == Self::NoDomain { 0.0 } else { 1.0 }
     }
 
@@ -235,8 +235,8 @@ impl Map<3, 3> for Change {
         }
     }
 
-    fn margin(&self, q: &Vector3<f64>) -> f64 {
-        Complement.margin(q)
+    fn margin(&self, t: f64, q: &Vector3<f64>) -> f64 {
+        Complement.margin(t, q)
     }
 }
 

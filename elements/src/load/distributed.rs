@@ -133,4 +133,8 @@ impl Element for LineLoad {
     fn is_load(&self) -> bool {
         true
     }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.amplitude.kinks()
+    }
 }

@@ -109,4 +109,8 @@ impl Element for NodalLoad {
     fn is_load(&self) -> bool {
         true
     }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.amplitude.kinks()
+    }
 }

@@ -2,14 +2,14 @@
 
 #![allow(non_snake_case)]
 
+use super::charts::Sheet;
+use super::dependence::Operators;
 use super::local::Local;
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
-use pullback_manifold::map::KinematicsMut;
-use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
+    ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
 };
 
 /// Most nodes one element may have.
@@ -28,22 +28,39 @@ pub(super) struct Workspace {
     /// Coordinates of all nodes at the previous iterate, while there is one.
     previous: Vec<f64>,
     has_previous: bool,
-    /// Kinematic operators of mapped nodes, one after the other.
-    pub B: Vec<f64>,
-    pub B_dot: Vec<f64>,
-    pub B_ddot: Vec<f64>,
-    local: Local,
+    /// Whether anything moves: always in dynamics, and in statics where a support or a map is
+    /// driven (the rates are then those with the load parameter).
+    pub moving: bool,
+    /// Whether rates of free coordinates may differ from zero.
+    stirred: bool,
+    /// Kinematic operators of nodes that follow others.
+    pub operators: Operators,
+    pub local: Local,
+    /// Per node, for the choice of charts.
+    pub sheets: Vec<Sheet>,
     scales: Scales,
 }
 
 impl Workspace {
-    pub(super) fn new(nodes: &[Node], elements: &[Attached], length: f64) -> Self {
+    pub(super) fn new(
+        nodes: &[Node],
+        elements: &[Attached],
+        operators: usize,
+        length: f64,
+    ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
-        let operators = nodes.iter().map(Node::operator_len).sum::<usize>();
-        let masters = nodes.iter().map(Node::masters_dim).max().unwrap_or(0);
+        let dependence = |node: &Node| match &node.source {
+            Source::Own => (0, node.dim),
+            Source::Mapped(d) => (d.direct, d.most.max(node.dim)),
+        };
+        let masters = nodes.iter().map(|n| dependence(n).0).max().unwrap_or(0);
+        let pulled = |e: &Attached| {
+            let most = |&n: &u32| dependence(&nodes[n as usize]).1;
+            e.nodes.iter().map(most).sum::<usize>()
+        };
+        let elements = elements.iter().map(|e| e.element.dim().max(pulled(e)));
         let n = elements
-            .iter()
-            .map(|e| e.element.dim().max(e.pulled))
+            .chain(nodes.iter().map(|n| dependence(n).1))
             .max()
             .unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
@@ -57,10 +74,11 @@ impl Workspace {
             r_t: zeros(total),
             previous: zeros(total),
             has_previous: false,
-            B: zeros(operators),
-            B_dot: zeros(operators),
-            B_ddot: zeros(operators),
+            moving: false,
+            stirred: false,
+            operators: Operators::new(operators),
             local: Local::new(n, masters),
+            sheets: Vec::with_capacity(nodes.len()),
             scales,
         }
     }
@@ -72,18 +90,24 @@ impl Model {
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         let statics = at.v.is_empty();
         let w = &mut self.work;
-        for (u, &c) in self.coordinates.iter().enumerate() {
-            w.x[c] = at.q[u];
-            (w.v[c], w.a[c]) = if statics {
-                (0.0, 0.0)
-            } else {
-                (at.v[u], at.a[u])
-            };
+        for (&c, q) in self.coordinates.iter().zip(at.q) {
+            w.x[c] = *q;
         }
+        if !statics {
+            for ((&c, v), a) in self.coordinates.iter().zip(at.v).zip(at.a) {
+                (w.v[c], w.a[c]) = (*v, *a);
+            }
+        } else if w.stirred {
+            w.v.fill(0.0);
+            w.a.fill(0.0);
+        }
+        (w.stirred, w.moving) = (!statics, !statics);
         for p in &self.prescribed {
             // In statics the velocity of a prescribed coordinate is its rate with the load
             // parameter; that of free coordinates stays zero.
-            [w.x[p.coordinate], w.v[p.coordinate], w.a[p.coordinate]] = p.function.at(at.t);
+            let c = p.coordinate;
+            [w.x[c], w.v[c], w.a[c]] = p.function.at(at.t);
+            w.moving |= w.v[c] != 0.0;
         }
         for (node, turns) in &self.driven_rotations {
             let first = self.nodes[*node].first + 3;
@@ -94,55 +118,13 @@ impl Model {
                 &mut w.a[first..first + 3],
             );
         }
-        let mut operator = 0;
-        for node in &self.nodes {
-            let Source::Mapped { map, masters } = &node.source else {
-                continue;
-            };
-            let d = node.masters_dim();
-            let (q, qv, qa) = (
-                &mut w.local.q[..d],
-                &mut w.local.qv[..d],
-                &mut w.local.qa[..d],
-            );
-            let mut k = 0;
-            for &m in masters {
-                let master = &self.nodes[m as usize].range();
-                q[k..k + master.len()].copy_from_slice(&w.x[master.clone()]);
-                qv[k..k + master.len()].copy_from_slice(&w.v[master.clone()]);
-                qa[k..k + master.len()].copy_from_slice(&w.a[master.clone()]);
-                k += master.len();
-            }
-            let margin = map.margin(q);
-            if margin.is_nan() || margin <= 0.0 {
-                return Err(SystemError::OutsideChart {
-                    what: format!("joint at node {}", node.name),
-                    margin,
-                });
-            }
-            let own = node.range();
-            let len = node.operator_len();
-            map.kinematics(
-                at.t,
-                q,
-                qv,
-                qa,
-                KinematicsMut {
-                    x: &mut w.x[own.clone()],
-                    x_dot: &mut w.v[own.clone()],
-                    x_ddot: &mut w.a[own],
-                    B: &mut w.B[operator..operator + len],
-                    B_dot: &mut w.B_dot[operator..operator + len],
-                    B_ddot: &mut w.B_ddot[operator..operator + len],
-                },
-            );
-            operator += len;
-        }
-        Ok(())
+        // A map may move by itself: rates of dependent nodes are read in any case.
+        w.moving |= !self.dependent.is_empty();
+        self.expand_dependent(at.t)
     }
 
     /// Adds all elements: residuals to the nodes, tangents into `S`.
-    fn add_elements(
+    pub(super) fn add_elements(
         &mut self,
         t: f64,
         statics: bool,
@@ -153,9 +135,10 @@ impl Model {
         let local = &mut w.local;
         for e in &self.elements {
             let n = e.element.dim();
-            local.gather(e, &self.nodes, &w.x, &w.v, &w.a);
+            local.gather(e, &self.spans, &w.x);
+            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
             if w.has_previous {
-                local.gather_previous(e, &self.nodes, &w.previous);
+                local.gather_previous(e, &self.spans, &w.previous);
             }
             let switched = local.switch(e, &self.nodes);
             let weights = S.as_ref().map(|(weights, _)| *weights);
@@ -165,7 +148,7 @@ impl Model {
             if e.element.is_load() {
                 local.measure_load(e, &self.nodes, &mut w.scales);
             }
-            if rates {
+            if rates && w.moving {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
                 for (k, &v) in local.v[..n].iter().enumerate() {
                     if v != 0.0 {
@@ -180,8 +163,7 @@ impl Model {
             }
             let mut k = 0;
             for &node in &e.nodes {
-                let range = self.nodes[node as usize].range();
-                for c in range {
+                for c in self.spans[node as usize].range() {
                     w.r[c] += local.r[k];
                     if rates {
                         w.r_t[c] += local.r_t[k];
@@ -190,78 +172,11 @@ impl Model {
                 }
             }
             if let Some((weights, values)) = &mut S {
-                local.combine(
-                    e,
-                    &self.nodes,
-                    *weights,
-                    statics,
-                    [&w.B, &w.B_dot, &w.B_ddot],
-                );
+                local.combine(e, &self.nodes, *weights, statics, &w.operators);
                 self.placement.scatter(e, &local.S, values);
             }
         }
         Ok(())
-    }
-
-    /// Hands the forces at mapped nodes to their masters, with the geometric stiffness of the map.
-    fn pull_back_nodes(&mut self, t: f64, mut S: Option<(Weights, &mut [f64])>, rates: bool) {
-        let w = &mut self.work;
-        let mut operator = 0;
-        for node in &self.nodes {
-            let Source::Mapped { map, masters } = &node.source else {
-                continue;
-            };
-            let d = node.masters_dim();
-            let len = node.operator_len();
-            let own = node.range();
-            let slot = [Slot {
-                n: node.dim,
-                d,
-                B: Some(&w.B[operator..operator + len]),
-                ..Slot::default()
-            }];
-            let slot_dot = [Slot {
-                B: Some(&w.B_dot[operator..operator + len]),
-                ..slot[0]
-            }];
-            let (f, f_t, df) = (
-                &mut w.local.q[..d],
-                &mut w.local.qv[..d],
-                &mut w.local.qa[..d],
-            );
-            pullback::residual(&slot, &w.r[own.clone()], f);
-            if rates {
-                pullback::residual(&slot, &w.r_t[own.clone()], f_t);
-                pullback::residual(&slot_dot, &w.r[own.clone()], df);
-            }
-            let mut k = 0;
-            for &m in masters {
-                for c in self.nodes[m as usize].range() {
-                    w.r[c] += f[k];
-                    if rates {
-                        w.r_t[c] += f_t[k] + df[k];
-                    }
-                    k += 1;
-                }
-            }
-            if let Some((weights, values)) = &mut S {
-                let mut k = 0;
-                for &m in masters {
-                    for c in self.nodes[m as usize].range() {
-                        f[k] = w.x[c];
-                        k += 1;
-                    }
-                }
-                let K_sigma = &mut w.local.K_sigma[..d * d];
-                map.geometric_stiffness(t, f, &w.r[own], K_sigma);
-                for k in K_sigma.iter_mut() {
-                    *k *= -weights.K;
-                }
-                self.placement
-                    .scatter_nodes(masters, K_sigma, d, &self.pattern, values);
-            }
-            operator += len;
-        }
     }
 
     fn measure_reactions(&mut self) {
@@ -280,7 +195,7 @@ impl Model {
     }
 }
 
-fn named(error: ElementError, name: &str) -> SystemError {
+pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
             what: name.to_owned(),
@@ -350,6 +265,16 @@ impl System for Model {
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
         self.update_charts(t, q, v, accelerations)
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        let driven = self.prescribed.iter().flat_map(|p| p.function.kinks());
+        let loads = self.elements.iter().flat_map(|e| e.element.kinks());
+        driven.chain(loads).collect()
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        self.audit(at).map(|audit| Some(audit.energies))
     }
 
     fn is_symmetric(&self) -> bool {

@@ -1,14 +1,15 @@
 //! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
 
 use super::assembly::{MAX_NODES, Workspace};
+use super::dependence::{self, Dependence};
 use super::placement::Placement;
-use super::{Attached, Model, ModelError, NONE, Node, Prescribed, Source};
+use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::{Kind, Point};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -90,7 +91,7 @@ impl ModelBuilder {
     /// # Errors
     /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`].
     pub fn node(&mut self, name: impl Into<String>, place: [f64; 3]) -> Result<NodeId, ModelError> {
-        self.add_node(name.into(), place, frame_kinds(), Source::Own, 0)
+        self.add_node(name.into(), place, Form::Frame, &FRAME_KINDS, Source::Own)
     }
 
     /// Adds coordinates that are no frame: those a joint releases, say.
@@ -102,15 +103,24 @@ impl ModelBuilder {
         name: impl Into<String>,
         kinds: &[Kind],
     ) -> Result<NodeId, ModelError> {
-        self.add_node(name.into(), [0.0; 3], kinds.to_vec(), Source::Own, 0)
+        self.add_node(name.into(), [0.0; 3], Form::Coordinates, kinds, Source::Own)
+    }
+
+    /// Adds a rotation vector of its own: the three coordinates that a spherical joint releases.
+    /// It changes its chart like that of a frame.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
+        let kinds = [Kind::Angle; 3];
+        self.add_node(name.into(), [0.0; 3], Form::Rotation, &kinds, Source::Own)
     }
 
     /// Adds a frame node whose six coordinates follow from those of `masters` through a map.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] when
-    /// the map does not take the masters' coordinates to six; [`ModelError::SlaveOfSlave`] when a
-    /// master is mapped itself; [`ModelError::ForeignNode`].
+    /// the map does not take the masters' coordinates to six; [`ModelError::ForeignNode`].
     pub fn mapped_node(
         &mut self,
         name: impl Into<String>,
@@ -118,39 +128,55 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         masters: &[NodeId],
     ) -> Result<NodeId, ModelError> {
+        self.mapped_node_along(name, place, map, &[masters])
+    }
+
+    /// As [`ModelBuilder::mapped_node`], for a map that travels along several sets of masters
+    /// ([`Map::segment`](pullback_manifold::map::Map::segment) tells which one it reads).
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn mapped_node_along(
+        &mut self,
+        name: impl Into<String>,
+        place: [f64; 3],
+        map: Box<dyn Parametrization>,
+        segments: &[&[NodeId]],
+    ) -> Result<NodeId, ModelError> {
         let name = name.into();
-        let joint = || format!("joint at node {name}");
-        self.check_own(masters, joint)?;
-        if let Some(&master) = masters.iter().find(|m| !self.nodes[m.0 as usize].is_own()) {
-            return Err(ModelError::SlaveOfSlave {
-                node: name,
-                master: self.node_name(master).to_owned(),
-            });
-        }
         let (d, n) = map.dims();
-        let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-        if d != found || n != FRAME {
-            return Err(ModelError::JointDimension {
-                node: name,
-                masters: self.names_of(masters),
-                map: (d, n),
-                found,
-            });
+        for masters in segments {
+            self.check_own(masters, || format!("joint at node {name}"))?;
+            if masters.len() > MAX_NODES {
+                return Err(ModelError::TooManyNodes {
+                    element: format!("(joint at node {name})"),
+                    found: masters.len(),
+                    limit: MAX_NODES,
+                });
+            }
+            let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
+            if d != found || n != FRAME {
+                return Err(ModelError::JointDimension {
+                    node: name,
+                    masters: self.names_of(masters),
+                    map: (d, n),
+                    found,
+                });
+            }
         }
-        let source = Source::Mapped {
-            map,
-            masters: masters.iter().map(|m| m.0).collect(),
-        };
-        self.add_node(name, place, frame_kinds(), source, d)
+        let numbers = |masters: &&[NodeId]| masters.iter().map(|m| m.0).collect();
+        let segments = segments.iter().map(numbers).collect();
+        let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
+        self.add_node(name, place, Form::Frame, &FRAME_KINDS, source)
     }
 
     fn add_node(
         &mut self,
         name: String,
         place: [f64; 3],
-        kinds: Vec<Kind>,
+        form: Form,
+        kinds: &[Kind],
         source: Source,
-        masters_dim: usize,
     ) -> Result<NodeId, ModelError> {
         if place.iter().any(|x| !x.is_finite()) {
             return Err(ModelError::NotFinite { node: name, place });
@@ -163,11 +189,10 @@ impl ModelBuilder {
         self.nodes.push(Node {
             name,
             place: place.into(),
+            form,
             dim: kinds.len(),
-            kinds,
+            kinds: kinds.to_vec(),
             first: 0,
-            operator: 0,
-            masters_dim,
             source,
         });
         Ok(id)
@@ -299,14 +324,12 @@ impl ModelBuilder {
         if nodes.is_empty() {
             return Err(ModelError::Empty);
         }
-        let (mut first, mut operator) = (0, 0);
+        let mut total = 0;
         for node in &mut nodes {
-            node.first = first;
-            node.operator = operator;
-            first += node.dim;
-            operator += node.operator_len();
+            node.first = total;
+            total += node.dim;
         }
-        let total = first;
+        let operators = dependence::arrange(&mut nodes);
         check_connections(&nodes, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
 
@@ -351,51 +374,19 @@ impl ModelBuilder {
             return Err(ModelError::NothingFree);
         }
 
-        // Own nodes behind each element, the pattern, and the places of all pairs.
-        for e in &mut elements {
-            e.first_block = placement.nodes.len();
-            for &n in &e.nodes {
-                match &nodes[n as usize].source {
-                    Source::Own => placement.nodes.push(n),
-                    Source::Mapped { masters, .. } => {
-                        e.mapped = true;
-                        placement.nodes.extend(masters);
-                    }
-                }
-            }
-            e.blocks = placement.nodes.len() - e.first_block;
-            e.pulled = placement.nodes[e.first_block..]
-                .iter()
-                .map(|&n| nodes[n as usize].dim)
-                .sum();
-        }
-        let block_of = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
-        let groups = elements.iter().map(|e| {
-            placement.nodes[e.first_block..e.first_block + e.blocks]
-                .iter()
-                .filter_map(block_of)
-                .collect::<Vec<u32>>()
-        });
-        let joints = nodes.iter().filter_map(|n| match &n.source {
-            Source::Own => None,
-            Source::Mapped { masters, .. } => Some(masters.iter().filter_map(block_of).collect()),
-        });
-        let pattern = BlockPattern::new(&sizes, groups.chain(joints));
-        let mut positions = Vec::new();
-        for e in &mut elements {
-            e.first_position = positions.len();
-            let own = &placement.nodes[e.first_block..e.first_block + e.blocks];
-            for nj in own {
-                for ni in own {
-                    let start = match (block_of(ni), block_of(nj)) {
-                        (Some(i), Some(j)) => pattern.find(i as usize, j as usize),
-                        _ => None,
-                    };
-                    positions.push(start.map_or(NONE, |s| s as u32));
-                }
-            }
-        }
-        placement.positions = positions;
+        // The pattern has room for whatever an element or a joint may come to depend on.
+        let blocks_of = |set: Vec<u32>| -> Vec<u32> {
+            let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+            set.iter().filter_map(block).collect()
+        };
+        let dependent: Vec<u32> = (0..nodes.len() as u32)
+            .filter(|&n| !nodes[n as usize].is_own())
+            .collect();
+        let groups = elements.iter().map(|e| &e.nodes[..]);
+        let groups = groups.chain(dependent.iter().map(std::slice::from_ref));
+        let groups = groups.flat_map(|group| dependence::alternatives(&nodes, group));
+        let pattern = BlockPattern::new(&sizes, groups.map(blocks_of));
+        placement.locate(&nodes, &mut elements, &pattern);
 
         let corner = |pick: fn(f64, f64) -> f64| {
             nodes
@@ -417,9 +408,16 @@ impl ModelBuilder {
             .map(|n| (n, 0))
             .collect();
         let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
-        let work = Workspace::new(&nodes, &elements, length);
+        let work = Workspace::new(&nodes, &elements, operators, length);
+        let span = |node: &Node| Span {
+            first: node.first as u32,
+            dim: node.dim as u32,
+        };
+        let spans = nodes.iter().map(span).collect();
         let mut model = Model {
             nodes,
+            spans,
+            dependent,
             elements,
             prescribed,
             driven_rotations,
@@ -432,7 +430,16 @@ impl ModelBuilder {
             work,
         };
         let zero = vec![0.0; model.coordinates.len()];
-        model.choose_element_charts(0.0, &zero);
+        let start = Point {
+            t: 0.0,
+            q: &zero,
+            v: &[],
+            a: &[],
+        };
+        // A joint outside its domain is named when the model is first evaluated.
+        if model.expand(start).is_ok() {
+            model.choose_element_charts();
+        }
         Ok(model)
     }
 }
@@ -448,9 +455,11 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
     let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
     groups.extend(elements.iter().map(|e| indices(&e.nodes)));
     for (n, node) in nodes.iter().enumerate() {
-        if let Source::Mapped { masters, .. } = &node.source {
-            groups.push(indices(masters));
-            groups.last_mut().into_iter().for_each(|g| g.push(n));
+        if let Source::Mapped(d) = &node.source {
+            for masters in &d.segments {
+                groups.push(indices(masters));
+                groups.last_mut().into_iter().for_each(|g| g.push(n));
+            }
         }
     }
     for (g, group) in groups.iter().enumerate() {
@@ -495,10 +504,6 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
     order
 }
 
-fn frame_kinds() -> Vec<Kind> {
-    FRAME_KINDS.to_vec()
-}
-
 /// Every own node must meet an element that is not a load, directly or through a joint; a mapped
 /// node, which has no coordinates of its own, may carry a load alone.
 fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelError> {
@@ -508,11 +513,12 @@ fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelE
             connected[n as usize] |= !e.element.is_load();
         }
     }
-    for (n, node) in nodes.iter().enumerate() {
-        if let Source::Mapped { masters, .. } = &node.source
+    // The last link of a chain first.
+    for (n, node) in nodes.iter().enumerate().rev() {
+        if let Source::Mapped(d) = &node.source
             && connected[n]
         {
-            for &m in masters {
+            for &m in d.segments.iter().flatten() {
                 connected[m as usize] = true;
             }
         }
@@ -548,8 +554,9 @@ fn resolve_prescribed(
             });
         }
         let coordinate = node.coordinate_name(dof);
-        if let Source::Mapped { masters, .. } = &node.source {
-            let masters: Vec<&str> = masters
+        if let Source::Mapped(d) = &node.source {
+            let masters: Vec<&str> = d
+                .masters()
                 .iter()
                 .map(|&m| nodes[m as usize].name.as_str())
                 .collect();

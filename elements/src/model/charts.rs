@@ -1,12 +1,11 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
-use super::Model;
-use super::builder::FRAME;
 use super::slots::Complement;
+use super::{Form, Model};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::ChartChanges;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
 /// element on the border does not change to and fro.
@@ -70,28 +69,32 @@ impl Model {
                 put(v, &first);
             }
         }
+        // Where a map cannot be evaluated, the next evaluation says so.
+        let Ok(maps) = self.update_maps(t, q) else {
+            return ChartChanges {
+                charts: changed,
+                residual: false,
+            };
+        };
         ChartChanges {
-            charts: changed,
-            residual: self.choose_element_charts(t, q),
+            charts: changed + maps.charts,
+            residual: self.choose_element_charts() || maps.residual,
         }
     }
 
-    /// The unknowns of a frame's rotation if its chart can be changed: the node is no joint's
+    /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
     /// slave, something of the rotation is free, and what is prescribed is zero.
     fn free_rotation(&self, node: usize, t: f64) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
-        if !(node.is_frame() && node.is_own()) {
-            return None;
-        }
+        let first = node.rotation().filter(|_| node.is_own())?;
         let unknowns = std::array::from_fn(|i| {
-            let u = self.unknowns[node.first + 3 + i];
+            let u = self.unknowns[first + i];
             (u != super::NONE).then_some(u as usize)
         });
         if unknowns.iter().all(Option::is_none) {
             return None;
         }
-        let held =
-            |p: &&super::Prescribed| (node.first + 3..node.first + FRAME).contains(&p.coordinate);
+        let held = |p: &&super::Prescribed| (first..first + 3).contains(&p.coordinate);
         self.prescribed
             .iter()
             .filter(held)
@@ -123,62 +126,90 @@ impl Model {
     /// rotation angle is smallest. Nodes that are stored in the other chart go through the
     /// complement map. The choice does not depend on how the nodes are stored. Returns whether
     /// any element changed.
-    pub(super) fn choose_element_charts(&mut self, t: f64, q: &[f64]) -> bool {
-        let at = pullback_manifold::system::Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
-        if self.expand(at).is_err() {
-            return false;
-        }
+    ///
+    /// The configuration is the one last expanded.
+    pub(super) fn choose_element_charts(&mut self) -> bool {
+        let w = &mut self.work;
+        w.sheets.clear();
+        w.sheets.extend(self.nodes.iter().map(|n| match n.form {
+            Form::Frame => Sheet::new(&w.x[n.first + 3..n.first + 6]),
+            _ => Sheet::default(),
+        }));
         let mut changed = false;
-        let x = &self.work.x;
         for e in &mut self.elements {
-            let rotations = e
-                .nodes
-                .iter()
-                .enumerate()
-                .filter(|(_, n)| self.nodes[**n as usize].is_frame())
-                .map(|(k, n)| {
-                    let first = self.nodes[*n as usize].first + 3;
-                    (k, Vector3::from_column_slice(&x[first..first + 3]))
-                });
-            // Two candidates: all quaternions on the side of the first one, or all opposite.
-            let mut reference: Option<so3::Quaternion<f64>> = None;
-            let (mut count, mut opposite, mut all) = (0, 0_u32, 0_u32);
-            let (mut as_first, mut as_other) = (0.0_f64, 0.0_f64);
-            for (k, psi) in rotations {
-                let quaternion = so3::quaternion(&psi);
-                let first = *reference.get_or_insert(quaternion);
-                let angle = psi.norm();
-                all |= 1 << k;
-                count += 1;
-                if first.dot(&quaternion) < 0.0 {
-                    opposite |= 1 << k;
-                    as_first = as_first.max(TAU - angle);
-                    as_other = as_other.max(angle);
-                } else {
-                    as_first = as_first.max(angle);
-                    as_other = as_other.max(TAU - angle);
-                }
+            let sheets = e.nodes.iter().map(|n| &w.sheets[*n as usize]);
+            // Below a right angle all quaternions are within 45° of (1, 0): they agree.
+            let plain = e.switched == 0 && sheets.clone().all(|s| s.angle < FRAC_PI_2);
+            if plain {
+                continue;
             }
-            let other = all & !opposite;
-            let better = if e.switched == other {
-                as_other <= as_first + HYSTERESIS
-            } else {
-                as_other < as_first - HYSTERESIS
-            };
-            // A single node has no neighbour to agree with.
-            let switched = match (count >= 2, better) {
-                (false, _) => 0,
-                (true, true) => other,
-                (true, false) => opposite,
-            };
+            let switched = choose(e.switched, sheets);
             changed |= switched != e.switched;
             e.switched = switched;
         }
         changed
+    }
+}
+
+/// A node's rotation angle, and its quaternion where charts may be in question.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheet {
+    frame: bool,
+    angle: f64,
+    quaternion: so3::Quaternion<f64>,
+}
+
+impl Default for Sheet {
+    fn default() -> Self {
+        Self {
+            frame: false,
+            angle: 0.0,
+            quaternion: so3::quaternion(&Vector3::zeros()),
+        }
+    }
+}
+
+impl Sheet {
+    fn new(psi: &[f64]) -> Self {
+        let psi = Vector3::new(psi[0], psi[1], psi[2]);
+        Self {
+            frame: true,
+            angle: psi.norm(),
+            quaternion: so3::quaternion(&psi),
+        }
+    }
+}
+
+/// Which nodes of an element go through the complement map (bit k for node k).
+fn choose<'a>(before: u32, sheets: impl Iterator<Item = &'a Sheet>) -> u32 {
+    // Two candidates: all quaternions on the side of the first one, or all opposite.
+    let mut reference: Option<so3::Quaternion<f64>> = None;
+    let (mut count, mut opposite, mut all) = (0, 0_u32, 0_u32);
+    let (mut as_first, mut as_other) = (0.0_f64, 0.0_f64);
+    for (k, sheet) in sheets.enumerate().filter(|(_, s)| s.frame) {
+        let first = *reference.get_or_insert(sheet.quaternion);
+        let angle = sheet.angle;
+        all |= 1 << k;
+        count += 1;
+        if first.dot(&sheet.quaternion) < 0.0 {
+            opposite |= 1 << k;
+            as_first = as_first.max(TAU - angle);
+            as_other = as_other.max(angle);
+        } else {
+            as_first = as_first.max(angle);
+            as_other = as_other.max(TAU - angle);
+        }
+    }
+    let other = all & !opposite;
+    let better = if before == other {
+        as_other <= as_first + HYSTERESIS
+    } else {
+        as_other < as_first - HYSTERESIS
+    };
+    // A single node has no neighbour to agree with.
+    match (count >= 2, better) {
+        (false, _) => 0,
+        (true, true) => other,
+        (true, false) => opposite,
     }
 }

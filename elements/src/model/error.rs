@@ -40,11 +40,6 @@ pub enum ModelError {
         map: (usize, usize),
         found: usize,
     },
-    #[error(
-        "node {node} cannot follow node {master}, which follows other nodes itself; compose the \
-         two maps and name the masters of {master}"
-    )]
-    SlaveOfSlave { node: String, master: String },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
     #[error("node {node} has {dim} coordinates, so there is no {dof:?} to prescribe")]

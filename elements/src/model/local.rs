@@ -3,8 +3,10 @@
 #![allow(non_snake_case)]
 
 use super::assembly::MAX_NODES;
+use super::dependence::Operators;
+use super::dependence::collect;
 use super::slots::Complement;
-use super::{Attached, Node, Source};
+use super::{Attached, Node, Span};
 use crate::element::{ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
@@ -26,7 +28,7 @@ pub(super) struct Local {
     K2: Vec<f64>,
     C2: Vec<f64>,
     M2: Vec<f64>,
-    work: Vec<f64>,
+    pub work: Vec<f64>,
     pub K_sigma: Vec<f64>,
     pub q: Vec<f64>,
     pub qv: Vec<f64>,
@@ -35,7 +37,8 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// Buffers for elements of at most `n` coordinates and joints of at most `masters`.
+    /// Buffers for elements of at most `n` coordinates (before and after the pull-back) and joints
+    /// of at most `masters`.
     pub(super) fn new(n: usize, masters: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];
         Self {
@@ -61,23 +64,36 @@ impl Local {
         }
     }
 
-    pub(super) fn gather(&mut self, e: &Attached, nodes: &[Node], x: &[f64], v: &[f64], a: &[f64]) {
-        let mut k = 0;
-        for &node in &e.nodes {
-            let range = nodes[node as usize].range();
-            let end = k + range.len();
-            self.x[k..end].copy_from_slice(&x[range.clone()]);
-            self.v[k..end].copy_from_slice(&v[range.clone()]);
-            self.a[k..end].copy_from_slice(&a[range]);
-            k = end;
+    pub(super) fn gather(&mut self, e: &Attached, spans: &[Span], x: &[f64]) {
+        collect(&e.nodes, spans, x, &mut self.x);
+    }
+
+    /// Velocities and accelerations; zero where nothing moves.
+    pub(super) fn gather_rates(
+        &mut self,
+        e: &Attached,
+        spans: &[Span],
+        rates: Option<[&[f64]; 2]>,
+    ) {
+        match rates {
+            Some([v, a]) => {
+                collect(&e.nodes, spans, v, &mut self.v);
+                collect(&e.nodes, spans, a, &mut self.a);
+            }
+            // Nobody else reads them at rest.
+            None if e.switched != 0 => {
+                self.v.fill(0.0);
+                self.a.fill(0.0);
+            }
+            None => {}
         }
     }
 
     /// The previous iterate in the element's chart.
-    pub(super) fn gather_previous(&mut self, e: &Attached, nodes: &[Node], x: &[f64]) {
+    pub(super) fn gather_previous(&mut self, e: &Attached, spans: &[Span], x: &[f64]) {
         let mut k = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
-            let range = nodes[node as usize].range();
+            let range = spans[node as usize].range();
             let end = k + range.len();
             self.previous[k..end].copy_from_slice(&x[range]);
             if e.switched & (1 << i) != 0 {
@@ -151,6 +167,34 @@ impl Local {
         } else {
             e.element.evaluate(&at, &mut out)
         }
+    }
+
+    /// Residual into `r` and generalised momenta p = M ẋ into `work`.
+    pub(super) fn momenta(&mut self, e: &Attached, t: f64) -> Result<(), ElementError> {
+        let n = e.element.dim();
+        self.r[..n].fill(0.0);
+        self.M[..n * n].fill(0.0);
+        let at = Motion {
+            t,
+            x: &self.x[..n],
+            v: &self.v[..n],
+            a: &self.a[..n],
+        };
+        let mut out = Response {
+            r: &mut self.r[..n],
+            K: None,
+            C: None,
+            M: Some(&mut self.M[..n * n]),
+            r_t: None,
+        };
+        e.element.evaluate(&at, &mut out)?;
+        self.work[..n].fill(0.0);
+        for (k, v) in self.v[..n].iter().enumerate() {
+            for (p, M) in self.work[..n].iter_mut().zip(&self.M[k * n..(k + 1) * n]) {
+                *p += M * v;
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
@@ -263,7 +307,7 @@ impl Local {
         nodes: &[Node],
         weights: Weights,
         statics: bool,
-        [B, B_dot, B_ddot]: [&[f64]; 3],
+        operators: &Operators,
     ) {
         let n = e.element.dim();
         let moving = (!statics).then_some(());
@@ -282,26 +326,7 @@ impl Local {
         }
         let mut slots = [Slot::default(); MAX_NODES];
         for (slot, &node) in slots.iter_mut().zip(&e.nodes) {
-            let node = &nodes[node as usize];
-            *slot = match &node.source {
-                Source::Own => Slot {
-                    n: node.dim,
-                    d: node.dim,
-                    ..Slot::default()
-                },
-                Source::Mapped { .. } => {
-                    let range = node.operator..node.operator + node.operator_len();
-                    Slot {
-                        n: node.dim,
-                        d: node.masters_dim(),
-                        B: Some(&B[range.clone()]),
-                        B_dot: moving.map_or(&[], |()| &B_dot[range.clone()]),
-                        B_ddot: moving.map_or(&[], |()| &B_ddot[range]),
-                        // The geometric stiffness is added once per node, for the sum of forces.
-                        K_sigma: &[],
-                    }
-                }
-            };
+            *slot = nodes[node as usize].slot(operators, !statics);
         }
         let tangents = Tangents {
             K: Some(&self.K[..n * n]),

@@ -3,9 +3,11 @@
 #![allow(non_snake_case)]
 
 mod assembly;
+mod audit;
 mod axis;
 mod builder;
 mod charts;
+mod dependence;
 mod error;
 mod line;
 mod local;
@@ -13,6 +15,7 @@ mod placement;
 mod query;
 mod slots;
 
+pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use error::ModelError;
@@ -22,9 +25,10 @@ pub use query::{NodeState, Reaction};
 use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::Workspace;
+use dependence::{Dependence, Operators};
 use nalgebra::Vector3;
 use placement::Placement;
-use pullback_manifold::map::Parametrization;
+use pullback_manifold::pullback::Slot;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
 use std::ops::Range;
@@ -37,10 +41,32 @@ enum Source {
     /// They are coordinates of the model itself.
     Own,
     /// They follow from other nodes' coordinates through a constraint map.
-    Mapped {
-        map: Box<dyn Parametrization>,
-        masters: Vec<u32>,
-    },
+    Mapped(Box<Dependence>),
+}
+
+/// What the coordinates of a node are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// (d, Ψ) of a frame.
+    Frame,
+    /// A rotation vector alone.
+    Rotation,
+    /// Any others, of one chart.
+    Coordinates,
+}
+
+/// Where a node's coordinates are in the vector of all nodes' coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    first: u32,
+    dim: u32,
+}
+
+impl Span {
+    #[inline]
+    fn range(self) -> Range<usize> {
+        self.first as usize..(self.first + self.dim) as usize
+    }
 }
 
 /// A node: six coordinates (d, Ψ) of a frame, or the coordinates released by a joint.
@@ -48,13 +74,11 @@ struct Node {
     name: String,
     /// Reference place.
     place: Vector3<f64>,
+    form: Form,
     kinds: Vec<Kind>,
     dim: usize,
     /// First coordinate in the vector of all nodes' coordinates.
     first: usize,
-    /// First value of the kinematic operators in the workspace (mapped nodes).
-    operator: usize,
-    masters_dim: usize,
     source: Source,
 }
 
@@ -63,23 +87,37 @@ impl Node {
         self.first..self.first + self.dim
     }
 
-    fn masters_dim(&self) -> usize {
-        self.masters_dim
-    }
-
-    fn operator_len(&self) -> usize {
-        self.dim * self.masters_dim
-    }
-
-    /// Not by number alone: a joint may release six coordinates that are no frame.
     fn is_frame(&self) -> bool {
-        self.kinds == builder::FRAME_KINDS
+        self.form == Form::Frame
+    }
+
+    /// First coordinate of the rotation vector, if there is one.
+    fn rotation(&self) -> Option<usize> {
+        match self.form {
+            Form::Frame => Some(self.first + 3),
+            Form::Rotation => Some(self.first),
+            Form::Coordinates => None,
+        }
+    }
+
+    /// The node in a pull-back: the identity, or the operators of its dependence.
+    fn slot<'a>(&self, operators: &'a Operators, moving: bool) -> Slot<'a> {
+        match &self.source {
+            Source::Own => Slot {
+                n: self.dim,
+                d: self.dim,
+                ..Slot::default()
+            },
+            Source::Mapped(d) => d.slot(self.dim, operators, moving),
+        }
     }
 
     /// Name of coordinate `k` of this node.
     fn coordinate_name(&self, k: usize) -> String {
         if self.is_frame() {
             format!("node {}, {}", self.name, builder::DOF_NAMES[k])
+        } else if self.dim == 1 {
+            self.name.clone()
         } else {
             format!("{}, coordinate {}", self.name, k + 1)
         }
@@ -118,6 +156,9 @@ struct Prescribed {
 /// neither prescribed nor mapped.
 pub struct Model {
     nodes: Vec<Node>,
+    spans: Vec<Span>,
+    /// Nodes that follow others, masters first.
+    dependent: Vec<u32>,
     elements: Vec<Attached>,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Attached, NONE};
+use super::{Attached, NONE, Node, Source};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Where local matrices go in the pattern: found once, looked up by position afterwards.
@@ -19,6 +19,45 @@ pub(super) struct Placement {
 }
 
 impl Placement {
+    /// Finds the own nodes behind each element and the places of all their pairs of blocks.
+    pub(super) fn locate(
+        &mut self,
+        nodes: &[Node],
+        elements: &mut [Attached],
+        pattern: &BlockPattern,
+    ) {
+        self.nodes.clear();
+        self.positions.clear();
+        let blocks = &self.blocks;
+        let block_of = |n: u32| Some(blocks[n as usize]).filter(|&b| b != NONE);
+        for e in elements {
+            e.first_block = self.nodes.len();
+            e.first_position = self.positions.len();
+            e.mapped = false;
+            for &n in &e.nodes {
+                match &nodes[n as usize].source {
+                    Source::Own => self.nodes.push(n),
+                    Source::Mapped(d) => {
+                        e.mapped = true;
+                        self.nodes.extend(&d.ancestors);
+                    }
+                }
+            }
+            let own = &self.nodes[e.first_block..];
+            e.blocks = own.len();
+            e.pulled = own.iter().map(|&n| nodes[n as usize].dim).sum();
+            for &nj in own {
+                for &ni in own {
+                    let start = match (block_of(ni), block_of(nj)) {
+                        (Some(i), Some(j)) => pattern.find(i as usize, j as usize),
+                        _ => None,
+                    };
+                    self.positions.push(start.map_or(NONE, |s| s as u32));
+                }
+            }
+        }
+    }
+
     /// Adds an element's local matrix `S` (d×d).
     pub(super) fn scatter(&self, e: &Attached, S: &[f64], values: &mut [f64]) {
         let nodes = &self.nodes[e.first_block..e.first_block + e.blocks];

@@ -248,8 +248,9 @@ impl Model {
             join(&mut e.nodes.iter().map(|&n| n as usize));
         }
         for (n, node) in self.nodes.iter().enumerate() {
-            if let Source::Mapped { masters, .. } = &node.source {
-                join(&mut std::iter::once(n).chain(masters.iter().map(|&m| m as usize)));
+            if let Source::Mapped(d) = &node.source {
+                let masters = d.segments.iter().flatten();
+                join(&mut std::iter::once(n).chain(masters.map(|&m| m as usize)));
             }
         }
         (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()

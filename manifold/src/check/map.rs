@@ -26,7 +26,7 @@ where
     for (name, q) in random.places(D) {
         let q = SVector::<f64, D>::from_column_slice(&q);
         // Written so that a margin that is not a number is skipped, and shows as "no place".
-        if map.margin(&q) > CLEARANCE {
+        if map.margin(TIME, &q) > CLEARANCE {
             asked += 1;
             laws(&mut report, "", map, name, &q, &mut random);
         }
@@ -69,7 +69,7 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
 {
     let law = |name: &str| format!("{prefix}{name}");
     let t = TIME;
-    let first = (0.3 * map.margin(q)).min(0.1);
+    let first = (0.3 * map.margin(t, q)).min(0.1);
     let mut direction = SVector::<f64, D>::zeros();
     random.direction(1.0, direction.as_mut_slice());
     let (v, a) = (random.vector::<D>(), random.vector::<D>());

@@ -38,6 +38,17 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
+    /// The rotation by an angle about a fixed unit axis; 2π changes the sign, 4π is the period.
+    #[must_use]
+    pub fn about(axis: &Vector3<f64>, angle: S) -> Self {
+        let half = angle * 0.5;
+        let s = half.sin();
+        Self {
+            w: half.cos(),
+            v: axis.map(|e| s * e),
+        }
+    }
+
     /// The opposite quaternion: the same rotation on the other sheet.
     #[must_use]
     pub fn opposite(&self) -> Self {

@@ -19,7 +19,7 @@ impl Map<6, 6> for Offset {
         SVector::<S, 6>::new(q[0] + u.x, q[1] + u.y, q[2] + u.z, q[3], q[4], q[5])
     }
 
-    fn margin(&self, q: &SVector<f64, 6>) -> f64 {
+    fn margin(&self, _t: f64, q: &SVector<f64, 6>) -> f64 {
         std::f64::consts::TAU - Vector3::new(q[3], q[4], q[5]).norm()
     }
 }

@@ -1,0 +1,121 @@
+//! What a run can be audited by: energies, powers and momenta of the whole model.
+
+#![allow(non_snake_case)]
+
+use super::assembly::named;
+use super::local::Local;
+use super::{Model, Source};
+use crate::element::Motion;
+use nalgebra::Vector3;
+use pullback_manifold::so3;
+use pullback_manifold::system::{Energies, Point, SystemError};
+
+/// Linear and angular momentum, components in the global frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Momentum {
+    /// Linear momentum.
+    pub linear: Vector3<f64>,
+    /// Angular momentum about the origin.
+    pub angular: Vector3<f64>,
+}
+
+/// Energies, powers and momenta of a model at one point of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Audit {
+    /// Kinetic and stored energy, supplied and dissipated power.
+    pub energies: Energies,
+    /// Potential of the loads that have one (gravity, constant forces). Their work is part of the
+    /// supplied power all the same.
+    pub load_potential: f64,
+    /// Momentum of everything that has mass.
+    pub momentum: Momentum,
+}
+
+impl Model {
+    /// Energies, powers and momenta at a point in motion.
+    ///
+    /// They follow from the elements' forces and mass matrices alone: the generalised momentum is
+    /// p = M ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
+    /// prescribed coordinate, a map that moves by itself −r·∂φ/∂t.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn audit(&mut self, at: Point<'_>) -> Result<Audit, SystemError> {
+        let statics = at.v.is_empty();
+        self.expand(at)?;
+        self.work.r.fill(0.0);
+        self.add_elements(at.t, statics, None, false)?;
+        self.pull_back_nodes(at.t, None, false);
+        let mut audit = Audit::default();
+        let Energies {
+            kinetic,
+            stored,
+            supplied,
+            dissipated,
+        } = &mut audit.energies;
+        let w = &mut self.work;
+        for e in &self.elements {
+            let local = &mut w.local;
+            let n = e.element.dim();
+            local.gather(e, &self.spans, &w.x);
+            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, &self.nodes);
+            let end = if statics { 0 } else { n };
+            let motion = Motion {
+                t: at.t,
+                x: &local.x[..n],
+                v: &local.v[..end],
+                a: &local.a[..end],
+            };
+            let energy = e.element.energy(&motion);
+            if e.element.is_load() {
+                audit.load_potential += energy;
+            } else {
+                *stored += energy;
+            }
+            if statics {
+                continue;
+            }
+            *dissipated += e.element.dissipation(&motion);
+            local
+                .momenta(e, at.t)
+                .map_err(|error| named(error, &e.name))?;
+            let Local { x, v, r, work, .. } = local;
+            if e.element.is_load() {
+                *supplied += dot(&r[..n], v);
+            }
+            *kinetic += 0.5 * dot(&work[..n], v);
+            let mut k = 0;
+            for node in e.nodes.iter().map(|&n| &self.nodes[n as usize]) {
+                if node.is_frame() {
+                    let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
+                    let p = three(work, k);
+                    // The covector of a spatial moment m is T m.
+                    let spin = so3::tangent_inverse(&three(x, k + 3)) * three(work, k + 3);
+                    audit.momentum.linear += p;
+                    audit.momentum.angular += (node.place + three(x, k)).cross(&p) + spin;
+                }
+                k += node.dim;
+            }
+        }
+        if !statics {
+            for p in &self.prescribed {
+                *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
+            }
+            for &n in &self.dependent {
+                let node = &self.nodes[n as usize];
+                let own = node.range();
+                if let Source::Mapped(d) = &node.source {
+                    let through = d.carried(node.dim, &self.spans, &w.v, &w.operators);
+                    let all = dot(&w.r[own.clone()], &w.v[own.clone()]);
+                    *supplied -= all - dot(&w.r[own], &through);
+                }
+            }
+        }
+        Ok(audit)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,410 @@
+//! Nodes that follow from other nodes: kinematic operators along chains of maps, forces and
+//! geometric stiffness handed back from the last link to the first.
+
+#![allow(non_snake_case)]
+
+use super::assembly::Workspace;
+use super::{Model, Node, Source, Span};
+use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::pullback::{self, Slot, Tangents};
+use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
+
+/// How a node follows: its map, the nodes that the map reads, and the own nodes behind those.
+pub(super) struct Dependence {
+    pub map: Box<dyn Parametrization>,
+    /// Masters for each segment that the map can be on; a single set for most maps.
+    pub segments: Vec<Vec<u32>>,
+    /// Own nodes behind the masters in use, in their order; a node may stand there twice.
+    pub ancestors: Vec<u32>,
+    /// Coordinates of the masters.
+    pub direct: usize,
+    /// Coordinates of the ancestors in use, and the most of any segment.
+    pub pulled: usize,
+    pub most: usize,
+    /// Whether a master follows other nodes itself: the operators are then multiplied.
+    chained: bool,
+    /// First values of the operators with respect to the masters and to the ancestors.
+    local: usize,
+    pub total: usize,
+}
+
+/// B, Ḃ and B̈ of all dependent nodes, one after the other.
+#[derive(Default)]
+pub(super) struct Operators {
+    pub B: Vec<f64>,
+    pub B_dot: Vec<f64>,
+    pub B_ddot: Vec<f64>,
+}
+
+impl Operators {
+    pub(super) fn new(len: usize) -> Self {
+        Self {
+            B: vec![0.0; len],
+            B_dot: vec![0.0; len],
+            B_ddot: vec![0.0; len],
+        }
+    }
+}
+
+impl Dependence {
+    pub(super) fn new(
+        map: Box<dyn Parametrization>,
+        segments: Vec<Vec<u32>>,
+        direct: usize,
+    ) -> Self {
+        Self {
+            map,
+            segments,
+            ancestors: Vec::new(),
+            direct,
+            pulled: 0,
+            most: 0,
+            chained: false,
+            local: 0,
+            total: 0,
+        }
+    }
+
+    /// The nodes that the map reads at present.
+    pub(super) fn masters(&self) -> &[u32] {
+        &self.segments[self.map.segment()]
+    }
+
+    /// Kinematic operators as a slot of an element at a node of `n` coordinates. The geometric
+    /// stiffness is added once per node, for the sum of its forces.
+    pub(super) fn slot<'a>(&self, n: usize, operators: &'a Operators, moving: bool) -> Slot<'a> {
+        let range = self.total..self.total + n * self.pulled;
+        Slot {
+            n,
+            d: self.pulled,
+            B: Some(&operators.B[range.clone()]),
+            B_dot: if moving {
+                &operators.B_dot[range.clone()]
+            } else {
+                &[]
+            },
+            B_ddot: if moving {
+                &operators.B_ddot[range]
+            } else {
+                &[]
+            },
+            K_sigma: &[],
+        }
+    }
+
+    /// B v of the masters: the part of a dependent node's velocity that comes through its masters
+    /// (the rest, ∂φ/∂t, is the map's own).
+    pub(super) fn carried(
+        &self,
+        n: usize,
+        spans: &[Span],
+        v: &[f64],
+        operators: &Operators,
+    ) -> Vec<f64> {
+        let mut out = vec![0.0; n];
+        let columns = self
+            .masters()
+            .iter()
+            .flat_map(|&m| spans[m as usize].range());
+        for (k, c) in columns.enumerate() {
+            let B = &operators.B[self.local + k * n..self.local + (k + 1) * n];
+            for (o, B) in out.iter_mut().zip(B) {
+                *o += B * v[c];
+            }
+        }
+        out
+    }
+
+    /// Operators with respect to the ancestors from those with respect to the masters.
+    fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators) {
+        // Everything that the masters need lies before this node's own values.
+        let (B_of, B) = operators.B.split_at_mut(self.local);
+        let (B_dot_of, B_dot) = operators.B_dot.split_at_mut(self.local);
+        let (B_ddot_of, B_ddot) = operators.B_ddot.split_at_mut(self.local);
+        let len = n * self.direct;
+        let (b, B) = B.split_at_mut(len);
+        let (b_dot, B_dot) = B_dot.split_at_mut(len);
+        let (b_ddot, B_ddot) = B_ddot.split_at_mut(len);
+        let (mut row, mut column) = (0, 0);
+        for &master in self.masters() {
+            let master = &nodes[master as usize];
+            match &master.source {
+                Source::Own => {
+                    let (from, len) = (row * n, master.dim * n);
+                    let to = column * n;
+                    B[to..to + len].copy_from_slice(&b[from..from + len]);
+                    B_dot[to..to + len].copy_from_slice(&b_dot[from..from + len]);
+                    B_ddot[to..to + len].copy_from_slice(&b_ddot[from..from + len]);
+                    column += master.dim;
+                }
+                Source::Mapped(above) => {
+                    for c in 0..above.pulled {
+                        let of = above.total + c * master.dim;
+                        for i in 0..n {
+                            let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
+                            for k in 0..master.dim {
+                                let at = i + (row + k) * n;
+                                let (P, P_dot) = (B_of[of + k], B_dot_of[of + k]);
+                                x += b[at] * P;
+                                v += b_dot[at] * P + b[at] * P_dot;
+                                a += b_ddot[at] * P
+                                    + 2.0 * b_dot[at] * P_dot
+                                    + b[at] * B_ddot_of[of + k];
+                            }
+                            let to = i + (column + c) * n;
+                            (B[to], B_dot[to], B_ddot[to]) = (x, v, a);
+                        }
+                    }
+                    column += above.pulled;
+                }
+            }
+            row += master.dim;
+        }
+    }
+}
+
+/// All sets of own nodes that a group of nodes can depend on: one for each combination of
+/// segments.
+pub(super) fn alternatives(nodes: &[Node], group: &[u32]) -> Vec<Vec<u32>> {
+    let mut sets = vec![Vec::new()];
+    for &n in group {
+        let behind = match &nodes[n as usize].source {
+            Source::Own => vec![vec![n]],
+            Source::Mapped(d) => d
+                .segments
+                .iter()
+                .flat_map(|masters| alternatives(nodes, masters))
+                .collect(),
+        };
+        sets = sets
+            .iter()
+            .flat_map(|set| behind.iter().map(|more| [&set[..], more].concat()))
+            .collect();
+    }
+    sets
+}
+
+/// Finds ancestors and reserves room for operators; the number of values needed.
+pub(super) fn arrange(nodes: &mut [Node]) -> usize {
+    let mut len = 0;
+    for n in 0..nodes.len() {
+        let Source::Mapped(d) = &nodes[n].source else {
+            continue;
+        };
+        let size = |set: &Vec<u32>| -> usize { set.iter().map(|&n| nodes[n as usize].dim).sum() };
+        let sets = alternatives(nodes, &[n as u32]);
+        let most = sets.iter().map(size).max().unwrap_or(0);
+        let chained = d
+            .segments
+            .iter()
+            .flatten()
+            .any(|&m| !nodes[m as usize].is_own());
+        let dim = nodes[n].dim;
+        if let Source::Mapped(d) = &mut nodes[n].source {
+            (d.most, d.chained, d.local) = (most, chained, len);
+            len += dim * d.direct;
+            d.total = d.local;
+            if chained {
+                d.total = len;
+                len += dim * most;
+            }
+        }
+    }
+    for n in 0..nodes.len() {
+        find_ancestors(nodes, n);
+    }
+    len
+}
+
+/// Own nodes behind the masters in use. Masters come before the nodes that follow them.
+pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
+    let Source::Mapped(d) = &nodes[n].source else {
+        return;
+    };
+    let mut ancestors = Vec::new();
+    for &m in d.masters() {
+        match &nodes[m as usize].source {
+            Source::Own => ancestors.push(m),
+            Source::Mapped(above) => ancestors.extend(&above.ancestors),
+        }
+    }
+    let pulled = ancestors.iter().map(|&m| nodes[m as usize].dim).sum();
+    if let Source::Mapped(d) = &mut nodes[n].source {
+        (d.ancestors, d.pulled) = (ancestors, pulled);
+    }
+}
+
+/// Copies the coordinates of some nodes one after the other; how many there are.
+pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) -> usize {
+    let mut k = 0;
+    for &m in of {
+        let range = spans[m as usize].range();
+        let end = k + range.len();
+        out[k..end].copy_from_slice(&x[range]);
+        k = end;
+    }
+    k
+}
+
+impl Model {
+    /// Coordinates, velocities, accelerations and operators of all nodes that follow others.
+    pub(super) fn expand_dependent(&mut self, t: f64) -> Result<(), SystemError> {
+        let w = &mut self.work;
+        for &n in &self.dependent {
+            let node = &self.nodes[n as usize];
+            let Source::Mapped(d) = &node.source else {
+                continue;
+            };
+            let local = &mut w.local;
+            let k = collect(d.masters(), &self.spans, &w.x, &mut local.q);
+            collect(d.masters(), &self.spans, &w.v, &mut local.qv);
+            collect(d.masters(), &self.spans, &w.a, &mut local.qa);
+            let margin = d.map.margin(t, &local.q[..k]);
+            if margin.is_nan() || margin <= 0.0 {
+                return Err(SystemError::OutsideChart {
+                    what: format!("joint at node {}", node.name),
+                    margin,
+                });
+            }
+            let own = node.range();
+            let range = d.local..d.local + node.dim * d.direct;
+            let out = KinematicsMut {
+                x: &mut w.x[own.clone()],
+                x_dot: &mut w.v[own.clone()],
+                x_ddot: &mut w.a[own],
+                B: &mut w.operators.B[range.clone()],
+                B_dot: &mut w.operators.B_dot[range.clone()],
+                B_ddot: &mut w.operators.B_ddot[range],
+            };
+            let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
+            d.map.kinematics(t, q, v, a, out);
+            if d.chained {
+                d.multiply(node.dim, &self.nodes, &mut w.operators);
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands the forces at dependent nodes to their masters, the last link of a chain first, and
+    /// adds the geometric stiffness of each map.
+    pub(super) fn pull_back_nodes(
+        &mut self,
+        t: f64,
+        mut S: Option<(Weights, &mut [f64])>,
+        rates: bool,
+    ) {
+        let w = &mut self.work;
+        for &n in self.dependent.iter().rev() {
+            let node = &self.nodes[n as usize];
+            let Source::Mapped(d) = &node.source else {
+                continue;
+            };
+            hand_back(d, node, &self.spans, w, rates);
+            let Some((weights, values)) = &mut S else {
+                continue;
+            };
+            let k = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+            let local = &mut w.local;
+            let K_sigma = &mut local.K_sigma[..k * k];
+            d.map
+                .geometric_stiffness(t, &local.q[..k], &w.r[node.range()], K_sigma);
+            // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
+            let minus = Weights {
+                K: -weights.K,
+                C: 0.0,
+                M: 0.0,
+            };
+            let pulled = if d.chained {
+                let mut slots = [Slot::default(); super::assembly::MAX_NODES];
+                for (slot, &m) in slots.iter_mut().zip(d.masters()) {
+                    *slot = self.nodes[m as usize].slot(&w.operators, false);
+                }
+                let stiffness = Tangents {
+                    K: Some(K_sigma),
+                    ..Tangents::default()
+                };
+                let slots = &slots[..d.masters().len()];
+                pullback::tangent(slots, stiffness, minus, &mut local.S, &mut local.work);
+                &local.S[..d.pulled * d.pulled]
+            } else {
+                K_sigma.iter_mut().for_each(|k| *k *= minus.K);
+                &*K_sigma
+            };
+            self.placement
+                .scatter_nodes(&d.ancestors, pulled, d.pulled, &self.pattern, values);
+        }
+    }
+
+    /// Lets the maps change their charts; where one has moved on to another segment, the places
+    /// of all tangents are found anew.
+    pub(super) fn update_maps(&mut self, t: f64, q: &[f64]) -> Result<ChartChanges, SystemError> {
+        let at = Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        self.expand(at)?;
+        let mut all = ChartChanges::default();
+        for k in 0..self.dependent.len() {
+            let node = &mut self.nodes[self.dependent[k] as usize];
+            let Source::Mapped(d) = &mut node.source else {
+                continue;
+            };
+            let before = d.map.segment();
+            let len = collect(
+                d.masters(),
+                &self.spans,
+                &self.work.x,
+                &mut self.work.local.q,
+            );
+            let changes = d.map.change_charts(t, &self.work.local.q[..len]);
+            if changes == ChartChanges::default() {
+                continue;
+            }
+            all.charts += changes.charts;
+            all.residual |= changes.residual;
+            if d.map.segment() != before {
+                for n in 0..self.nodes.len() {
+                    find_ancestors(&mut self.nodes, n);
+                }
+                self.placement
+                    .locate(&self.nodes, &mut self.elements, &self.pattern);
+            }
+            self.expand(at)?;
+        }
+        Ok(all)
+    }
+}
+
+/// Adds Bᵀ r (and its rate) to the masters' residuals.
+fn hand_back(d: &Dependence, node: &Node, spans: &[Span], w: &mut Workspace, rates: bool) {
+    let range = d.local..d.local + node.dim * d.direct;
+    let slot = [Slot {
+        n: node.dim,
+        d: d.direct,
+        B: Some(&w.operators.B[range.clone()]),
+        ..Slot::default()
+    }];
+    let slot_dot = [Slot {
+        B: Some(&w.operators.B_dot[range]),
+        ..slot[0]
+    }];
+    let (f, f_t, df) = (&mut w.local.q, &mut w.local.qv, &mut w.local.qa);
+    pullback::residual(&slot, &w.r[node.range()], f);
+    if rates {
+        // d/dt (Bᵀ r) at fixed unknowns.
+        pullback::residual(&slot, &w.r_t[node.range()], f_t);
+        pullback::residual(&slot_dot, &w.r[node.range()], df);
+    }
+    let mut k = 0;
+    for &m in d.masters() {
+        for c in spans[m as usize].range() {
+            w.r[c] += f[k];
+            if rates {
+                w.r_t[c] += f_t[k] + df[k];
+            }
+            k += 1;
+        }
+    }
+}
