@@ -352,18 +352,22 @@ impl Model {
                 continue;
             };
             let before = d.map.segment();
-            let len = collect(
-                d.masters(),
-                &self.spans,
-                &self.work.x,
-                &mut self.work.local.q,
-            );
-            let changes = d.map.change_charts(t, &self.work.local.q[..len]);
-            if changes == ChartChanges::default() {
+            let mut changed = false;
+            // On a new segment the map reads other masters, and may want other charts for them.
+            for _ in 0..3 {
+                let q = &mut self.work.local.q;
+                let len = collect(d.masters(), &self.spans, &self.work.x, q);
+                let changes = d.map.change_charts(t, &q[..len]);
+                if changes == ChartChanges::default() {
+                    break;
+                }
+                changed = true;
+                all.charts += changes.charts;
+                all.residual |= changes.residual;
+            }
+            if !changed {
                 continue;
             }
-            all.charts += changes.charts;
-            all.residual |= changes.residual;
             if d.map.segment() != before {
                 for n in 0..self.nodes.len() {
                     find_ancestors(&mut self.nodes, n);

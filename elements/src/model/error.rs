@@ -73,6 +73,19 @@ pub enum ModelError {
          prescribe a coordinate of its masters {masters}"
     )]
     PrescribedSlave { coordinate: String, masters: String },
+    #[error(
+        "joint {joint}: its axis {axis:?} has no direction; give a finite vector that is not zero"
+    )]
+    Axis { joint: String, axis: [f64; 3] },
+    #[error(
+        "joint {joint} cannot slide: it needs at least two nodes at different places (got {nodes}) \
+         and a start between 0 and the length of the chain (got {start})"
+    )]
+    Slide {
+        joint: String,
+        nodes: usize,
+        start: f64,
+    },
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]
     Unconnected { node: String },
     #[error(

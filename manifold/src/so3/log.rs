@@ -58,6 +58,13 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
+    /// The rotated vector R a = a + 2 v × (w a + v × a).
+    #[must_use]
+    pub fn rotate(&self, a: &Vector3<S>) -> Vector3<S> {
+        let u = self.v.cross(&(a * self.w + self.v.cross(a)));
+        a + u + u
+    }
+
     /// Inner product; its sign tells whether two nearby rotations are on the same sheet.
     #[must_use]
     pub fn dot(&self, b: &Self) -> S {

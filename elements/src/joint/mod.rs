@@ -1,0 +1,242 @@
+//! Joints: holonomic constraints as maps from the coordinates a frame depends on to the frame.
+//!
+//! Whoever writes [`Joint::pose`] has a joint: the node that hangs on it takes any element, the
+//! kinematic operator, its rates and the geometric stiffness follow ([`Hung`], [`Map`]). There are
+//! no multipliers: the coordinates that a joint releases are coordinates of the model.
+//!
+//! | joint | released coordinates | source |
+//! |---|---|---|
+//! | [`Offset`] | none | \[M04\] 4.1.2, (197) |
+//! | [`Revolute`] | one unbounded angle | \[M04\] 4.1.4, (207), (212) |
+//! | [`Spherical`] | a rotation vector | \[M04\] 4.1 |
+//! | [`Slide`] | the place on a chain of beam elements | \[M04\] 4.1.3, (198) |
+
+mod offset;
+mod revolute;
+mod slide;
+mod spherical;
+
+pub use offset::{Offset, offset};
+pub use revolute::{Revolute, RevoluteNodes, revolute};
+pub use slide::{Slide, SlideNodes, slide};
+pub use spherical::{Spherical, SphericalNodes, spherical};
+
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SMatrix, SVector, Vector3, Vector6};
+use pullback_manifold::map::{Kinematics, Map, derived};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
+use pullback_manifold::system::ChartChanges;
+use std::f64::consts::TAU;
+
+/// Displacement and rotation of a frame from its reference, in global components.
+///
+/// The rotation is a quaternion, which composes without a chart; q and −q are the same rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<S> {
+    /// Displacement d.
+    pub d: Vector3<S>,
+    /// Rotation, of unit length.
+    pub turn: Quaternion<S>,
+}
+
+impl<S: Scalar> Pose<S> {
+    /// The frame whose six coordinates (d, Ψ) stand in `q` from position `first` on.
+    pub fn of<const D: usize>(q: &SVector<S, D>, first: usize) -> Self {
+        let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
+        Self {
+            d: three(first),
+            turn: quaternion(&three(first + 3)),
+        }
+    }
+
+    /// A frame fixed in this one, at `c` from it in the reference configuration:
+    /// d_s = d + (R − I) c.
+    #[must_use]
+    pub fn offset(&self, c: &Vector3<f64>) -> Self {
+        let c = c.map(S::constant);
+        Self {
+            d: self.d + self.turn.rotate(&c) - c,
+            turn: self.turn,
+        }
+    }
+
+    /// The same place, turned further about axes that this frame carries: R R(by).
+    #[must_use]
+    pub fn turned(&self, by: &Quaternion<S>) -> Self {
+        Self {
+            d: self.d,
+            turn: self.turn.product(by),
+        }
+    }
+
+    /// The same orientation, moved by a vector of this frame (components of the reference).
+    #[must_use]
+    pub fn moved(&self, by: &Vector3<S>) -> Self {
+        Self {
+            d: self.d + self.turn.rotate(by),
+            turn: self.turn,
+        }
+    }
+}
+
+/// Which of the two rotation vectors of a rotation a map gives; see
+/// [`log_quaternion`](pullback_manifold::so3::log_quaternion).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sheet {
+    /// That of the quaternion as it comes out.
+    #[default]
+    Same,
+    /// That of its opposite.
+    Opposite,
+}
+
+impl Sheet {
+    /// The rotation vector on this sheet.
+    pub fn log<S: Scalar>(self, turn: &Quaternion<S>) -> Vector3<S> {
+        match self {
+            Self::Same => log_quaternion(turn),
+            Self::Opposite => log_quaternion(&turn.opposite()),
+        }
+    }
+}
+
+/// A joint: the pose of the frame that hangs on it, as a function of D coordinates.
+///
+/// The coordinates are those of the joint's masters one after the other: six of a frame,
+/// the released ones last by convention.
+pub trait Joint<const D: usize>: Send + Sync {
+    /// The pose, written once over any [`Scalar`].
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
+
+    /// Distance of q to the edge of the joint's own domain; infinite by default. That the hung
+    /// frame's rotation vector stays below 2π is seen to by [`Hung`].
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        let _ = (t, q);
+        f64::INFINITY
+    }
+
+    /// The kinematics in closed form, where there is a faster one than the derived one.
+    fn kinematics(
+        &self,
+        sheet: Sheet,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Option<Kinematics<D, 6>> {
+        let _ = (sheet, t, q, v, a);
+        None
+    }
+
+    /// The geometric stiffness in closed form, where there is a faster one than the derived one.
+    fn geometric_stiffness(
+        &self,
+        sheet: Sheet,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &Vector6<f64>,
+    ) -> Option<SMatrix<f64, D, D>> {
+        let _ = (sheet, t, q, f);
+        None
+    }
+}
+
+/// The map of a joint into a frame's six coordinates: its pose with the rotation's logarithm.
+///
+/// The logarithm stays on one sheet during a step and changes at a converged state with ψ > π.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hung<J> {
+    joint: J,
+    sheet: Sheet,
+}
+
+impl<J> Hung<J> {
+    /// The map of a joint.
+    pub fn new(joint: J) -> Self {
+        Self {
+            joint,
+            sheet: Sheet::default(),
+        }
+    }
+}
+
+impl<J, const D: usize> Map<D, 6> for Hung<J>
+where
+    J: Joint<D>,
+{
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, 6> {
+        let Pose { d, turn } = self.joint.pose(t, q);
+        let psi = self.sheet.log(&turn);
+        SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
+    }
+
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        let own = self.joint.margin(t, q);
+        if own.is_nan() || own <= 0.0 {
+            return own;
+        }
+        let turn = self.joint.pose(t, q).turn;
+        let w = match self.sheet {
+            Sheet::Same => turn.w,
+            Sheet::Opposite => -turn.w,
+        };
+        // ψ = 2 atan2(|v|, w).
+        own.min(TAU - 2.0 * turn.v.norm().atan2(w))
+    }
+
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
+        let best = if self.joint.pose(t, q).turn.w < 0.0 {
+            Sheet::Opposite
+        } else {
+            Sheet::Same
+        };
+        let changed = std::mem::replace(&mut self.sheet, best) != best;
+        ChartChanges {
+            charts: usize::from(changed),
+            residual: false,
+        }
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, 6> {
+        self.joint
+            .kinematics(self.sheet, t, q, v, a)
+            .unwrap_or_else(|| derived::kinematics(self, t, q, v, a))
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &Vector6<f64>,
+    ) -> SMatrix<f64, D, D> {
+        self.joint
+            .geometric_stiffness(self.sheet, t, q, f)
+            .unwrap_or_else(|| derived::geometric_stiffness(self, t, q, f))
+    }
+}
+
+impl ModelBuilder {
+    /// Adds a frame node that hangs on a joint.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn hang<J, const D: usize>(
+        &mut self,
+        name: impl Into<String>,
+        place: [f64; 3],
+        joint: J,
+        masters: &[NodeId],
+    ) -> Result<NodeId, ModelError>
+    where
+        J: Joint<D> + 'static,
+    {
+        self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
+    }
+}

@@ -1,0 +1,48 @@
+//! The spherical joint: two frames share a place and turn freely against each other.
+
+use super::{Joint, Pose};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::quaternion;
+
+/// d_s = d_m, Ψ_s of its own: masters (frame, rotation).
+///
+/// The released coordinates are the slave's own rotation vector, in global components and not
+/// relative to the master: nothing couples the rotations, and the chart changes at ψ > π.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spherical;
+
+impl Joint<9> for Spherical {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
+        Pose {
+            d: Vector3::new(q[0], q[1], q[2]),
+            turn: quaternion(&Vector3::new(q[6], q[7], q[8])),
+        }
+    }
+}
+
+/// The nodes of a spherical joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SphericalNodes {
+    /// The frame that hangs on the joint.
+    pub frame: NodeId,
+    /// Its rotation vector: the released coordinates.
+    pub rotation: NodeId,
+}
+
+/// Adds a frame node `name` at the place of `master` that turns freely, and the node
+/// `name rotation` of its rotation vector.
+///
+/// # Errors
+/// As [`ModelBuilder::mapped_node`].
+pub fn spherical(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+) -> Result<SphericalNodes, ModelError> {
+    let rotation = b.rotation(format!("{name} rotation"))?;
+    let place = b.place(master).into();
+    let frame = b.hang(name, place, Spherical, &[master, rotation])?;
+    Ok(SphericalNodes { frame, rotation })
+}
