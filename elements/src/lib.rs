@@ -19,6 +19,7 @@
 pub mod beam;
 pub mod check;
 pub mod element;
+pub mod inertia;
 pub mod joint;
 pub mod load;
 pub mod model;

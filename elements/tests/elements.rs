@@ -6,9 +6,10 @@ mod common;
 
 use common::{Coupling, coupled, section};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use pullback_elements::beam::{Beam, BeamError};
+use pullback_elements::beam::{Beam, BeamError, Damping};
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, NodalLoad, Which};
 use pullback_elements::model::frame_along;
 use pullback_elements::time::{Constant, Sine};
@@ -46,6 +47,37 @@ fn beams() {
         for section in [section(), coupled()] {
             let beam = Beam::along(&helix(nodes), &along_helix, &section).unwrap();
             assert_eq!(beam.dim(), 6 * nodes);
+            check::element(&*beam).assert();
+        }
+    }
+}
+
+/// An inertia per length in which everything couples: mass centre off the axis, products.
+fn eccentric() -> Inertia {
+    Inertia::about_centre(
+        2.3,
+        Vector3::new(0.02, 0.3, -0.2),
+        Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5),
+    )
+    .unwrap()
+}
+
+#[test]
+fn beams_with_inertia_and_damping() {
+    let damping = Damping {
+        mass: 0.7,
+        stiffness: 0.04,
+    };
+    for nodes in 2..=4 {
+        let plain = coupled().with_inertia(eccentric()).unwrap();
+        let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+        for section in [
+            plain,
+            centred,
+            plain.with_damping(damping).unwrap(),
+            section().with_damping(damping).unwrap(),
+        ] {
+            let beam = Beam::along(&helix(nodes), &along_helix, &section).unwrap();
             check::element(&*beam).assert();
         }
     }

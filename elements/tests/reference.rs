@@ -7,7 +7,7 @@ mod common;
 use common::{matrix, numbers, reference, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Beam, Material, Section, SectionError, rectangle_torsion};
-use pullback_elements::element::{Motion, Response};
+use pullback_elements::element::{Element, Motion, Response};
 use std::f64::consts::PI;
 
 #[test]
@@ -62,6 +62,63 @@ fn beam_is_that_of_the_reference() {
             assert!((states[0].N[k] - N[k] * Gamma[k]).abs() < 1e-12 * N[k] * Gamma.amax());
             assert!((states[0].M[k] - M[k] * K[k]).abs() < 1e-12 * M[k] * K.amax());
         }
+    }
+}
+
+#[test]
+fn inertia_of_the_beam_is_that_of_the_reference() {
+    for row in &reference("beam") {
+        let places: Vec<Vector3<f64>> = row["nodes"]
+            .as_array()
+            .expect("nodes")
+            .iter()
+            .map(|p| Vector3::from_vec(numbers(p)))
+            .collect();
+        let R0 = matrix(&row["R0"]);
+        let R0 = Matrix3::from_fn(|i, j| R0[(i, j)]);
+        let A_rho = row["A_rho"].as_f64().expect("number");
+        let J = Matrix3::from_diagonal(&Vector3::from_vec(numbers(&row["J"])));
+        let (N, M) = (numbers(&row["EA_GA2_GA3"]), numbers(&row["GJ_EI2_EI3"]));
+        let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
+        let massless = Beam::along(&places, &|_| R0, &section).unwrap();
+        let beam = Beam::along(&places, &|_| R0, &section.with_mass(A_rho, J)).unwrap();
+        let [x, v, a] = ["q", "q_dot", "q_ddot"].map(|key| numbers(&row[key]));
+        let at = Motion {
+            t: 0.0,
+            x: &x,
+            v: &v,
+            a: &a,
+        };
+        let evaluate = |beam: &dyn Element| {
+            let mut r = DVector::zeros(12);
+            let [mut K, mut C, mut M] = [(); 3].map(|()| DMatrix::zeros(12, 12));
+            let mut out = Response {
+                r: r.as_mut_slice(),
+                K: Some(K.as_mut_slice()),
+                C: Some(C.as_mut_slice()),
+                M: Some(M.as_mut_slice()),
+                r_t: None,
+            };
+            beam.evaluate(&at, &mut out).unwrap();
+            (r, K, C, M)
+        };
+        let (r, K, C, M) = evaluate(&*beam);
+        let (r0, K0, ..) = evaluate(&*massless);
+        let f_acc = vector(&row["f_acc"]);
+        // The difference to the massless beam cancels digits of the internal force.
+        assert!((r0 - r - &f_acc).amax() < 1e-11 * f_acc.amax().max(vector(&row["f_int"]).amax()));
+        let close = |found: DMatrix<f64>, key: &str, size: f64| {
+            let expected = matrix(&row[key]);
+            let gap = (found - &expected).amax() / expected.amax().max(size);
+            assert!(gap < 1e-11, "{key}: {gap:e}");
+        };
+        let v = DVector::from_vec(v);
+        let kinetic = 0.5 * v.dot(&(&M * &v));
+        let expected = row["kinetic_energy"].as_f64().expect("number");
+        assert!((kinetic - expected).abs() < 1e-12 * expected);
+        close(M, "M", 0.0);
+        close(C, "C_gyro", 0.0);
+        close(K - &K0, "K_cent", K0.amax());
     }
 }
 
@@ -139,9 +196,13 @@ fn sections_of_known_shapes() {
     near(s.C[(4, 4)], 210e9 * b * h.powi(3) / 12.0, 1e-14);
     near(s.C[(5, 5)], 210e9 * h * b.powi(3) / 12.0, 1e-14);
     near(s.C[(3, 3)], G * rectangle_torsion(b, h), 1e-14);
-    near(s.A_rho, 7850.0 * area, 1e-14);
-    near(s.J[(0, 0)], 7850.0 * area * (b * b + h * h) / 12.0, 1e-14);
-    near(s.J[(1, 1)], 7850.0 * area * h * h / 12.0, 1e-14);
+    near(s.inertia.mass, 7850.0 * area, 1e-14);
+    near(
+        s.inertia.J[(0, 0)],
+        7850.0 * area * (b * b + h * h) / 12.0,
+        1e-14,
+    );
+    near(s.inertia.J[(1, 1)], 7850.0 * area * h * h / 12.0, 1e-14);
 
     let r: f64 = 0.03;
     let s = Section::circle(STEEL, r).unwrap();
@@ -156,8 +217,16 @@ fn sections_of_known_shapes() {
     for k in [0, 3, 4, 5] {
         near(tube.C[(k, k)], s.C[(k, k)] - inner.C[(k, k)], 1e-13);
     }
-    near(tube.A_rho, s.A_rho - inner.A_rho, 1e-13);
-    near(tube.J[(0, 0)], s.J[(0, 0)] - inner.J[(0, 0)], 1e-13);
+    near(
+        tube.inertia.mass,
+        s.inertia.mass - inner.inertia.mass,
+        1e-13,
+    );
+    near(
+        tube.inertia.J[(0, 0)],
+        s.inertia.J[(0, 0)] - inner.inertia.J[(0, 0)],
+        1e-13,
+    );
     let thin = Section::tube(STEEL, 0.02999, r).unwrap();
     let area = PI * (r * r - 0.02999_f64.powi(2));
     near(thin.C[(1, 1)] / (G * area), 2.6 / 4.9, 1e-5);

@@ -119,7 +119,7 @@ pub(super) fn apply(
                         continue;
                     }
                     let name = &file.lines[l].section;
-                    let A_rho = sections.get(name).map_or(0.0, |s| s.A_rho);
+                    let A_rho = sections.get(name).map_or(0.0, |s| s.inertia.mass);
                     if A_rho == 0.0 {
                         let problem = Problem::NoMass {
                             line: line.name.clone(),

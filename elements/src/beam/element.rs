@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::section::Section;
+use super::mass::MassPoint;
+use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
 use super::strain::{Law, Line, Strained};
+use super::viscous::Viscous;
 use crate::element::{Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
@@ -57,6 +59,9 @@ struct GaussPoint<const NN: usize> {
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize> {
     points: Vec<GaussPoint<NN>>,
+    /// NN points of inertia; none where the section has no mass.
+    masses: Vec<MassPoint<NN>>,
+    damping: Damping,
 }
 
 impl Beam<2> {
@@ -100,43 +105,58 @@ impl<const NN: usize> Beam<NN> {
                 return Err(BeamError::ZeroLength { at: (*b).into() });
             }
         }
+        let point = |(xi, weight): (f64, f64)| {
+            let (N, dN) = lagrange::<NN>(xi);
+            let sum =
+                |c: &[f64; NN]| -> Vector3<f64> { places.iter().zip(c).map(|(p, c)| p * *c).sum() };
+            let (X, slope) = (sum(&N), sum(&dN));
+            let jacobian = slope.norm();
+            if jacobian.is_nan() || jacobian <= 1e-12 * size || jacobian == 0.0 {
+                return Err(BeamError::ZeroLength { at: X.into() });
+            }
+            let X_prime = slope / jacobian;
+            let given = frame(xi);
+            let first: Vector3<f64> = given.column(0).into_owned();
+            let aligned = first.dot(&X_prime);
+            let skewed = (given.tr_mul(&given) - Matrix3::identity()).amax();
+            let rotation = skewed <= 1e-9 && given.determinant() > 0.0;
+            if !rotation || aligned < 0.5 {
+                return Err(BeamError::Orientation {
+                    tangent: X_prime.into(),
+                    first: first.into(),
+                });
+            }
+            let R0 = turn_to(&first, &X_prime) * given;
+            Ok(GaussPoint {
+                N,
+                dN: dN.map(|d| d / jacobian),
+                weight: weight * jacobian,
+                X,
+                X_prime,
+                R0,
+                law: Law::rotated(&section.C, &R0),
+            })
+        };
         let points = gauss(NN - 1)
             .into_iter()
-            .map(|(xi, weight)| {
-                let (N, dN) = lagrange::<NN>(xi);
-                let sum = |c: &[f64; NN]| -> Vector3<f64> {
-                    places.iter().zip(c).map(|(p, c)| p * *c).sum()
-                };
-                let (X, slope) = (sum(&N), sum(&dN));
-                let jacobian = slope.norm();
-                if jacobian.is_nan() || jacobian <= 1e-12 * size || jacobian == 0.0 {
-                    return Err(BeamError::ZeroLength { at: X.into() });
-                }
-                let X_prime = slope / jacobian;
-                let given = frame(xi);
-                let first: Vector3<f64> = given.column(0).into_owned();
-                let aligned = first.dot(&X_prime);
-                let skewed = (given.tr_mul(&given) - Matrix3::identity()).amax();
-                let rotation = skewed <= 1e-9 && given.determinant() > 0.0;
-                if !rotation || aligned < 0.5 {
-                    return Err(BeamError::Orientation {
-                        tangent: X_prime.into(),
-                        first: first.into(),
-                    });
-                }
-                let R0 = turn_to(&first, &X_prime) * given;
-                Ok(GaussPoint {
-                    N,
-                    dN: dN.map(|d| d / jacobian),
-                    weight: weight * jacobian,
-                    X,
-                    X_prime,
-                    R0,
-                    law: Law::rotated(&section.C, &R0),
-                })
+            .map(point)
+            .collect::<Result<_, _>>()?;
+        let rule = if section.inertia.is_zero() {
+            Vec::new()
+        } else {
+            gauss(NN)
+        };
+        let masses = rule
+            .into_iter()
+            .map(|at| {
+                point(at).map(|p| MassPoint::new(p.N, p.weight, section.inertia.rotated(&p.R0)))
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self { points })
+        Ok(Self {
+            points,
+            masses,
+            damping: section.damping,
+        })
     }
 
     /// x′, Ψ, Ψ′ at an integration point.
@@ -166,13 +186,20 @@ impl<const NN: usize> Beam<NN> {
         out: &mut Response<'_>,
     ) -> Result<(), ElementError> {
         let n = 6 * NN;
-        for p in &self.points {
+        // Their tangents are added after the mirror: they are not symmetric.
+        let mut viscous: [Option<Viscous>; 3] = [None, None, None];
+        let damped = self.damping.stiffness > 0.0 && !at.v.is_empty();
+        for (p, viscous) in self.points.iter().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
             if psi > EDGE {
                 return Err(ElementError::OutsideChart { psi });
             }
-            let strained = Strained::new(&line, &p.X_prime, &p.law);
+            let mut strained = Strained::new(&line, &p.X_prime, &p.law);
+            if damped {
+                let (rates, beta) = (Self::rates(p, at.v), self.damping.stiffness);
+                *viscous = Some(Viscous::new(&mut strained, &line, &rates, &p.law, beta));
+            }
             let f = strained.forces();
             for (i, r) in out.r.chunks_exact_mut(6).enumerate() {
                 let (a, b) = (p.weight * p.dN[i], p.weight * p.N[i]);
@@ -184,7 +211,8 @@ impl<const NN: usize> Beam<NN> {
             let Some(K) = out.K.as_deref_mut() else {
                 continue;
             };
-            let (N, M) = match previous {
+            // Viscous stresses are not extrapolated.
+            let (N, M) = match previous.filter(|_| !damped) {
                 None => (strained.N, strained.M),
                 Some(x) => {
                     let from = Self::line(p, x);
@@ -219,7 +247,24 @@ impl<const NN: usize> Beam<NN> {
         if let Some(K) = out.K.as_deref_mut() {
             mirror::<NN>(K);
         }
+        for (p, viscous) in self.points.iter().zip(&viscous) {
+            if let Some(viscous) = viscous {
+                viscous.add_tangents(&p.N, &p.dN, p.weight, out);
+            }
+        }
+        if !at.v.is_empty() {
+            for p in &self.masses {
+                p.add(at, self.damping.mass, out);
+            }
+        }
         Ok(())
+    }
+
+    /// ẋ′, Ψ̇, Ψ̇′ at an integration point.
+    fn rates(p: &GaussPoint<NN>, v: &[f64]) -> Line {
+        let mut rates = Self::line(p, v);
+        rates.x_prime -= p.X_prime;
+        rates
     }
 }
 
@@ -255,6 +300,21 @@ impl<const NN: usize> Element for Beam<NN> {
             .iter()
             .map(|p| p.weight * Strained::new(&Self::line(p, at.x), &p.X_prime, &p.law).energy())
             .sum()
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        if self.damping == Damping::default() || at.v.is_empty() {
+            return 0.0;
+        }
+        let stiffness = self.damping.stiffness;
+        let viscous = |p: &GaussPoint<NN>| {
+            let line = Self::line(p, at.x);
+            let mut s = Strained::new(&line, &p.X_prime, &p.law);
+            let rates = Self::rates(p, at.v);
+            p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
+        };
+        let drag = |p: &MassPoint<NN>| p.drag_power(at, self.damping.mass);
+        self.points.iter().map(viscous).sum::<f64>() + self.masses.iter().map(drag).sum::<f64>()
     }
 
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {

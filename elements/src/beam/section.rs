@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::inertia::{Inertia, InertiaError};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::f64::consts::PI;
 
@@ -13,10 +14,20 @@ use std::f64::consts::PI;
 pub struct Section {
     /// Section stiffness C, 6×6.
     pub C: Matrix6<f64>,
-    /// Mass per unit length Aρ.
-    pub A_rho: f64,
-    /// Inertia per unit length J in the section axes, 3×3.
-    pub J: Matrix3<f64>,
+    /// Inertia per unit length about the axis: Aρ, first moment S, J, in the section axes.
+    pub inertia: Inertia,
+    /// Viscous damping; none by default.
+    pub damping: Damping,
+}
+
+/// Rayleigh's damping, proportional to mass and stiffness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// Factor of the momentum per unit length: a force −α (Aρ ẋ, TᵀJΩ) against the absolute
+    /// velocity, in 1/time.
+    pub mass: f64,
+    /// Factor of the section's stiffness: stresses β C (Γ̇, K̇) of Kelvin and Voigt, in time.
+    pub stiffness: f64,
 }
 
 /// Why a section cannot be made.
@@ -40,6 +51,12 @@ pub enum SectionError {
         inner: f64,
         /// Outer radius.
         outer: f64,
+    },
+    /// An inertia that no distribution of mass has.
+    #[error("{source}")]
+    Inertia {
+        /// What is wrong with it.
+        source: InertiaError,
     },
     /// The 6×6 law is not symmetric.
     #[error(
@@ -135,8 +152,8 @@ impl Section {
         }
         Ok(Self {
             C: (C + C.transpose()) * 0.5,
-            A_rho: 0.0,
-            J: Matrix3::zeros(),
+            inertia: Inertia::default(),
+            damping: Damping::default(),
         })
     }
 
@@ -161,9 +178,43 @@ impl Section {
     /// The same section with mass per length Aρ and inertia per length J (section axes).
     #[must_use]
     pub fn with_mass(mut self, A_rho: f64, J: Matrix3<f64>) -> Self {
-        self.A_rho = A_rho;
-        self.J = J;
+        self.inertia = Inertia {
+            mass: A_rho,
+            S: Vector3::zeros(),
+            J,
+        };
         self
+    }
+
+    /// The same section with any inertia per length, also with a mass centre off the axis.
+    ///
+    /// # Errors
+    /// [`SectionError::Inertia`] for one that is impossible.
+    pub fn with_inertia(mut self, inertia: Inertia) -> Result<Self, SectionError> {
+        self.inertia = inertia
+            .checked()
+            .map_err(|source| SectionError::Inertia { source })?;
+        Ok(self)
+    }
+
+    /// The same section with viscous damping.
+    ///
+    /// # Errors
+    /// [`SectionError::NotPositive`] for a factor that is negative or not finite.
+    pub fn with_damping(mut self, damping: Damping) -> Result<Self, SectionError> {
+        for (quantity, value) in [
+            ("mass-proportional damping (or zero)", damping.mass),
+            (
+                "stiffness-proportional damping (or zero)",
+                damping.stiffness,
+            ),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(SectionError::NotPositive { quantity, value });
+            }
+        }
+        self.damping = damping;
+        Ok(self)
     }
 
     /// Rectangle of `width` along E₂ and `height` along E₃.

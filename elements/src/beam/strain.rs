@@ -93,6 +93,19 @@ impl Strained {
         }
     }
 
+    pub(super) fn R(&self) -> Matrix3<f64> {
+        self.R
+    }
+
+    pub(super) fn T(&self) -> Matrix3<f64> {
+        self.T
+    }
+
+    /// Rᵀx′.
+    pub(super) fn g(&self) -> Vector3<f64> {
+        self.g
+    }
+
     /// Strain energy per unit length.
     pub(super) fn energy(&self) -> f64 {
         0.5 * (self.N.dot(&self.Gamma) + self.M.dot(&self.K))

@@ -1,0 +1,105 @@
+//! Inertia of the beam at one integration point: \[M04\] (119), (147), (152).
+
+#![allow(non_snake_case)]
+
+use crate::element::{Motion, Response};
+use crate::inertia::{FrameMotion, Inertia};
+use nalgebra::{Matrix6, Vector3};
+
+/// One point of the inertia rule: shape functions, weight times length, inertia per length with
+/// components in the global frame of the reference configuration.
+#[derive(Clone, Debug)]
+pub(super) struct MassPoint<const NN: usize> {
+    N: [f64; NN],
+    weight: f64,
+    inertia: Inertia,
+}
+
+impl<const NN: usize> MassPoint<NN> {
+    pub(super) fn new(N: [f64; NN], weight: f64, inertia: Inertia) -> Self {
+        Self { N, weight, inertia }
+    }
+
+    /// The section's motion, interpolated like x and Ψ themselves.
+    #[inline]
+    fn motion(&self, at: &Motion<'_>) -> FrameMotion {
+        let sum = |from: &[f64], first: usize| {
+            let nodes = from.chunks_exact(6).zip(&self.N);
+            nodes.fold(Vector3::zeros(), |sum, (x, N)| {
+                sum + Vector3::new(x[first], x[first + 1], x[first + 2]) * *N
+            })
+        };
+        FrameMotion {
+            psi: sum(at.x, 3),
+            psi_dot: sum(at.v, 3),
+            psi_ddot: sum(at.a, 3),
+            x_dot: sum(at.v, 0),
+            x_ddot: sum(at.a, 0),
+        }
+    }
+
+    /// Adds −f_acc, the drag α p, and their tangents.
+    #[inline]
+    pub(super) fn add(&self, at: &Motion<'_>, alpha: f64, out: &mut Response<'_>) {
+        let motion = self.motion(at);
+        let moving = self.inertia.moving(&motion);
+        let mut f = moving.force();
+        let drag = (alpha > 0.0).then(|| moving.momentum());
+        if let Some((p, _)) = &drag {
+            f += p * alpha;
+        }
+        for (r, N) in out.r.chunks_exact_mut(6).zip(&self.N) {
+            for (r, f) in r.iter_mut().zip(f.iter()) {
+                *r -= self.weight * N * f;
+            }
+        }
+        if out.K.is_none() && out.C.is_none() {
+            if let Some(M) = out.M.as_deref_mut() {
+                self.spread(&moving.mass(), M);
+            }
+            return;
+        }
+        let mut tangents = moving.tangents();
+        if let Some((_, D)) = &drag {
+            tangents.C += tangents.M * alpha;
+            tangents.K += D * alpha;
+        }
+        if let Some(M) = out.M.as_deref_mut() {
+            self.spread(&tangents.M, M);
+        }
+        if let Some(C) = out.C.as_deref_mut() {
+            self.spread(&tangents.C, C);
+        }
+        if let Some(K) = out.K.as_deref_mut() {
+            self.spread(&tangents.K, K);
+        }
+    }
+
+    /// Adds N_i N_j times a 6×6 matrix to all pairs of nodes.
+    #[inline]
+    fn spread(&self, block: &Matrix6<f64>, out: &mut [f64]) {
+        let n = 6 * NN;
+        for j in 0..NN {
+            for i in 0..NN {
+                let factor = self.weight * self.N[i] * self.N[j];
+                for c in 0..6 {
+                    let start = 6 * i + (6 * j + c) * n;
+                    for (o, b) in out[start..start + 6].iter_mut().zip(block.column(c).iter()) {
+                        *o += factor * b;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Power lost to the drag, α ẋ·p.
+    pub(super) fn drag_power(&self, at: &Motion<'_>, alpha: f64) -> f64 {
+        let motion = self.motion(at);
+        let p = self.inertia.moving(&motion).momentum().0;
+        let (v, w) = (motion.x_dot, motion.psi_dot);
+        let power: f64 = (p.iter().zip(v.iter().chain(w.iter())))
+            .map(|(p, v)| p * v)
+            .sum();
+        alpha * self.weight * power
+    }
+}

@@ -1,0 +1,320 @@
+//! Inertia of a frame that carries mass: a rigid body, or a cross-section per unit length.
+//!
+//! With material quantities (components in the initial frame) Ω = TΨ̇, A = TΨ̈ + ṪΨ̇, g = Rᵀẍ, the
+//! mass m, its first moment S = m c and its moments J about the frame's origin:
+//!
+//! ```text
+//! kinetic energy   ½ m ẋ·ẋ + ẋ·R(Ω×S) + ½ Ω·JΩ
+//! f_acc = ( m ẍ + R ℓ ;  Tᵀ h ),   ℓ = A×S + Ω×(Ω×S),   h = J A + Ω×JΩ + S×g       [M04] (119)
+//! ```
+//!
+//! and the tangents are those of \[M04\] (147), (152) with the terms of S.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use pullback_manifold::quotients::Quotients;
+use pullback_manifold::so3::{self, skew};
+
+/// Mass, first moment and moments of inertia of a body about a frame's origin (or of a
+/// cross-section, per unit length, about its axis), components in axes fixed in the frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inertia {
+    /// Mass m (Aρ of a section).
+    pub mass: f64,
+    /// First moment S = m c, c the place of the mass centre.
+    pub S: Vector3<f64>,
+    /// Moments of inertia J about the origin, 3×3, symmetric.
+    pub J: Matrix3<f64>,
+}
+
+/// Why an inertia is impossible.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InertiaError {
+    /// A number that is infinite or not a number.
+    #[error("inertia needs finite numbers, got {what} = {value}")]
+    NotFinite {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A negative mass.
+    #[error("mass must not be negative, got {0}")]
+    NegativeMass(f64),
+    /// The tensor of inertia is not symmetric.
+    #[error(
+        "the inertia tensor must be symmetric, but entries ({row}, {column}) and ({column}, {row}) are {upper} and {lower}"
+    )]
+    NotSymmetric {
+        /// Row, from 1.
+        row: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Entry (row, column).
+        upper: f64,
+        /// Entry (column, row).
+        lower: f64,
+    },
+    /// Principal moments that no distribution of mass has.
+    #[error(
+        "principal moments of inertia about the mass centre {principal:?} are impossible: none may \
+         be negative, and none larger than the sum of the other two"
+    )]
+    Principal {
+        /// The three of them, ascending.
+        principal: [f64; 3],
+    },
+}
+
+/// Motion of a frame: Ψ and its two rates, ẋ and ẍ of its origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameMotion {
+    pub psi: Vector3<f64>,
+    pub psi_dot: Vector3<f64>,
+    pub psi_ddot: Vector3<f64>,
+    pub x_dot: Vector3<f64>,
+    pub x_ddot: Vector3<f64>,
+}
+
+/// Tangents of f_acc over (x, Ψ), all 6×6.
+pub(crate) struct InertiaTangents {
+    /// ∂f/∂(ẍ, Ψ̈).
+    pub M: Matrix6<f64>,
+    /// ∂f/∂(ẋ, Ψ̇).
+    pub C: Matrix6<f64>,
+    /// ∂f/∂(x, Ψ).
+    pub K: Matrix6<f64>,
+}
+
+/// What force and tangents share.
+pub(crate) struct Moving<'a> {
+    inertia: &'a Inertia,
+    motion: &'a FrameMotion,
+    quotients: Quotients,
+    R: Matrix3<f64>,
+    T: Matrix3<f64>,
+    Omega: Vector3<f64>,
+    A: Vector3<f64>,
+    eccentric: bool,
+}
+
+fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
+}
+
+impl Inertia {
+    /// Inertia of a body with the mass centre at `c` and the tensor `J` about the mass centre.
+    ///
+    /// # Errors
+    /// [`InertiaError`] for numbers that no body has.
+    pub fn about_centre(mass: f64, c: Vector3<f64>, J: Matrix3<f64>) -> Result<Self, InertiaError> {
+        let S = c * mass;
+        Self {
+            mass,
+            S,
+            J: J - skew(&S) * skew(&c),
+        }
+        .checked()
+    }
+
+    /// The same, checked: finite, symmetric, and possible as a distribution of mass.
+    ///
+    /// # Errors
+    /// [`InertiaError`].
+    pub fn checked(mut self) -> Result<Self, InertiaError> {
+        let finite = |what, value: f64| match value.is_finite() {
+            true => Ok(()),
+            false => Err(InertiaError::NotFinite { what, value }),
+        };
+        finite("mass", self.mass)?;
+        self.S.iter().try_for_each(|&x| finite("first moment", x))?;
+        self.J.iter().try_for_each(|&x| finite("tensor entry", x))?;
+        if self.mass < 0.0 {
+            return Err(InertiaError::NegativeMass(self.mass));
+        }
+        let size = self.J.amax();
+        for i in 0..3 {
+            for j in 0..i {
+                let (upper, lower) = (self.J[(j, i)], self.J[(i, j)]);
+                if (upper - lower).abs() > 1e-12 * size {
+                    return Err(InertiaError::NotSymmetric {
+                        row: j + 1,
+                        column: i + 1,
+                        upper,
+                        lower,
+                    });
+                }
+            }
+        }
+        self.J = (self.J + self.J.transpose()) * 0.5;
+        let central = if self.mass > 0.0 {
+            self.J + skew(&self.S) * skew(&self.S) / self.mass
+        } else {
+            self.J
+        };
+        let mut principal: [f64; 3] = central.symmetric_eigenvalues().into();
+        principal.sort_by(f64::total_cmp);
+        let slack = 1e-9 * size;
+        if principal[0] < -slack || principal[2] > principal[0] + principal[1] + slack {
+            return Err(InertiaError::Principal { principal });
+        }
+        Ok(self)
+    }
+
+    /// The same inertia with components in the axes to which R₀ takes the present ones.
+    #[must_use]
+    pub fn rotated(&self, R0: &Matrix3<f64>) -> Self {
+        Self {
+            mass: self.mass,
+            S: R0 * self.S,
+            J: R0 * self.J * R0.transpose(),
+        }
+    }
+
+    /// Whether there is no inertia at all.
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    #[inline]
+    pub(crate) fn moving<'a>(&'a self, motion: &'a FrameMotion) -> Moving<'a> {
+        let quotients = Quotients::new(motion.psi.norm());
+        let c = quotients.tangent();
+        let T = so3::T(&motion.psi, &c);
+        Moving {
+            inertia: self,
+            motion,
+            R: so3::R(&motion.psi, &c),
+            T,
+            Omega: T * motion.psi_dot,
+            A: T * motion.psi_ddot + so3::T_dot_psi_dot(&motion.psi_dot, &motion.psi, &quotients),
+            quotients,
+            eccentric: self.S != Vector3::zeros(),
+        }
+    }
+}
+
+impl Moving<'_> {
+    /// J A + Ω×JΩ + S×g, material.
+    #[inline]
+    fn h(&self) -> Vector3<f64> {
+        let Inertia { S, J, .. } = self.inertia;
+        let h = J * self.A + self.Omega.cross(&(J * self.Omega));
+        if self.eccentric {
+            h + S.cross(&self.R.tr_mul(&self.motion.x_ddot))
+        } else {
+            h
+        }
+    }
+
+    /// A×S + Ω×(Ω×S), material.
+    #[inline]
+    fn l(&self) -> Vector3<f64> {
+        let S = &self.inertia.S;
+        self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
+    }
+
+    /// f_acc over (x, Ψ).
+    #[inline]
+    pub fn force(&self) -> Vector6<f64> {
+        let mut f = self.motion.x_ddot * self.inertia.mass;
+        if self.eccentric {
+            f += self.R * self.l();
+        }
+        stack(&f, &self.T.tr_mul(&self.h()))
+    }
+
+    /// M alone: what momenta and kinetic energies need.
+    #[inline]
+    pub fn mass(&self) -> Matrix6<f64> {
+        let Inertia { mass, S, J } = self.inertia;
+        let mut M = Matrix6::zeros();
+        for k in 0..3 {
+            M[(k, k)] = *mass;
+        }
+        put(&mut M, 3, 3, &self.T.tr_mul(&(J * self.T)));
+        if self.eccentric {
+            let B = self.R * skew(S) * self.T * -1.0;
+            put(&mut M, 0, 3, &B);
+            put(&mut M, 3, 0, &B.transpose());
+        }
+        M
+    }
+
+    /// The exact tangents of f_acc.
+    #[inline]
+    pub fn tangents(&self) -> InertiaTangents {
+        let Self {
+            inertia: Inertia { S, J, .. },
+            motion,
+            quotients: c,
+            R,
+            T,
+            Omega,
+            ..
+        } = self;
+        let psi = &motion.psi;
+        let h = self.h();
+        let H = skew(Omega) * J - skew(&(J * Omega));
+        let C1 = so3::C1(&motion.psi_dot, psi, c);
+        let C4 = so3::C4(&motion.psi_dot, psi, c);
+        let C51 = so3::C5(&motion.psi_dot, psi, c) + so3::C1(&motion.psi_ddot, psi, c);
+        let (mut K, mut C) = (Matrix6::zeros(), Matrix6::zeros());
+        let mut inner = H * C1 + J * C51;
+        if self.eccentric {
+            let S_skew = skew(S);
+            inner += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T;
+            // D_Ω (Ω×(Ω×S)).
+            let L = Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
+                - S * Omega.transpose() * 2.0;
+            put(
+                &mut K,
+                0,
+                3,
+                &(R * (L * C1 - S_skew * C51 - skew(&self.l()) * T)),
+            );
+            put(&mut C, 0, 3, &(R * (L * T - S_skew * C4)));
+        }
+        put(&mut K, 3, 3, &(so3::C2(&h, psi, c) + T.tr_mul(&inner)));
+        put(&mut C, 3, 3, &T.tr_mul(&(H * T + J * C4)));
+        InertiaTangents {
+            M: self.mass(),
+            C,
+            K,
+        }
+    }
+
+    /// Momentum covector p = M (ẋ, Ψ̇) and its derivative with respect to (x, Ψ).
+    pub fn momentum(&self) -> (Vector6<f64>, Matrix6<f64>) {
+        let Self {
+            inertia: Inertia { mass, S, J },
+            motion,
+            quotients: c,
+            R,
+            T,
+            Omega,
+            ..
+        } = self;
+        let u = R.tr_mul(&motion.x_dot);
+        let k = J * Omega + S.cross(&u);
+        let w = Omega.cross(S);
+        let p = stack(&(motion.x_dot * *mass + R * w), &T.tr_mul(&k));
+        let C1 = so3::C1(&motion.psi_dot, &motion.psi, c);
+        let mut D = Matrix6::zeros();
+        put(&mut D, 0, 3, &(R * (skew(&w) * T + skew(S) * C1) * -1.0));
+        let inner = J * C1 + skew(S) * skew(&u) * T;
+        put(
+            &mut D,
+            3,
+            3,
+            &(so3::C2(&k, &motion.psi, c) + T.tr_mul(&inner)),
+        );
+        (p, D)
+    }
+}
+
+#[inline]
+fn put(M: &mut Matrix6<f64>, row: usize, column: usize, block: &Matrix3<f64>) {
+    M.fixed_view_mut::<3, 3>(row, column).copy_from(block);
+}
