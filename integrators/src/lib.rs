@@ -5,9 +5,13 @@
 //!
 //! - [`statics`]: load stepping that halves and grows its steps, and path following through limit
 //!   points with located events.
+//! - [`dynamics`]: Newmark, HHT, WBZ and generalised-α by one step routine, with steps that end at
+//!   kinks, are halved when they fail, and may follow an error estimate.
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
 
 #![warn(clippy::unwrap_used)]
 
+pub mod dynamics;
+mod failure;
 pub mod linear_solver;
 pub mod statics;

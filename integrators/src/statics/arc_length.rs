@@ -7,10 +7,11 @@
 
 #![allow(non_snake_case)]
 
-use super::error::{FailedStep, StaticsError};
+use super::error::StaticsError;
 use super::load_steps::analyse;
-use super::newton::{Condition, Failure, Newton};
+use super::newton::{Condition, Newton};
 use super::{Iteration, NewtonOptions, Step, Summary};
+use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
@@ -189,11 +190,11 @@ pub fn trace_path_with<Y: System + ?Sized>(
             out.summary.rejected += 1;
             fresh = false;
             let to = at.lambda + ds * at.d_lambda;
-            let failed = FailedStep::new(system, &newton, failure, &out.summary, to);
+            let failed = newton.fail(system, failure, &out.summary, to);
             ds *= 0.5;
             if ds < options.min_step {
                 q.copy_from_slice(&at.q);
-                return Err(StaticsError::Step(Box::new(failed)));
+                return Err(StaticsError::Step(failed));
             }
             continue;
         }
@@ -206,13 +207,8 @@ pub fn trace_path_with<Y: System + ?Sized>(
             newton
                 .evaluate(system, None, &place.q, place.lambda)
                 .map_err(|source| {
-                    StaticsError::Step(Box::new(FailedStep::new(
-                        system,
-                        &newton,
-                        Failure::System(source),
-                        &out.summary,
-                        place.lambda,
-                    )))
+                    let failure = Failure::System(source);
+                    StaticsError::Step(newton.fail(system, failure, &out.summary, place.lambda))
                 })?;
             let report = Step {
                 number: out.summary.steps,

@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::error::{FailedStep, StaticsError};
-use super::newton::{Failure, Newton};
+use super::error::StaticsError;
+use super::newton::Newton;
 use super::{Iteration, NewtonOptions, Step};
+use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
@@ -163,12 +164,12 @@ pub fn solve_statics_with<Y: System + ?Sized>(
             Err(failure) => {
                 summary.rejected += 1;
                 fresh = false;
-                let failed = FailedStep::new(system, &newton, failure, &summary, t);
+                let failed = newton.fail(system, failure, &summary, t);
                 q.copy_from_slice(&start);
                 system.change_charts(summary.t, q, &mut [], &mut []);
                 dt = 0.5 * (t - summary.t);
                 if dt.abs() < options.min_step.abs() || dt == 0.0 {
-                    return Err(StaticsError::Step(Box::new(failed)));
+                    return Err(StaticsError::Step(failed));
                 }
             }
         }

@@ -11,8 +11,9 @@ mod error;
 mod load_steps;
 mod newton;
 
+pub use crate::failure::{Along, Cause, FailedStep};
 pub use arc_length::{ArcLengthOptions, Event, PathSummary, trace_path, trace_path_with};
-pub use error::{Cause, StaticsError};
+pub use error::StaticsError;
 pub use load_steps::{StaticOptions, Summary, solve_statics, solve_statics_with};
 
 /// Newton's method: when to stop and how far to go.

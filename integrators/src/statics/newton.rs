@@ -18,8 +18,9 @@
 
 #![allow(non_snake_case)]
 
-use super::{Iteration, NewtonOptions};
-use crate::linear_solver::{LinearError, LinearSolver};
+use super::{Iteration, NewtonOptions, Summary};
+use crate::failure::{Along, FailedStep, Failure, Wreck};
+use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -38,16 +39,6 @@ impl Condition<'_> {
             .sum();
         self.ds - along - self.c_lambda * (lambda - self.lambda0)
     }
-}
-
-/// Why an iteration did not converge.
-#[derive(Debug)]
-pub(super) enum Failure {
-    System(SystemError),
-    Linear(LinearError),
-    /// No damping made the correction smaller.
-    Diverged,
-    TooManyIterations,
 }
 
 /// Buffers and history of an iteration, made once per analysis.
@@ -125,6 +116,25 @@ impl Newton {
             None => system.evaluate(rest(lambda, q), out),
             Some((t, from)) => system.evaluate_from(rest(t, from), rest(lambda, q), out),
         }
+    }
+
+    /// The report on a step to `to` that failed.
+    pub(super) fn fail<Y: System + ?Sized>(
+        &self,
+        system: &Y,
+        failure: Failure,
+        summary: &Summary,
+        to: f64,
+    ) -> Box<FailedStep> {
+        let wreck = Wreck {
+            failure,
+            r: &self.r,
+            S: &self.S,
+            history: &self.history,
+        };
+        let (along, span) = (Along::Load, [summary.t, to]);
+        let (steps, rejected) = (summary.steps, summary.rejected);
+        Box::new(FailedStep::new(system, wreck, along, span, steps, rejected))
     }
 
     pub(super) fn factorise(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {

@@ -1,0 +1,78 @@
+//! Why an integration in time failed.
+
+use crate::failure::FailedStep;
+use crate::linear_solver::LinearError;
+use pullback_manifold::system::SystemError;
+
+/// Why an integration in time failed.
+#[derive(Debug, thiserror::Error)]
+pub enum DynamicsError {
+    /// A parameter of a scheme outside its range.
+    #[error("{name} = {value} is outside its range [{from:.6}, {to:.6}]")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Smallest value allowed.
+        from: f64,
+        /// Largest value allowed.
+        to: f64,
+    },
+    /// An option that makes no sense.
+    #[error("option {name} = {value} is not usable: {wanted}")]
+    Option {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is.
+        wanted: &'static str,
+    },
+    /// Initial values of the wrong number, or not finite.
+    #[error("initial {what}: {problem}")]
+    Initial {
+        /// Coordinates or velocities.
+        what: &'static str,
+        /// What is wrong with them.
+        problem: String,
+    },
+    /// The structure of the equations could not be analysed.
+    #[error("the linear solver cannot take this model: {source}")]
+    Analysis {
+        /// Its reason.
+        source: LinearError,
+    },
+    /// The system cannot be evaluated at a converged state.
+    #[error("at time {t:.6}: {source}")]
+    System {
+        /// Time.
+        t: f64,
+        /// Why.
+        source: SystemError,
+    },
+    /// No accelerations satisfy the equations of motion.
+    #[error(
+        "no consistent accelerations at time {t:.6}: {source}{}; give these coordinates mass or \
+         stiffness, or hold them",
+        names(mechanism)
+    )]
+    Accelerations {
+        /// Time.
+        t: f64,
+        /// The solver's reason.
+        source: LinearError,
+        /// Coordinates without mass, largest component first.
+        mechanism: Vec<(String, f64)>,
+    },
+    /// A step failed down to the smallest step size.
+    #[error("{0}")]
+    Step(Box<FailedStep>),
+}
+
+fn names(mechanism: &[(String, f64)]) -> String {
+    mechanism
+        .iter()
+        .map(|(name, entry)| format!("\n    {name} ({entry:+.3})"))
+        .collect()
+}

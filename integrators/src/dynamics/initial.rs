@@ -1,0 +1,95 @@
+//! Consistent initial accelerations: M q̈ = r(t, q, q̇, 0).
+
+#![allow(non_snake_case)]
+
+use super::{DynamicsError, State};
+use crate::failure::mechanism;
+use crate::linear_solver::LinearSolver;
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+/// A state with given coordinates and velocities; accelerations are found when a run begins.
+///
+/// # Errors
+/// [`DynamicsError::Initial`] when a vector has not the system's dimension or is not finite. An
+/// empty vector stands for zeros.
+pub fn start<Y: System + ?Sized>(
+    system: &Y,
+    t: f64,
+    q: &[f64],
+    v: &[f64],
+) -> Result<State, DynamicsError> {
+    let n = system.pattern().dim();
+    let take = |what: &'static str, x: &[f64]| {
+        let problem = if x.is_empty() {
+            return Ok(vec![0.0; n]);
+        } else if x.len() != n {
+            format!("{} given where the system has {n} coordinates", x.len())
+        } else if let Some(i) = x.iter().position(|x| !x.is_finite()) {
+            format!("{} is {}", system.name(i), x[i])
+        } else {
+            return Ok(x.to_vec());
+        };
+        Err(DynamicsError::Initial { what, problem })
+    };
+    if !t.is_finite() {
+        return Err(DynamicsError::Initial {
+            what: "time",
+            problem: format!("is {t}"),
+        });
+    }
+    Ok(State {
+        t,
+        q: take("coordinates", q)?,
+        v: take("velocities", v)?,
+        a: Vec::new(),
+        algorithmic: Vec::new(),
+    })
+}
+
+/// Fills the accelerations of a state, true and algorithmic, from the equations of motion.
+///
+/// The residual is linear in q̈, so one linear solution suffices. Coordinates without mass make
+/// that system singular: they are found with M + h C + h² K instead, h the step that will be made,
+/// which leaves them in balance with the forces on them to the accuracy of a first step.
+pub(super) fn accelerate<Y: System + ?Sized>(
+    system: &mut Y,
+    solver: &mut dyn LinearSolver,
+    state: &mut State,
+    h: f64,
+    [r, S]: [&mut [f64]; 2],
+) -> Result<(), DynamicsError> {
+    let n = state.q.len();
+    state.a.clear();
+    state.a.resize(n, 0.0);
+    let t = state.t;
+    let mut refused = None;
+    for (C, K) in [(0.0, 0.0), (h, h * h)] {
+        let at = Point {
+            t,
+            q: &state.q,
+            v: &state.v,
+            a: &state.a,
+        };
+        let out = Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S);
+        system
+            .evaluate(at, out)
+            .map_err(|source| DynamicsError::System { t, source })?;
+        let solved = solver.factorise(S).and_then(|()| solver.solve(r));
+        match solved {
+            Ok(()) => {
+                state.a.copy_from_slice(r);
+                state.algorithmic.clone_from(&state.a);
+                return Ok(());
+            }
+            Err(error) => refused = Some(error),
+        }
+    }
+    match refused {
+        None => Ok(()),
+        Some(source) => Err(DynamicsError::Accelerations {
+            t,
+            source,
+            mechanism: mechanism(system, S),
+        }),
+    }
+}

@@ -1,0 +1,66 @@
+//! Integration in time of any [`System`](pullback_manifold::system::System): Newmark, HHT, WBZ and
+//! generalised-α by one step routine.
+//!
+//! A step reads as verbs: predict, evaluate, solve, correct, accept. All variables live in one
+//! vector space per chart, so the schemes apply to q directly; after an accepted step the system
+//! may change its charts, which takes q, q̇, q̈ and the algorithmic acceleration along.
+
+#![allow(non_snake_case)]
+
+mod error;
+mod initial;
+mod run;
+mod scheme;
+mod step;
+
+pub use error::DynamicsError;
+pub use initial::start;
+pub use run::{
+    Adaptivity, DynamicOptions, EnergyBalance, Progress, StepReport, Summary, integrate,
+    integrate_with,
+};
+pub use scheme::Scheme;
+pub use step::{Predictor, Tangent};
+
+/// A state of motion: what a scheme carries from step to step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time.
+    pub t: f64,
+    /// Coordinates in their charts.
+    pub q: Vec<f64>,
+    /// Velocities q̇.
+    pub v: Vec<f64>,
+    /// Accelerations q̈, those of the equations of motion.
+    pub a: Vec<f64>,
+    /// Algorithmic accelerations; equal to q̈ for Newmark's scheme.
+    pub algorithmic: Vec<f64>,
+}
+
+/// Newton's method inside a step: when to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Residual relative to the largest force (moment) of the step at which it has converged:
+    /// applied, reaction, or out of balance after the prediction.
+    pub relative: f64,
+    /// Absolute floor of the same test, in units of force (moment).
+    pub absolute: f64,
+    /// Iterations per step at most.
+    pub max_iterations: usize,
+    /// How often the tangent is factorised.
+    pub tangent: Tangent,
+    /// Where the iteration begins.
+    pub predictor: Predictor,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            relative: 1e-9,
+            absolute: 1e-12,
+            max_iterations: 15,
+            tangent: Tangent::default(),
+            predictor: Predictor::default(),
+        }
+    }
+}

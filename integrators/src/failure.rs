@@ -1,0 +1,202 @@
+//! A step that failed, with everything needed to understand it: where, why, and what is worst.
+
+#![allow(non_snake_case)]
+
+use crate::linear_solver::{LinearError, null_vector};
+use crate::statics::Iteration;
+use pullback_manifold::system::{Kind, System, SystemError};
+use std::fmt;
+
+/// What a step advances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// The load parameter of statics.
+    Load,
+    /// Time.
+    Time,
+}
+
+/// The cause of a failed step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cause {
+    /// The system cannot be evaluated there.
+    System(SystemError),
+    /// The tangent is singular or the linear solver failed.
+    Linear {
+        /// The solver's words.
+        error: LinearError,
+        /// Names and entries of the mechanism found, largest first.
+        mechanism: Vec<(String, f64)>,
+    },
+    /// Corrections grow whatever the damping.
+    Diverged,
+    /// Not converged within the iterations allowed.
+    TooManyIterations,
+}
+
+/// A step that failed: where, how far it came, and which coordinate was worst.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailedStep {
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// What the step advances.
+    pub along: Along,
+    /// Its value at the last converged step.
+    pub from: f64,
+    /// Its value that was attempted.
+    pub to: f64,
+    /// Why.
+    pub cause: Cause,
+    /// Iterations of the last attempt.
+    pub history: Vec<Iteration>,
+    /// Per kind: name of the coordinate with the largest residual, and that residual.
+    pub worst: Vec<(Kind, String, f64)>,
+    /// Failed attempts so far.
+    pub rejected: usize,
+}
+
+/// Why an iteration did not converge.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    System(SystemError),
+    Linear(LinearError),
+    /// No damping made the correction smaller.
+    Diverged,
+    TooManyIterations,
+}
+
+/// What an iteration left behind when it failed.
+pub(crate) struct Wreck<'a> {
+    pub failure: Failure,
+    pub r: &'a [f64],
+    pub S: &'a [f64],
+    pub history: &'a [Iteration],
+}
+
+impl FailedStep {
+    /// Names what failed. `steps` and `rejected` are those before this attempt.
+    pub(crate) fn new<Y: System + ?Sized>(
+        system: &Y,
+        wreck: Wreck<'_>,
+        along: Along,
+        [from, to]: [f64; 2],
+        steps: usize,
+        rejected: usize,
+    ) -> Self {
+        let cause = match wreck.failure {
+            Failure::System(error) => Cause::System(error),
+            Failure::Diverged => Cause::Diverged,
+            Failure::TooManyIterations => Cause::TooManyIterations,
+            Failure::Linear(error) => Cause::Linear {
+                error,
+                mechanism: mechanism(system, wreck.S),
+            },
+        };
+        let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
+        for (i, r) in wreck.r.iter().enumerate() {
+            let entry = &mut worst[system.kind(i).index()];
+            if entry.is_none_or(|(_, largest)| r.abs() > largest) {
+                *entry = Some((i, r.abs()));
+            }
+        }
+        Self {
+            step: steps + 1,
+            along,
+            from,
+            to,
+            cause,
+            history: wreck.history.to_vec(),
+            worst: Kind::ALL
+                .into_iter()
+                .filter_map(|kind| {
+                    let (i, r) = worst[kind.index()].filter(|w| w.1 > 0.0)?;
+                    Some((kind, system.name(i), r))
+                })
+                .collect(),
+            rejected,
+        }
+    }
+}
+
+/// The largest components of the null vector, by name.
+pub(crate) fn mechanism<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<(String, f64)> {
+    let Some(null) = null_vector(system.pattern(), values) else {
+        return Vec::new();
+    };
+    let mut order: Vec<usize> = (0..null.vector.len()).collect();
+    order.sort_by(|&a, &b| null.vector[b].abs().total_cmp(&null.vector[a].abs()));
+    order
+        .into_iter()
+        .take(4)
+        .filter(|&i| null.vector[i].abs() > 1e-3)
+        .map(|i| (system.name(i), null.vector[i]))
+        .collect()
+}
+
+impl fmt::Display for FailedStep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "step {} failed between {} {:.6} (converged) and {:.6} after {} rejected attempts: ",
+            self.step,
+            match self.along {
+                Along::Load => "load parameter",
+                Along::Time => "time",
+            },
+            self.from,
+            self.to,
+            self.rejected
+        )?;
+        match &self.cause {
+            Cause::System(error) => write!(f, "{error}")?,
+            Cause::Linear { error, mechanism } => {
+                write!(f, "the tangent cannot be solved with: {error}")?;
+                if !mechanism.is_empty() {
+                    write!(f, "\n  what moves without resistance:")?;
+                    for (name, entry) in mechanism {
+                        write!(f, "\n    {name} ({entry:+.3})")?;
+                    }
+                    f.write_str(match self.along {
+                        Along::Load => {
+                            "\n  support it, or follow the path with arc-length control if this is a limit point"
+                        }
+                        Along::Time => "\n  give it mass or stiffness, or hold it",
+                    })?;
+                }
+            }
+            Cause::Diverged => f.write_str(match self.along {
+                Along::Load => {
+                    "Newton's corrections grow however they are damped; a limit point may lie ahead \
+                     (try arc-length control), or the load is too large"
+                }
+                Along::Time => "Newton's corrections grow; take smaller steps",
+            })?,
+            Cause::TooManyIterations => write!(
+                f,
+                "Newton's method did not converge in {} iterations",
+                self.history.len().saturating_sub(1)
+            )?,
+        }
+        for (kind, name, residual) in &self.worst {
+            write!(
+                f,
+                "\n  largest {} out of balance: {residual:.3e} at {name}",
+                kind.conjugate()
+            )?;
+        }
+        if !self.history.is_empty() {
+            write!(
+                f,
+                "\n  iteration  force residual  moment residual  over tolerance  correction  damping"
+            )?;
+            for (k, i) in self.history.iter().enumerate() {
+                write!(
+                    f,
+                    "\n  {:9}  {:14.3e}  {:15.3e}  {:14.3e}  {:10.3e}  {:7.3}",
+                    k, i.residual[0], i.residual[1], i.ratio, i.correction, i.damping
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
