@@ -20,14 +20,10 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::ElementError;
+use crate::element::{EDGE, ElementError};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
-use std::f64::consts::TAU;
-
-/// Rotations beyond this angle are refused: T, and with it the mass matrix, is singular at 2π.
-const EDGE: f64 = TAU - 1e-3;
 
 /// Mass m, first moment S and inertia J about a frame's point; those of a body, or per unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 //! - [`element::Element`] is the one trait for whatever contributes to the residual: beams, loads,
 //!   and what users write. One evaluation fills residual and tangents in place.
 //! - [`beam`] is Reissner's geometrically exact beam with total rotation vectors, two to four
-//!   nodes; [`body`] has rigid bodies and point masses, [`inertia`] the kernel they share with it.
+//!   nodes; [`body`] has rigid bodies and point masses, [`inertia`] the kernel they share with it;
+//!   [`spring`] has springs, dampers and bushings.
 //! - [`load`] has nodal and distributed loads with exact tangents; [`time`] their functions.
 //! - [`model`] collects nodes, elements, loads and supports, checks them, numbers the unknowns and
 //!   assembles them into a [`System`](pullback_manifold::system::System).
@@ -24,4 +25,5 @@ pub mod element;
 pub mod inertia;
 pub mod load;
 pub mod model;
+pub mod spring;
 pub mod time;

@@ -5,6 +5,8 @@
 use super::BodyError;
 use crate::element::{Element, ElementError, Motion, Response};
 use crate::inertia::{Inertia, PointMotion};
+use crate::load::EccentricForce;
+use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 /// How far a principal moment may fall below zero, relative to the largest: round-off.
@@ -21,6 +23,8 @@ const FLAT: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
     inertia: Inertia,
+    /// Centre of mass seen from the node, material components.
+    center: Vector3<f64>,
 }
 
 impl RigidBody {
@@ -54,13 +58,21 @@ impl RigidBody {
         if mass == 0.0 && symmetric == Matrix3::zeros() {
             return Err(BodyError::Massless);
         }
-        Ok(Self { inertia })
+        Ok(Self { inertia, center })
     }
 
     /// Mass, first moment and inertia about the node.
     #[must_use]
     pub fn inertia(&self) -> &Inertia {
         &self.inertia
+    }
+
+    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load for the
+    /// same node, the force m g at the centre of mass.
+    #[must_use]
+    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> EccentricForce {
+        let force = Vector3::from(g) * self.inertia.m;
+        EccentricForce::boxed(force.into(), self.center.into(), amplitude)
     }
 
     /// Kinetic energy; zero in statics.
