@@ -1,16 +1,11 @@
-//! Springs, dampers and bushings; forces on one coordinate and beside a node.
+//! Springs, dampers and bushings: laws, equilibrium, moving observers, numbers.
 
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
-use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
-use pullback_elements::load::{CoordinateForce, EccentricForce};
-use pullback_elements::spring::{
-    AxialSpring, Bushing, CoordinateLaw, CoordinateSpring, SpringError,
-};
-use pullback_elements::time::{Constant, Sine};
+use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_manifold::check::Random;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
@@ -18,15 +13,6 @@ use pullback_manifold::so3;
 use std::f64::consts::{PI, TAU};
 
 type Vector12 = SVector<f64, 12>;
-
-fn sine() -> Sine {
-    Sine {
-        amplitude: 1.7,
-        omega: 2.3,
-        phase: 0.4,
-        offset: 0.9,
-    }
-}
 
 fn places() -> [Vector3<f64>; 2] {
     [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
@@ -96,17 +82,6 @@ fn springs_obey_the_laws_of_elements() {
         x0: 0.3,
     };
     check::element(&CoordinateSpring::new(law).unwrap()).assert();
-}
-
-#[test]
-fn loads_obey_the_laws_of_elements() {
-    check::element(&CoordinateForce::new(sine())).assert();
-    check::element(&EccentricForce::new(
-        [0.8, -1.4, 2.2],
-        [0.4, 0.9, -0.3],
-        sine(),
-    ))
-    .assert();
 }
 
 /// Says that it dissipates what it does not.
@@ -367,185 +342,4 @@ fn a_coordinate_spring_is_its_law() {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     assert_eq!(residual(&spring, &[1.0], &[]).unwrap()[0], 0.0);
-}
-
-#[test]
-fn a_motor_turns_its_coordinate() {
-    let motor = CoordinateForce::new(Constant(2.5));
-    assert!(motor.is_load());
-    assert_eq!(residual(&motor, &[0.4], &[]).unwrap()[0], 2.5);
-    assert_eq!(motor.energy(&moving(&[0.4], &[])), -1.0);
-}
-
-#[test]
-fn weights_act_at_the_centre_of_mass() {
-    let g = [0.0, 0.0, -9.81];
-    let c = Vector3::new(0.3, -0.5, 0.8);
-    let body = RigidBody::new(2.0, Matrix3::identity(), c).unwrap();
-    let weight = body.weight(g, Box::new(Constant(1.0)));
-    assert!(weight.is_load());
-    let x = [0.1, 0.2, 0.3, 0.5, 1.1, -0.9];
-    let r = residual(&weight, &x, &[]).unwrap();
-    let [force, moment] = spatial(&x, r.as_slice());
-    let n = Vector3::from(g) * 2.0;
-    let arm = so3::rotation(&Vector3::new(0.5, 1.1, -0.9)) * c;
-    assert!((force - n).norm() < 1e-14);
-    assert!((moment - arm.cross(&n)).norm() < 1e-13);
-    // m g times the height the centre of mass gains.
-    let height = 0.3 + (arm - c).z;
-    assert!((weight.energy(&moving(&x, &[])) - 2.0 * 9.81 * height).abs() < 1e-13);
-    // A free body in the field falls with g and does not begin to turn: r = weight − M a = 0.
-    let mut turning = DVector::zeros(6);
-    let mut out = Response {
-        r: turning.as_mut_slice(),
-        K: None,
-        C: None,
-        M: None,
-        r_t: None,
-    };
-    let at = Motion {
-        t: 0.0,
-        x: &x,
-        v: &[0.0; 6],
-        a: &[0.0, 0.0, -9.81, 0.0, 0.0, 0.0],
-    };
-    body.evaluate(&at, &mut out).unwrap();
-    assert!((turning + r).amax() < 1e-13);
-    let mass = PointMass::new(2.0).unwrap();
-    let r = residual(&mass.weight(g, Box::new(Constant(0.5))), &x, &[]).unwrap();
-    assert_eq!(r.as_slice(), [0.0, 0.0, -9.81, 0.0, 0.0, 0.0]);
-}
-
-#[test]
-fn impossible_springs_are_refused_with_their_reason() {
-    let message = |r: Result<AxialSpring, SpringError>| r.unwrap_err().to_string();
-    let ends = places();
-    assert_eq!(
-        message(AxialSpring::new(&ends, -1.0, 0.0)),
-        "the stiffness k must be zero or positive, got -1"
-    );
-    assert_eq!(
-        message(AxialSpring::new(&ends, 1.0, f64::NAN)),
-        "the damping c must be finite, got NaN"
-    );
-    assert_eq!(
-        message(AxialSpring::new(&ends, 0.0, 0.0)),
-        "a spring needs stiffness or damping, both are zero"
-    );
-    assert_eq!(
-        message(AxialSpring::new(&[ends[0]; 2], 1.0, 0.0)),
-        "the ends of a spring along a line must be apart, both are at [0.2, -0.3, 0.5]"
-    );
-    assert_eq!(
-        message(AxialSpring::new(&[Vector3::zeros(); 2], 1.0, 0.0)),
-        "the ends of a spring along a line must be apart, both are at [0.0, 0.0, 0.0]"
-    );
-    assert_eq!(
-        message(AxialSpring::new(
-            &[Vector3::new(0.0, f64::INFINITY, 0.0), ends[1]],
-            1.0,
-            0.0
-        )),
-        "a place must be finite, got inf"
-    );
-    assert_eq!(
-        message(
-            AxialSpring::new(&ends, 1.0, 0.0)
-                .unwrap()
-                .with_rest_length(-0.1)
-        ),
-        "the rest length must be zero or positive, got -0.1"
-    );
-    let coordinate = |law| CoordinateSpring::new(law).unwrap_err().to_string();
-    let zero = CoordinateLaw::default();
-    assert_eq!(
-        coordinate(zero),
-        "a spring needs stiffness or damping, both are zero"
-    );
-    for (law, expected) in [
-        (
-            CoordinateLaw { c: -2.0, ..zero },
-            "the damping c must be zero or positive, got -2",
-        ),
-        (
-            CoordinateLaw {
-                k: f64::NAN,
-                ..zero
-            },
-            "the stiffness k must be finite, got NaN",
-        ),
-        (
-            CoordinateLaw {
-                k3: f64::INFINITY,
-                ..zero
-            },
-            "the cubic stiffness k3 must be finite, got inf",
-        ),
-        (
-            CoordinateLaw {
-                x0: f64::NAN,
-                ..zero
-            },
-            "the coordinate x0 must be finite, got NaN",
-        ),
-    ] {
-        assert_eq!(coordinate(law), expected);
-    }
-}
-
-#[test]
-fn impossible_bushings_are_refused_with_their_reason() {
-    let (none, one) = (Matrix6::zeros(), Matrix6::identity());
-    let refused = |axes: &Matrix3<f64>, K: &Matrix6<f64>, D: &Matrix6<f64>| {
-        Bushing::new(&places(), axes, K, D).unwrap_err()
-    };
-    let I = Matrix3::identity();
-    assert_eq!(refused(&I, &none, &none), SpringError::Nothing);
-    let mut skewed = one;
-    skewed[(1, 4)] = 0.5;
-    let error = refused(&I, &skewed, &none);
-    assert_eq!(
-        error.to_string(),
-        "the stiffness K must be symmetric, but entries (2, 5) and (5, 2) are 0.5 and 0"
-    );
-    skewed[(4, 1)] = 0.5;
-    assert!(Bushing::new(&places(), &I, &one, &skewed).is_ok());
-    for c in [1.5, -1.5] {
-        skewed[(1, 4)] = c;
-        skewed[(4, 1)] = c;
-        assert_eq!(
-            refused(&I, &one, &skewed).to_string(),
-            "the damping D must be positive semidefinite; the diagonal is \
-             [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]"
-        );
-    }
-    let mut negative = one;
-    negative[(3, 3)] = -1.0;
-    assert!(matches!(
-        refused(&I, &negative, &none),
-        SpringError::NotPositiveSemidefinite { .. }
-    ));
-    negative[(3, 3)] = f64::NAN;
-    assert!(matches!(
-        refused(&I, &negative, &none),
-        SpringError::NotFinite { .. }
-    ));
-    for axes in [I * 1.1, -I, I * f64::NAN] {
-        let error = refused(&axes, &one, &none);
-        assert!(matches!(error, SpringError::Axes { .. }), "{error}");
-        assert!(
-            error
-                .to_string()
-                .contains("must be the columns of a rotation")
-        );
-    }
-    // A place at infinity.
-    let far = [Vector3::zeros(), Vector3::new(f64::NAN, 0.0, 0.0)];
-    assert_eq!(
-        Bushing::new(&far, &I, &one, &none).unwrap_err().to_string(),
-        "a place must be finite, got NaN"
-    );
-    // Zero rows are directions without stiffness, in any units.
-    let K = Matrix6::from_diagonal(&Vector6::new(1e9, 0.0, 1e9, 1e-6, 0.0, 0.0));
-    assert!(Bushing::new(&places(), &axes(), &K, &none).is_ok());
 }

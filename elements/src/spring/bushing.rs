@@ -2,12 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use super::relative::Relative;
 use super::{SpringError, finite};
 use crate::element::{EDGE, Element, ElementError, Motion, Response};
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
-use pullback_manifold::map::Map;
-use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 
 /// A spring and damper in all six relative displacements y = (u, θ) of two frame nodes; dim 12.
 ///
@@ -32,26 +30,6 @@ pub struct Bushing {
     /// K and D in global components of the reference configuration.
     K: Matrix6<f64>,
     D: Matrix6<f64>,
-}
-
-/// The map (x₁, x₂) → (u, θ).
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Relative {
-    u0: Vector3<f64>,
-}
-
-impl Map<12, 6> for Relative {
-    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 12>) -> SVector<S, 6> {
-        let triple = |i: usize| Vector3::new(q[i], q[i + 1], q[i + 2]);
-        let (first, second) = (triple(3), triple(9));
-        let u0 = self.u0.map(S::constant);
-        let u = so3::rotation(&first).tr_mul(&(triple(6) - triple(0) + u0)) - u0;
-        let turn = so3::quaternion(&first)
-            .conjugate()
-            .product(&so3::quaternion(&second));
-        let theta = so3::log_quaternion(&turn);
-        SVector::<S, 6>::new(u.x, u.y, u.z, theta.x, theta.y, theta.z)
-    }
 }
 
 impl Bushing {
@@ -101,14 +79,6 @@ impl Bushing {
             D: rotated(D),
         })
     }
-
-    /// y and B = ∂y/∂x.
-    fn relative(&self, at: &Motion<'_>) -> (Vector6<f64>, SMatrix<f64, 6, 12>) {
-        let tangent = self
-            .relative
-            .tangent(at.t, &SVector::from_column_slice(at.x));
-        (tangent.x, tangent.B)
-    }
 }
 
 /// Finite, symmetric and positive semidefinite.
@@ -156,34 +126,34 @@ impl Element for Bushing {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        let (y, B) = self.relative(at);
-        let psi = y.fixed_rows::<3>(3).norm();
+        let here = self.relative.at(at.x);
+        let psi = here.y.fixed_rows::<3>(3).norm();
         if psi.is_nan() || psi > EDGE {
             return Err(ElementError::OutsideChart { psi });
         }
-        let mut f = self.K * y;
-        let moving = !at.v.is_empty() && self.D != Matrix6::zeros();
-        let v = if moving {
-            SVector::<f64, 12>::from_column_slice(at.v)
-        } else {
-            SVector::zeros()
-        };
-        if moving {
-            f += self.D * (B * v);
+        let B = here.B();
+        let mut f = self.K * here.y;
+        // Velocities, ẏ = B ẋ, where they matter.
+        let moving = (!at.v.is_empty() && self.D != Matrix6::zeros()).then(|| {
+            let v = SVector::<f64, 12>::from_column_slice(at.v);
+            (v, B * v)
+        });
+        if let Some((_, y_dot)) = &moving {
+            f += self.D * y_dot;
         }
-        for (r, f) in out.r.iter_mut().zip((B.tr_mul(&f)).iter()) {
+        for (r, f) in out.r.iter_mut().zip(B.tr_mul(&f).iter()) {
             *r -= f;
         }
         if out.K.is_some() {
-            let x = SVector::<f64, 12>::from_column_slice(at.x);
-            // [M04] (183) for a spring in y: Bᵀ(K B + D Ḃ) + K_σ(f), here with f = −r of the spring.
+            // [M04] (183) with −f in the place of r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
-            if moving {
-                let still = SVector::zeros();
-                stress += self.D * self.relative.kinematics(at.t, &x, &v, &still).B_dot;
+            if let Some((v, y_dot)) = &moving {
+                stress += self.D * here.B_dot(v, y_dot);
             }
-            let K = B.tr_mul(&stress) + self.relative.geometric_stiffness(at.t, &x, &f);
-            add(out.K.as_deref_mut(), &K);
+            add(
+                out.K.as_deref_mut(),
+                &(B.tr_mul(&stress) + here.K_sigma(&f)),
+            );
         }
         if out.C.is_some() {
             add(out.C.as_deref_mut(), &B.tr_mul(&(self.D * B)));
@@ -192,9 +162,7 @@ impl Element for Bushing {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        let y = self
-            .relative
-            .phi(at.t, &SVector::<f64, 12>::from_column_slice(at.x));
+        let y = self.relative.at(at.x).y;
         0.5 * y.dot(&(self.K * y))
     }
 
@@ -202,8 +170,7 @@ impl Element for Bushing {
         if at.v.is_empty() {
             return 0.0;
         }
-        let (_, B) = self.relative(at);
-        let y_dot = B * SVector::<f64, 12>::from_column_slice(at.v);
+        let y_dot = self.relative.at(at.x).B() * SVector::<f64, 12>::from_column_slice(at.v);
         y_dot.dot(&(self.D * y_dot))
     }
 }

@@ -5,6 +5,7 @@
 mod axial;
 mod bushing;
 mod coordinate;
+mod relative;
 
 pub use axial::AxialSpring;
 pub use bushing::Bushing;
