@@ -17,8 +17,8 @@ use pullback_manifold::check::{Forces, Random, Report, State, forces_at, states}
 /// Checks every law of an element at every place within its domain.
 ///
 /// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
-/// derivative of the energy where there is one; and that neither the residual nor a tangent depends
-/// on what else is asked for.
+/// derivative of the energy where there is one; the power of its velocities where it dissipates; and
+/// that neither the residual nor a tangent depends on what else is asked for.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let states = states(n);
@@ -38,9 +38,15 @@ pub fn element(element: &dyn Element) -> Report {
             Some(f)
         },
     );
+    let dissipative = states
+        .iter()
+        .any(|(_, s)| element.dissipation(&motion(s)) != 0.0);
     let mut random = Random::default();
     for (at, state) in &states {
         if let Some(all) = evaluate(element, state, Ask::All) {
+            if dissipative {
+                dissipation(&mut report, element, at, state, &all);
+            }
             requests(&mut report, element, at, state, &all);
             iterates(&mut report, element, at, state, &all, &mut random);
         }
@@ -138,6 +144,34 @@ fn requests(report: &mut Report, element: &dyn Element, at: &str, s: &State, all
                 (&f.r - &all.r).norm() + (&f.K - &all.K).norm()
             }),
             1e-14 * size,
+        );
+    }
+}
+
+/// Damping takes the power it says, and never gives any.
+///
+/// Without inertia, what the velocities change in the force is damping: its power at ẋ is the
+/// dissipation. With inertia only the sign is known, gyroscopic forces also have power.
+fn dissipation(report: &mut Report, element: &dyn Element, at: &str, s: &State, all: &Forces) {
+    let lost = element.dissipation(&motion(s));
+    report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
+    if s.is_static() {
+        report.defect("no dissipation at rest", at, lost.abs(), 0.0);
+    } else if all.M.as_ref().is_none_or(|M| M.norm() == 0.0) {
+        let n = s.x.len();
+        let rest = State {
+            v: DVector::zeros(n),
+            a: DVector::zeros(n),
+            ..s.clone()
+        };
+        let power = evaluate(element, &rest, Ask::Residual)
+            .map_or(f64::NAN, |rest| (&all.r - rest.r).dot(&s.v));
+        let size = lost + all.r.norm() * s.v.norm();
+        report.defect(
+            "power of damping = -dissipation",
+            at,
+            (power + lost).abs(),
+            1e-12 * size,
         );
     }
 }

@@ -44,7 +44,16 @@ pub enum ElementError {
         /// The rotation angle in radians.
         psi: f64,
     },
+    /// The two ends of a spring coincide.
+    #[error("its ends coincide (length {length:.3e}): its force has no direction")]
+    ZeroLength {
+        /// The distance of its ends.
+        length: f64,
+    },
 }
+
+/// Rotations beyond this angle are refused: T is singular at 2π, T⁻¹ unbounded.
+pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 
 /// Forces at one place of an element, for output.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -104,18 +104,16 @@ fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
 }
 
 impl Inertia {
-    /// Inertia of a body with the mass centre at `c` and the tensor `J` about the mass centre.
-    ///
-    /// # Errors
-    /// [`InertiaError`] for numbers that no body has.
-    pub fn about_centre(mass: f64, c: Vector3<f64>, J: Matrix3<f64>) -> Result<Self, InertiaError> {
+    /// Inertia with the mass centre at `c` and the tensor `J` about the mass centre: by the
+    /// parallel-axis theorem the tensor about the origin is J − m c~c~.
+    #[must_use]
+    pub fn about_centre(mass: f64, c: Vector3<f64>, J: Matrix3<f64>) -> Self {
         let S = c * mass;
         Self {
             mass,
             S,
             J: J - skew(&S) * skew(&c),
         }
-        .checked()
     }
 
     /// The same, checked: finite, symmetric, and possible as a distribution of mass.
@@ -170,6 +168,19 @@ impl Inertia {
             S: R0 * self.S,
             J: R0 * self.J * R0.transpose(),
         }
+    }
+
+    /// Kinetic energy at velocities ẋ (global) and Ψ̇.
+    #[must_use]
+    pub fn kinetic_energy(
+        &self,
+        x_dot: &Vector3<f64>,
+        psi: &Vector3<f64>,
+        psi_dot: &Vector3<f64>,
+    ) -> f64 {
+        let Omega = so3::tangent(psi) * psi_dot;
+        let coupling = (so3::rotation(psi) * Omega.cross(&self.S)).dot(x_dot);
+        0.5 * self.mass * x_dot.norm_squared() + coupling + 0.5 * Omega.dot(&(self.J * Omega))
     }
 
     /// Whether there is no inertia at all.

@@ -3,7 +3,9 @@
 //! - [`element::Element`] is the one trait for whatever contributes to the residual: beams, loads,
 //!   and what users write. One evaluation fills residual and tangents in place.
 //! - [`beam`] is Reissner's geometrically exact beam with total rotation vectors, two to four
-//!   nodes; [`load`] has nodal and distributed loads with exact tangents; [`time`] their functions.
+//!   nodes; [`body`] has rigid bodies and point masses, [`inertia`] the kernel they share with it;
+//!   [`spring`] has springs, dampers and bushings.
+//! - [`load`] has nodal and distributed loads with exact tangents; [`time`] their functions.
 //! - [`model`] collects nodes, elements, loads and supports, checks them, numbers the unknowns and
 //!   assembles them into a [`System`](pullback_manifold::system::System).
 //!
@@ -17,10 +19,12 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod beam;
+pub mod body;
 pub mod check;
 pub mod element;
 pub mod inertia;
 pub mod joint;
 pub mod load;
 pub mod model;
+pub mod spring;
 pub mod time;

@@ -5,9 +5,11 @@
 mod common;
 
 use common::{Coupling, Offset, coupled};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::body::RigidBody;
 use pullback_elements::load::{LineLoad, NodalLoad, Which};
 use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
+use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
@@ -42,6 +44,16 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     b.element("coupling", Coupling, &[nodes[2], slave]).unwrap();
     let load = NodalLoad::new(Which::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
     b.element("load", load, &[slave]).unwrap();
+    let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::x()).unwrap();
+    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Proportional(1.0)));
+    b.element("body", body, &[slave]).unwrap();
+    b.element("weight", weight, &[slave]).unwrap();
+    let ends = [b.place(nodes[1]), b.place(slave)];
+    let spring = AxialSpring::new(&ends, 3.0, 1.0).unwrap();
+    b.element("spring", spring, &[nodes[1], slave]).unwrap();
+    let (axes, one) = (Matrix3::identity(), Matrix6::identity());
+    let bushing = Bushing::new(&ends, &axes, &one, &one).unwrap();
+    b.element("bushing", bushing, &[nodes[1], slave]).unwrap();
     let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
     let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
     let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();

@@ -59,6 +59,7 @@ fn eccentric() -> Inertia {
         Vector3::new(0.02, 0.3, -0.2),
         Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5),
     )
+    .checked()
     .unwrap()
 }
 

@@ -7,10 +7,9 @@ use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
 use super::strain::{Law, Line, Strained};
 use super::viscous::Viscous;
-use crate::element::{Element, ElementError, Motion, Response, SectionState};
+use crate::element::{EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
-use std::f64::consts::TAU;
 
 /// Why a beam element cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -273,9 +272,6 @@ fn turn_to(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
     let v = so3::skew(&a.cross(b));
     Matrix3::identity() + v + v * v / (1.0 + a.dot(b))
 }
-
-/// Rotations beyond this angle are refused: T is singular at 2π.
-const EDGE: f64 = TAU - 1e-3;
 
 impl<const NN: usize> Element for Beam<NN> {
     fn dim(&self) -> usize {

@@ -201,6 +201,10 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
             what: name.to_owned(),
             margin: std::f64::consts::TAU - psi,
         },
+        ElementError::ZeroLength { .. } => SystemError::OutsideChart {
+            what: format!("{name}, whose ends coincide,"),
+            margin: 0.0,
+        },
     }
 }
 

@@ -1,0 +1,77 @@
+//! A mass at a node.
+
+#![allow(non_snake_case)]
+
+use super::BodyError;
+use crate::element::{Element, ElementError, Motion, Response};
+use crate::load::{NodalLoad, Which};
+use crate::time::TimeFunction;
+
+/// Mass m at the point of a frame node; dim 6.
+///
+/// It has no rotational inertia: its rows of M for Ψ are zero, so the node's rotation must be held
+/// or carried by something else that resists it (a beam, a joint, a spring). Inertia force −m d̈.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMass {
+    m: f64,
+}
+
+impl PointMass {
+    /// A mass (unit M).
+    ///
+    /// # Errors
+    /// [`BodyError`] unless it is positive and finite.
+    pub fn new(mass: f64) -> Result<Self, BodyError> {
+        if !mass.is_finite() {
+            return Err(BodyError::NotFinite {
+                quantity: "the mass",
+                value: mass,
+            });
+        }
+        if mass <= 0.0 {
+            return Err(BodyError::Mass {
+                required: "positive",
+                mass,
+            });
+        }
+        Ok(Self { m: mass })
+    }
+
+    /// Its mass.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.m
+    }
+
+    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load for the
+    /// same node.
+    #[must_use]
+    pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> NodalLoad {
+        NodalLoad::boxed(Which::DeadForce, g.map(|g| g * self.m), amplitude)
+    }
+
+    /// Kinetic energy ½ m ḋ·ḋ; zero in statics.
+    #[must_use]
+    pub fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
+        let squares = at.v.iter().take(3).map(|v| v * v);
+        0.5 * self.m * squares.sum::<f64>()
+    }
+}
+
+impl Element for PointMass {
+    fn dim(&self) -> usize {
+        6
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        for (r, a) in out.r.iter_mut().zip(at.a).take(3) {
+            *r -= self.m * a;
+        }
+        if let Some(M) = out.M.as_deref_mut() {
+            for k in 0..3 {
+                M[7 * k] += self.m;
+            }
+        }
+        Ok(())
+    }
+}

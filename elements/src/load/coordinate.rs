@@ -1,0 +1,54 @@
+//! A force on one scalar coordinate.
+
+#![allow(non_snake_case)]
+
+use crate::element::{Element, ElementError, Motion, Response};
+use crate::time::TimeFunction;
+
+/// A force or moment conjugate to one scalar coordinate (a released joint angle or a slide), given
+/// as a function of time: a motor's torque; dim 1.
+///
+/// Residual F(t), energy −F x.
+#[derive(Debug)]
+pub struct CoordinateForce {
+    force: Box<dyn TimeFunction>,
+}
+
+impl CoordinateForce {
+    /// A force that is this function of time.
+    pub fn new(force: impl TimeFunction + 'static) -> Self {
+        Self::boxed(Box::new(force))
+    }
+
+    /// As [`CoordinateForce::new`], for a function that is boxed already.
+    pub fn boxed(force: Box<dyn TimeFunction>) -> Self {
+        Self { force }
+    }
+}
+
+impl Element for CoordinateForce {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let [force, rate, _] = self.force.at(at.t);
+        out.r[0] += force;
+        if let Some(r_t) = out.r_t.as_deref_mut() {
+            r_t[0] += rate;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        -self.force.at(at.t)[0] * at.x[0]
+    }
+
+    fn is_load(&self) -> bool {
+        true
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.force.kinks()
+    }
+}

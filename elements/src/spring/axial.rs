@@ -1,0 +1,171 @@
+//! A spring and damper along the line between two nodes.
+
+#![allow(non_snake_case)]
+
+use super::{SpringError, finite, not_negative};
+use crate::element::{Element, ElementError, Motion, Response};
+use nalgebra::{Matrix3, Vector3};
+
+/// A spring and damper along the line between the points of two frame nodes; dim 12.
+///
+/// With u = x₂ − x₁ of length l and direction e, its tension is
+///
+/// ```text
+/// N = k (l − l₀) + c l̇,   l̇ = e·u̇
+/// ```
+///
+/// and its energy ½ k (l − l₀)². Rotations of the nodes do not matter; a point beside a node is a
+/// rigid link away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxialSpring {
+    /// x₂ − x₁ in the reference configuration.
+    U: Vector3<f64>,
+    k: f64,
+    c: f64,
+    rest_length: f64,
+}
+
+/// Length, direction and rates at a motion.
+struct Stretched {
+    l: f64,
+    e: Vector3<f64>,
+    /// u̇, zero in statics.
+    u_dot: Vector3<f64>,
+    /// l̇ = e·u̇.
+    l_dot: f64,
+}
+
+impl AxialSpring {
+    /// Between the nodes' reference `places` (global components, L), with stiffness k (F/L) and
+    /// damping c (F T/L); relaxed in the reference configuration.
+    ///
+    /// # Errors
+    /// [`SpringError`] for numbers that are not finite, negative k or c, both zero, or places that
+    /// coincide.
+    pub fn new(places: &[Vector3<f64>; 2], k: f64, c: f64) -> Result<Self, SpringError> {
+        not_negative("the stiffness k", k)?;
+        not_negative("the damping c", c)?;
+        if k == 0.0 && c == 0.0 {
+            return Err(SpringError::Nothing);
+        }
+        for place in places {
+            finite("a place", place.as_slice())?;
+        }
+        let U = places[1] - places[0];
+        let size = places[0].amax().max(places[1].amax());
+        if U.norm() <= 1e-12 * size {
+            return Err(SpringError::Coincide {
+                at: places[0].into(),
+            });
+        }
+        Ok(Self {
+            U,
+            k,
+            c,
+            rest_length: U.norm(),
+        })
+    }
+
+    /// The same spring with another length l₀ without force (L); zero is allowed.
+    ///
+    /// # Errors
+    /// [`SpringError`] unless it is finite and not negative.
+    pub fn with_rest_length(mut self, rest_length: f64) -> Result<Self, SpringError> {
+        not_negative("the rest length", rest_length)?;
+        self.rest_length = rest_length;
+        Ok(self)
+    }
+
+    /// Tension N at a motion, positive when it pulls (F).
+    ///
+    /// # Errors
+    /// [`ElementError::ZeroLength`] where its ends coincide.
+    pub fn tension(&self, at: &Motion<'_>) -> Result<f64, ElementError> {
+        Ok(self.force(&self.stretched(at)?))
+    }
+
+    fn force(&self, s: &Stretched) -> f64 {
+        self.k * (s.l - self.rest_length) + self.c * s.l_dot
+    }
+
+    /// u = U + d₂ − d₁.
+    fn between(&self, x: &[f64]) -> Vector3<f64> {
+        self.U + difference(x)
+    }
+
+    fn stretched(&self, at: &Motion<'_>) -> Result<Stretched, ElementError> {
+        let u = self.between(at.x);
+        let l = u.norm();
+        // Below this the direction is that of round-off.
+        if l <= 1e-12 * self.U.norm() {
+            return Err(ElementError::ZeroLength { length: l });
+        }
+        let e = u / l;
+        let u_dot = if at.v.is_empty() {
+            Vector3::zeros()
+        } else {
+            difference(at.v)
+        };
+        Ok(Stretched {
+            l,
+            e,
+            u_dot,
+            l_dot: e.dot(&u_dot),
+        })
+    }
+}
+
+/// Translations of the second node less those of the first.
+fn difference(x: &[f64]) -> Vector3<f64> {
+    Vector3::new(x[6] - x[0], x[7] - x[1], x[8] - x[2])
+}
+
+/// Adds a matrix in u to one in (d₁, d₂): [D −D; −D D].
+fn add(to: Option<&mut [f64]>, D: &Matrix3<f64>) {
+    if let Some(to) = to {
+        for c in 0..3 {
+            for r in 0..3 {
+                let d = D[(r, c)];
+                to[r + 12 * c] += d;
+                to[6 + r + 12 * c] -= d;
+                to[r + 12 * (6 + c)] -= d;
+                to[6 + r + 12 * (6 + c)] += d;
+            }
+        }
+    }
+}
+
+impl Element for AxialSpring {
+    fn dim(&self) -> usize {
+        12
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let s = self.stretched(at)?;
+        let N = self.force(&s);
+        for k in 0..3 {
+            out.r[k] += N * s.e[k];
+            out.r[6 + k] -= N * s.e[k];
+        }
+        let along = s.e * s.e.transpose();
+        if out.K.is_some() {
+            // D_u(N e) with D_u l = e and D_u e = (I − e⊗e)/l, so that D_u l̇ = (u̇ − l̇ e)/l.
+            let l_dot_u = (s.u_dot - s.e * s.l_dot) / s.l;
+            let D = along * self.k
+                + s.e * l_dot_u.transpose() * self.c
+                + (Matrix3::identity() - along) * (N / s.l);
+            add(out.K.as_deref_mut(), &D);
+        }
+        add(out.C.as_deref_mut(), &(along * self.c));
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        0.5 * self.k * (self.between(at.x).norm() - self.rest_length).powi(2)
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        self.stretched(at)
+            .map_or(0.0, |s| self.c * s.l_dot * s.l_dot)
+    }
+}

@@ -1,0 +1,117 @@
+//! Bodies, springs and their loads in a model: the assembled tangent, changes of chart, refusals.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
+use pullback_elements::body::{PointMass, RigidBody};
+use pullback_elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback_elements::spring::{AxialSpring, Bushing};
+use pullback_elements::time::Constant;
+use pullback_manifold::check::{self, Random, State};
+use pullback_manifold::system::{Evaluation, Point, System};
+
+/// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
+fn model() -> (Model, [NodeId; 3]) {
+    let mut b = ModelBuilder::new();
+    let nodes = [
+        b.node("first", [0.0; 3]).unwrap(),
+        b.node("second", [1.0, 0.2, -0.1]).unwrap(),
+        b.node("mass", [1.5, 0.9, 0.4]).unwrap(),
+    ];
+    let [first, second, mass] = nodes;
+    let J = Matrix3::new(2.0, 0.1, 0.2, 0.1, 2.5, -0.3, 0.2, -0.3, 3.0);
+    let g = [0.0, 0.0, -9.81];
+    for (name, node, c) in [
+        ("body 1", first, Vector3::new(0.2, -0.3, 0.1)),
+        ("body 2", second, Vector3::zeros()),
+    ] {
+        let body = RigidBody::new(1.3, J, c).unwrap();
+        let weight = body.weight(g, Box::new(Constant(1.0)));
+        b.element(name, body, &[node]).unwrap();
+        b.element(format!("weight of {name}"), weight, &[node])
+            .unwrap();
+    }
+    let point = PointMass::new(0.7).unwrap();
+    b.element("point", point, &[mass]).unwrap();
+    let ends = [first, second].map(|n| b.place(n));
+    let (K, D) = (Matrix6::identity() * 4.0, Matrix6::identity() * 0.3);
+    let bushing = Bushing::new(&ends, &Matrix3::identity(), &K, &D).unwrap();
+    b.element("bushing", bushing, &[first, second]).unwrap();
+    let ends = [second, mass].map(|n| b.place(n));
+    let spring = AxialSpring::new(&ends, 5.0, 0.4).unwrap();
+    b.element("spring", spring, &[second, mass]).unwrap();
+    b.support(mass, &Dof::ROTATIONS);
+    (b.build().unwrap(), nodes)
+}
+
+#[test]
+fn their_tangents_are_exact_also_astride_a_change_of_chart() {
+    let (mut model, [first, second, _]) = model();
+    assert!(model.is_symmetric());
+    let n = model.pattern().dim();
+    let mut random = Random::new(8);
+    // The second body is beyond π and moves to the other chart, the first one stays.
+    for angles in [[0.4, 0.9], [3.0, 3.3]] {
+        let mut q = DVector::zeros(n);
+        random.fill(q.as_mut_slice());
+        for (node, angle) in [first, second].into_iter().zip(angles) {
+            let psi = Vector3::new(0.6, 0.8, 0.1).normalize() * angle;
+            for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
+                q[model.unknown(node, dof).unwrap()] = psi[i];
+            }
+        }
+        let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
+        random.fill(v.as_mut_slice());
+        random.fill(a.as_mut_slice());
+        let power = |model: &mut Model, q: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>| {
+            let mut r = vec![0.0; n];
+            let at = Point {
+                t: 0.0,
+                q: q.as_slice(),
+                v: v.as_slice(),
+                a: a.as_slice(),
+            };
+            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+            r.iter().zip(v.iter()).map(|(r, v)| r * v).sum::<f64>()
+        };
+        let before = power(&mut model, &q, &v, &a);
+        let changes = model.change_charts(
+            0.0,
+            q.as_mut_slice(),
+            v.as_mut_slice(),
+            &mut [a.as_mut_slice()],
+        );
+        assert_eq!(changes.charts, usize::from(angles[1] > 3.2));
+        // The same motion in other coordinates: the same power.
+        let after = power(&mut model, &q, &v, &a);
+        assert!((after - before).abs() < 1e-11 * before.abs().max(1.0));
+        let t = 0.0;
+        let states = [
+            ("at rest".to_owned(), State::statics(t, q.clone())),
+            ("moving".to_owned(), State { t, x: q, v, a }),
+        ];
+        check::system("bodies and springs", &mut model, &states).assert();
+    }
+}
+
+#[test]
+fn a_spring_without_length_is_named() {
+    let (mut model, [_, second, mass]) = model();
+    let n = model.pattern().dim();
+    let mut q = vec![0.0; n];
+    let gap = model.reference(second) - model.reference(mass);
+    for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
+        q[model.unknown(mass, dof).unwrap()] = gap[i];
+    }
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &[],
+        a: &[],
+    };
+    let error = model
+        .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
+        .unwrap_err();
+    let text = error.to_string();
+    assert!(text.starts_with("spring, whose ends coincide,"), "{text}");
+}
