@@ -173,7 +173,7 @@ fn supports_that_cannot_be() {
     b.support(angle, &[Dof::Y]);
     says(
         b.build(),
-        "node hinge has 1 coordinates, so there is no Y to prescribe",
+        "node hinge has 1 coordinates, so there is no number 2 to prescribe",
     );
 }
 

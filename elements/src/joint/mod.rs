@@ -81,7 +81,7 @@ impl<S: Scalar> Pose<S> {
 }
 
 /// Which of the two rotation vectors of a rotation a map gives; see
-/// [`log_quaternion`](pullback_manifold::so3::log_quaternion).
+/// [`log_quaternion`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sheet {
     /// That of the quaternion as it comes out.

@@ -58,7 +58,7 @@ impl Joint<7> for Revolute {
         }
     }
 
-    /// T_s B = [R_jᵀT_m, e] ([M04] (207)) and its two time derivatives, solved for B, Ḃ and B̈.
+    /// T_s B = [R_jᵀT_m, e] (\[M04\] (207)) and its two time derivatives, solved for B, Ḃ and B̈.
     fn kinematics(
         &self,
         sheet: Sheet,

@@ -306,7 +306,17 @@ impl ModelBuilder {
 
     /// As [`ModelBuilder::prescribe`], for a function that is boxed already.
     pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
-        self.prescribed.push((node, dof.index(), function));
+        self.prescribe_coordinate(node, dof.index(), function);
+    }
+
+    /// Prescribes coordinate `k` of any node: the angle of a revolute joint, say.
+    pub fn prescribe_coordinate(
+        &mut self,
+        node: NodeId,
+        k: usize,
+        function: Box<dyn TimeFunction>,
+    ) {
+        self.prescribed.push((node, k, function));
     }
 
     /// Checks the model, numbers its unknowns and finds the pattern.
@@ -549,7 +559,7 @@ fn resolve_prescribed(
         if dof >= node.dim {
             return Err(ModelError::NoCoordinate {
                 node: node.name.clone(),
-                dof: Dof::ALL[dof],
+                coordinate: dof + 1,
                 dim: node.dim,
             });
         }

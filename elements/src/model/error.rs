@@ -42,10 +42,10 @@ pub enum ModelError {
     },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
-    #[error("node {node} has {dim} coordinates, so there is no {dof:?} to prescribe")]
+    #[error("node {node} has {dim} coordinates, so there is no number {coordinate} to prescribe")]
     NoCoordinate {
         node: String,
-        dof: super::Dof,
+        coordinate: usize,
         dim: usize,
     },
     #[error("element {element}: {source}")]

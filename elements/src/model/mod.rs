@@ -11,6 +11,7 @@ mod dependence;
 mod error;
 mod line;
 mod local;
+mod motion;
 mod placement;
 mod query;
 mod slots;
@@ -20,7 +21,8 @@ pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use error::ModelError;
 pub use line::{Line, LineNodes};
-pub use query::{NodeState, Reaction};
+pub use motion::{NodeState, RigidMotion};
+pub use query::Reaction;
 
 use crate::element::Element;
 use crate::time::TimeFunction;

@@ -6,22 +6,9 @@ use super::builder::{ElementId, NodeId};
 use super::slots::Complement;
 use super::{Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Kind, Point, System, SystemError};
-
-/// Coordinates of one frame node at a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NodeState {
-    /// Displacement from the reference place, global components.
-    pub d: Vector3<f64>,
-    /// Rotation vector in the chart in use, global components, radians.
-    pub psi: Vector3<f64>,
-    /// Current place.
-    pub place: Vector3<f64>,
-    /// Rotation from the reference orientation.
-    pub R: Matrix3<f64>,
-}
 
 /// Force and moment with which a support acts on the structure, in global components.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,20 +84,6 @@ impl Model {
     /// [`SystemError`] when a joint is outside its domain.
     pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)
-    }
-
-    /// A frame node in the configuration last evaluated or set by [`Model::configure`].
-    pub fn node_state(&self, node: NodeId) -> NodeState {
-        let n = &self.nodes[node.0 as usize];
-        let x = &self.work.x[n.range()];
-        let d = Vector3::new(x[0], x[1], x[2]);
-        let psi = Vector3::new(x[3], x[4], x[5]);
-        NodeState {
-            d,
-            psi,
-            place: n.place + d,
-            R: so3::rotation(&psi),
-        }
     }
 
     /// Reactions of all supported frame nodes at the last evaluation of the residual.

@@ -1,0 +1,161 @@
+//! Motion of a model: initial velocities, released coordinates, forces in joints.
+
+#![allow(non_snake_case)]
+
+use super::builder::NodeId;
+use super::{Form, Model, NONE, Source};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::so3;
+
+/// Coordinates and velocities of one frame node at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeState {
+    /// Displacement from the reference place, global components.
+    pub d: Vector3<f64>,
+    /// Rotation vector in the chart in use, global components, radians.
+    pub psi: Vector3<f64>,
+    /// Current place.
+    pub place: Vector3<f64>,
+    /// Rotation from the reference orientation.
+    pub R: Matrix3<f64>,
+    /// Velocity ẋ, global components; zero in statics.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity ω = Tᵀ Ψ̇, global components; zero in statics.
+    pub omega: Vector3<f64>,
+    /// Acceleration ẍ, global components; zero in statics.
+    pub acceleration: Vector3<f64>,
+}
+
+/// A motion of a rigid body: the velocity field v + ω × (x − about).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RigidMotion {
+    /// Velocity of the point `about`, global components.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, global components.
+    pub omega: Vector3<f64>,
+    /// A point that moves with `velocity`.
+    pub about: Vector3<f64>,
+}
+
+impl Model {
+    /// A frame node in the configuration last evaluated or set by [`Model::configure`].
+    pub fn node_state(&self, node: NodeId) -> NodeState {
+        let n = &self.nodes[node.0 as usize];
+        let three = |x: &[f64], k: usize| {
+            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
+        };
+        let w = &self.work;
+        let (d, psi) = (three(&w.x, 0), three(&w.x, 3));
+        NodeState {
+            d,
+            psi,
+            place: n.place + d,
+            R: so3::rotation(&psi),
+            velocity: three(&w.v, 0),
+            omega: so3::tangent(&psi).tr_mul(&three(&w.v, 3)),
+            acceleration: three(&w.a, 0),
+        }
+    }
+
+    /// Value and rate of a coordinate of a node, in the configuration last set: the angle that a
+    /// joint releases, say. `None` where the node has no such coordinate.
+    pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 2]> {
+        let n = &self.nodes[node.0 as usize];
+        (k < n.dim).then(|| [self.work.x[n.first + k], self.work.v[n.first + k]])
+    }
+
+    /// Unknown of coordinate `k` of any node, if it is free.
+    pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
+        let n = &self.nodes[node.0 as usize];
+        let u = (k < n.dim).then(|| self.unknowns[n.first + k])?;
+        (u != NONE).then_some(u as usize)
+    }
+
+    /// Force and moment (global components) with which a joint acts on what hangs on it at a frame
+    /// node, at the last evaluation of the residual; `None` for a node that hangs on nothing.
+    pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
+        let n = &self.nodes[node.0 as usize];
+        if n.is_own() || !n.is_frame() {
+            return None;
+        }
+        let three = |x: &[f64], k: usize| {
+            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
+        };
+        let (r, psi) = (&self.work.r, three(&self.work.x, 3));
+        // The covector of a spatial moment m is T m.
+        Some([-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))])
+    }
+
+    /// Sets coordinate `k` of a node in a vector of unknowns; whether it is one.
+    pub fn set(&self, unknowns: &mut [f64], node: NodeId, k: usize, value: f64) -> bool {
+        let u = self.unknown_at(node, k);
+        if let Some(u) = u {
+            unknowns[u] = value;
+        }
+        u.is_some()
+    }
+
+    /// Writes the velocities of a rigid motion of the nodes in `nodes` (all of them if it is
+    /// `None`) into `v`, at coordinates `q`: displacements move with v + ω × (x − about), rotation
+    /// vectors with Ψ̇ = T⁻ᵀ ω. Angles that a joint releases stay at rest.
+    pub fn set_velocity(
+        &self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) {
+        for (id, n) in self.nodes.iter().enumerate() {
+            let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(id as u32)));
+            if !chosen || !n.is_own() {
+                continue;
+            }
+            let value = |c: usize| match self.unknowns[c] {
+                NONE => self.prescribed_value(c),
+                u => q[u as usize],
+            };
+            let three = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
+            let mut put = |c: usize, x: &Vector3<f64>| {
+                for (k, x) in x.iter().enumerate() {
+                    if self.unknowns[c + k] != NONE {
+                        v[self.unknowns[c + k] as usize] = *x;
+                    }
+                }
+            };
+            if n.form == Form::Frame {
+                let place = n.place + three(n.first);
+                let arm = place - motion.about;
+                put(n.first, &(motion.velocity + motion.omega.cross(&arm)));
+            }
+            if let Some(first) = n.rotation() {
+                // ω = Tᵀ Ψ̇.
+                let inverse = so3::tangent_inverse(&three(first));
+                put(first, &inverse.tr_mul(&motion.omega));
+            }
+        }
+    }
+
+    /// Value of a prescribed coordinate at the start.
+    fn prescribed_value(&self, c: usize) -> f64 {
+        let p = self.prescribed.iter().find(|p| p.coordinate == c);
+        p.map_or(0.0, |p| p.function.at(0.0)[0])
+    }
+
+    /// Coordinate nodes and rotations that joints have released, with their names.
+    pub fn released(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.form != Form::Frame)
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
+    }
+
+    /// Frame nodes that hang on joints, with their names.
+    pub fn hung(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame() && matches!(n.source, Source::Mapped(_)))
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+    }
+}
