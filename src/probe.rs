@@ -5,7 +5,7 @@
 use crate::input::Quantity;
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::{ElementId, Model, NodeId, Reaction};
+use pullback_elements::model::{Audit, ElementId, Model, NodeId, Reaction};
 use std::f64::consts::TAU;
 
 /// What a probe looks at.
@@ -15,6 +15,8 @@ pub enum Target {
     Node(NodeId, String),
     /// An element.
     Element(ElementId),
+    /// The coordinate that a joint releases.
+    Joint(NodeId),
     /// The whole model.
     Whole,
 }
@@ -48,6 +50,9 @@ pub struct Answers {
     sections: Vec<(ElementId, SectionState)>,
     reactions: Vec<Reaction>,
     strain_energy: f64,
+    load_potential: f64,
+    audit: Option<Audit>,
+    energy_defect: f64,
 }
 
 impl Answers {
@@ -57,6 +62,32 @@ impl Answers {
             sections: model.section_states(t),
             reactions: model.reactions(),
             strain_energy: model.strain_energy(t),
+            load_potential: model.load_potential(t),
+            audit: None,
+            energy_defect: 0.0,
+        }
+    }
+
+    /// The same, with what is known of a motion.
+    #[must_use]
+    pub fn moving(self, audit: Option<Audit>, energy_defect: f64) -> Self {
+        Self {
+            audit,
+            energy_defect,
+            ..self
+        }
+    }
+
+    /// A quantity of the whole model that is no vector.
+    fn whole(&self, quantity: Quantity) -> f64 {
+        let audit = self.audit.unwrap_or_default();
+        match quantity {
+            Quantity::kinetic_energy => audit.energies.kinetic,
+            Quantity::total_energy => {
+                audit.energies.kinetic + self.strain_energy + self.load_potential
+            }
+            Quantity::energy_defect => self.energy_defect,
+            _ => self.strain_energy,
         }
     }
 
@@ -108,6 +139,17 @@ impl Probe {
         &self.name
     }
 
+    /// Rotation vector at the last step, continued over changes of chart: what the next value
+    /// depends on.
+    pub fn memory(&self) -> [f64; 3] {
+        self.continued.into()
+    }
+
+    /// Goes on from a memory.
+    pub fn remember(&mut self, memory: [f64; 3]) {
+        self.continued = memory.into();
+    }
+
     /// What it records.
     pub fn quantity(&self) -> Quantity {
         self.quantity
@@ -128,13 +170,26 @@ impl Probe {
             Component::All(_) => out.extend(v.iter()),
             Component::One(k) => out.push(v[k]),
             Component::Norm => out.push(v.norm()),
-            Component::Whole => out.push(answers.strain_energy),
+            Component::Whole => out.push(match &self.target {
+                Target::Joint(node) => {
+                    let rate = usize::from(self.quantity == Quantity::joint_rate);
+                    model.coordinate(*node, 0).map_or(f64::NAN, |x| x[rate])
+                }
+                _ => answers.whole(self.quantity),
+            }),
         }
     }
 
     fn vector(&mut self, model: &Model, answers: &Answers) -> Vector3<f64> {
         match &self.target {
-            Target::Whole => Vector3::zeros(),
+            Target::Joint(_) => Vector3::zeros(),
+            Target::Whole => {
+                let momentum = answers.audit.unwrap_or_default().momentum;
+                match self.quantity {
+                    Quantity::momentum => momentum.linear,
+                    _ => momentum.angular,
+                }
+            }
             Target::Element(id) => answers.mean(*id, |s| match self.quantity {
                 Quantity::M => s.M,
                 Quantity::Gamma => s.Gamma,
@@ -153,6 +208,14 @@ impl Probe {
                     Quantity::rotation => {
                         self.continued = continue_rotation(&self.continued, &state.psi);
                         self.continued
+                    }
+                    Quantity::velocity => state.velocity,
+                    Quantity::angular_velocity => state.omega,
+                    Quantity::acceleration => state.acceleration,
+                    Quantity::joint_force | Quantity::joint_moment => {
+                        let k = usize::from(self.quantity == Quantity::joint_moment);
+                        let force = model.joint_force(*node);
+                        force.map_or_else(Vector3::zeros, |both| both[k])
                     }
                     Quantity::reaction_force => reaction(|r| r.force),
                     Quantity::reaction_moment => reaction(|r| r.moment),

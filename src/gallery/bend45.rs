@@ -116,7 +116,7 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
 
     // Load and unload.
     let mut cycle = file.clone();
-    cycle.loads[0].time = Time::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]);
+    cycle.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
     let two = StaticOptions {
         to: 2.0,
         ..StaticOptions::default()
@@ -140,7 +140,7 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
         other.force = Some([0.0, 300.0, 0.0]);
         both.loads.push(other);
         for (load, time) in both.loads.iter_mut().zip(times) {
-            load.time = time.clone();
+            load.time = Some(time.clone());
         }
         tips.push(context.build(&both, "tip")?.end(&two)?.state.d);
     }
@@ -200,7 +200,7 @@ fn energy(
             rz: ramp(0.9),
             ..Driven::default()
         });
-        file.loads[0].time = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+        file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
     }
     let mut watched = context.build(&file, "tip")?;
     let options = StaticOptions {

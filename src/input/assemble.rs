@@ -1,8 +1,9 @@
 //! The whole model: names, references, and the order in which things are made.
 
-use super::file::{ModelFile, Output};
+use super::file::{Analysis, ModelFile, Output};
+use super::initial::Start;
 use super::settings::Plan;
-use super::{InputError, Problem, Text, lines, loads, probes, sections, settings};
+use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
 use crate::probe::Probe;
 use nalgebra::Matrix3;
 use pullback_elements::model::{ElementId, Model, ModelBuilder, ModelError, NodeId};
@@ -14,6 +15,8 @@ pub struct Job {
     pub title: Option<String>,
     /// The model.
     pub model: Model,
+    /// Where a dynamic analysis starts.
+    pub start: Start,
     /// What to compute.
     pub plan: Plan,
     /// What to record.
@@ -33,6 +36,8 @@ pub struct Geometry {
     pub lines: Vec<LineGeometry>,
     /// Nodes with a support.
     pub supports: Vec<NodeId>,
+    /// Nodes with a body.
+    pub bodies: Vec<NodeId>,
 }
 
 /// A line of elements.
@@ -64,6 +69,10 @@ impl<T: Copy> Names<T> {
             order: Vec::new(),
             things: HashMap::new(),
         }
+    }
+
+    pub(super) fn knows(&self, name: &str) -> bool {
+        self.things.contains_key(name)
     }
 
     pub(super) fn add(&mut self, name: String, thing: T) {
@@ -113,7 +122,13 @@ pub(super) fn distinct<'a>(
             return Err(source.value(&path, Problem::Name { what, name }));
         }
         if !seen.insert(name) {
-            let what = if what == "line" { "lines" } else { "probes" };
+            let what = match what {
+                "line" => "lines",
+                "probe" => "probes",
+                "joint" => "joints",
+                "body" => "bodies",
+                _ => "springs",
+            };
             let name = name.to_owned();
             return Err(source.value(&path, Problem::Duplicate { what, name }));
         }
@@ -122,9 +137,10 @@ pub(super) fn distinct<'a>(
 }
 
 pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputError> {
+    let matter = file.lines.is_empty() && file.bodies.is_empty();
     for (what, missing) in [
         ("nodes", file.nodes.is_empty()),
-        ("lines", file.lines.is_empty()),
+        ("lines and no bodies", matter),
     ] {
         if missing {
             return Err(InputError::whole(Problem::Missing { what }));
@@ -136,31 +152,63 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     }
     let mut builder = ModelBuilder::new();
     let mut nodes = add_nodes(source, &mut builder, &file)?;
-    distinct(
-        source,
-        "lines",
-        "line",
-        file.lines.iter().map(|l| l.name.as_str()),
-    )?;
-    let mut geometry = Geometry::default();
-    for (k, line) in file.lines.iter().enumerate() {
-        let laid = lines::lay(source, &mut builder, &nodes, &made, k, line)?;
-        geometry.lines.push(laid);
-    }
-    for line in &geometry.lines {
-        for &node in &line.nodes[1..line.nodes.len() - 1] {
-            nodes.add(builder.node_name(node).to_owned(), node);
-        }
-    }
+    check_names(source, &file)?;
+    let parts = parts::make(source, &mut builder, &mut nodes, &made, &file)?;
+    let mut geometry = Geometry {
+        lines: parts.lines,
+        ..Geometry::default()
+    };
+    let bodies = bodies::bodies(source, &mut builder, &nodes, &file)?;
+    geometry.bodies = bodies.iter().map(|b| b.node).collect();
+    bodies::springs(source, &mut builder, &nodes, &file)?;
     geometry.supports = loads::support(source, &mut builder, &nodes, &file.supports)?;
-    loads::apply(source, &mut builder, &nodes, &geometry.lines, &made, &file)?;
+    let loaded = loads::Loaded {
+        lines: &geometry.lines,
+        bodies: &bodies,
+        sections: &made,
+    };
+    loads::apply(source, &mut builder, &nodes, &loaded, &file)?;
+    let dynamic = matches!(file.analysis, Analysis::Dynamic(_));
     let model = builder
         .build()
-        .and_then(|model| model.check_supports().map(|()| model))
+        .and_then(|model| {
+            // A free structure is a fine thing in dynamics.
+            if !dynamic {
+                model.check_supports()?;
+            }
+            Ok(model)
+        })
         .map_err(|error| locate(source, &file, error))?;
     let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
-    let probes = probes::resolve(source, &model, &nodes, &geometry, &file.probes)?;
+    if !dynamic && !file.initial.is_empty() {
+        return Err(source.value(&["initial", "0"], Problem::InitialStatics));
+    }
+    let start = initial::start(
+        source,
+        &model,
+        &nodes,
+        &parts.released,
+        &geometry.lines,
+        &file,
+    )?;
+    if let Some(k) = (file.probes.iter()).position(|p| p.quantity.is_dynamic() && !dynamic) {
+        let probe = &file.probes[k];
+        let problem = Problem::DynamicProbe {
+            probe: probe.name.clone(),
+            quantity: probe.quantity.key(),
+        };
+        return Err(source.value(&["probes", &k.to_string(), "quantity"], problem));
+    }
+    let probes = probes::resolve(
+        source,
+        &model,
+        &nodes,
+        &parts.released,
+        &geometry,
+        &file.probes,
+    )?;
     Ok(Job {
+        start,
         title: file.title.clone(),
         model,
         plan,
@@ -169,6 +217,18 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
         output: file.output,
         file,
     })
+}
+
+/// Names of lines, joints, bodies and springs: usable, and each of its own.
+fn check_names(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
+    let lines = file.lines.iter().map(|l| l.name.as_str());
+    distinct(source, "lines", "line", lines)?;
+    let bodies = file.bodies.iter().map(|b| b.name.as_str());
+    distinct(source, "bodies", "body", bodies)?;
+    let springs = file.springs.iter().map(|s| s.name.as_str());
+    distinct(source, "springs", "spring", springs)?;
+    let joints = file.joints.iter().map(|j| j.name.as_str());
+    distinct(source, "joints", "joint", joints)
 }
 
 /// Adds the nodes in the order in which the file names them.

@@ -3,7 +3,9 @@
 use super::suggest::closest;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use pullback_elements::beam::SectionError;
+use pullback_elements::body::BodyError;
 use pullback_elements::model::ModelError;
+use pullback_elements::spring::SpringError;
 use pullback_elements::time::TimeFunctionError;
 use std::fmt;
 use std::ops::Range;
@@ -112,6 +114,54 @@ pub enum Problem {
     FollowerGravity,
     #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
     NoMass { line: String, section: String },
+    #[error("gravity finds nothing that has mass")]
+    WeightlessModel,
+    #[error("body \"{body}\": {source}")]
+    Body { body: String, source: BodyError },
+    #[error("spring {spring}: {source}")]
+    Spring { spring: String, source: SpringError },
+    #[error("spring \"{spring}\" must be either one along a line or a bushing")]
+    SpringKind { spring: String },
+    #[error("joint \"{joint}\": a joint of type {kind} needs {key}")]
+    JointNeeds {
+        joint: String,
+        kind: &'static str,
+        key: &'static str,
+    },
+    #[error("joint \"{joint}\": a joint of type {kind} has no use for {key}")]
+    JointKey {
+        joint: String,
+        kind: &'static str,
+        key: &'static str,
+    },
+    #[error("joint \"{joint}\" is driven, so {key} has no effect")]
+    DrivenJoint { joint: String, key: &'static str },
+    #[error(
+        "joint \"{joint}\" cannot slide along line \"{line}\": lines must have elements of order 1 \
+         (this one has {order}) and begin where the one before ends"
+    )]
+    SlideLine {
+        joint: String,
+        line: String,
+        order: usize,
+    },
+    #[error("lines and joints wait for each other's nodes: {}", names.join(", "))]
+    Cycle { names: Vec<String> },
+    #[error("{key} is for a single node")]
+    InitialNode { key: &'static str },
+    #[error("an initial condition has either {first} or {second}")]
+    InitialTwice {
+        first: &'static str,
+        second: &'static str,
+    },
+    #[error("this initial condition says nothing")]
+    InitialNothing,
+    #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
+    InitialHeld { node: String, key: &'static str },
+    #[error("initial conditions belong to a dynamic analysis")]
+    InitialStatics,
+    #[error("{message}")]
+    Scheme { message: String },
     #[error("{source}")]
     Time { source: TimeFunctionError },
     #[error("the probe \"{probe}\" records {quantity}, which needs {needs}")]
@@ -128,6 +178,13 @@ pub enum Problem {
     },
     #[error("node \"{node}\" has no support, so it has no reaction")]
     NoReaction { node: String },
+    #[error("node \"{node}\" hangs on no joint")]
+    NoJoint { node: String },
+    #[error("the probe \"{probe}\" records {quantity}, which is zero in statics")]
+    DynamicProbe {
+        probe: String,
+        quantity: &'static str,
+    },
     #[error("steps already says how large each step is; {key} contradicts it")]
     StepsTwice { key: &'static str },
     #[error("{0}")]
@@ -174,10 +231,10 @@ impl Problem {
             Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
                 return Some(format!("expected {expected}"));
             }
-            Self::Empty => "describe at least [sections], [nodes] and [[lines]]",
+            Self::Empty => "describe at least [nodes] and [[lines]] or [[bodies]]",
             Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",
             Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
-            Self::Missing { .. } => "add at least one [[lines]] between two nodes",
+            Self::Missing { .. } => "add at least one of [[lines]], [[bodies]]",
             Self::Duplicate { .. } => "give each its own name",
             Self::Name { .. } => {
                 "names must not be empty and must not contain `/`, `:`, quotes, commas or line \
@@ -197,6 +254,17 @@ impl Problem {
             }
             Self::NoMass { .. } => "add mass = { A_rho = ... } or a material with rho",
             Self::NoReaction { .. } => "probe a node that has a support",
+            Self::NoJoint { .. } => "probe the node that bears the joint's name",
+            Self::DynamicProbe { .. } => "add [analysis.dynamic], or remove the probe",
+            Self::SpringKind { .. } => {
+                "give stiffness, damping (and rest_length), or bushing = { stiffness = [...] }"
+            }
+            Self::WeightlessModel => "add bodies, or sections with mass",
+            Self::InitialNode { .. } => "name the node",
+            Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
+            Self::InitialHeld { .. } => "remove it, or free the node",
+            Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
+            Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
             _ => return None,
         };
         Some(fixed.to_owned())

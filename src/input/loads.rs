@@ -3,7 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::assemble::{LineGeometry, Names};
-use super::file::{Load, ModelFile, Support, Time};
+use super::bodies::{Matter, Placed};
+use super::file::{Analysis, Load, ModelFile, Support, Time};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
@@ -59,7 +60,7 @@ pub(super) fn support(
     Ok(supported)
 }
 
-fn function(
+pub(super) fn function(
     source: &Text<'_>,
     path: &[&str],
     time: &Time,
@@ -68,20 +69,35 @@ fn function(
         .map_err(|error| source.value(path, Problem::Time { source: error }))
 }
 
+/// What loads act on, besides nodes.
+pub(super) struct Loaded<'a> {
+    pub lines: &'a [LineGeometry],
+    pub bodies: &'a [Placed],
+    pub sections: &'a BTreeMap<String, Section>,
+}
+
 /// Adds the loads.
 pub(super) fn apply(
     source: &Text<'_>,
     builder: &mut ModelBuilder,
     nodes: &Names<NodeId>,
-    lines: &[LineGeometry],
-    sections: &BTreeMap<String, Section>,
+    &Loaded {
+        lines,
+        bodies,
+        sections,
+    }: &Loaded<'_>,
     file: &ModelFile,
 ) -> Result<(), InputError> {
+    let usual = match file.analysis {
+        Analysis::Dynamic(_) => Time::Constant(1.0),
+        _ => Time::Proportional(1.0),
+    };
     for (k, load) in file.loads.iter().enumerate() {
         let index = k.to_string();
         let whole = ["loads", index.as_str()];
         let path = |key: &'static str| ["loads", index.as_str(), key];
-        let amplitude = || function(source, &path("time"), &load.time);
+        let time = load.time.as_ref().unwrap_or(&usual);
+        let amplitude = || function(source, &path("time"), time);
         let model_error = |error| source.value(&whole, Problem::Model(error));
         match which(source, &path, &whole, load)? {
             Kind::Node(which, vector, name) => {
@@ -120,6 +136,10 @@ pub(super) fn apply(
                     }
                     let name = &file.lines[l].section;
                     let A_rho = sections.get(name).map_or(0.0, |s| s.inertia.mass);
+                    if A_rho == 0.0 && only.is_none() && !bodies.is_empty() {
+                        // The bodies are heavy, these lines are not.
+                        continue;
+                    }
                     if A_rho == 0.0 {
                         let problem = Problem::NoMass {
                             line: line.name.clone(),
@@ -141,6 +161,20 @@ pub(super) fn apply(
                         )?;
                         builder.element(element, load, nodes).map_err(model_error)?;
                     }
+                }
+                for (b, body) in bodies.iter().enumerate().filter(|_| only.is_none()) {
+                    let element = format!("load {}: weight of {}", k + 1, file.bodies[b].name);
+                    match &body.matter {
+                        Matter::Point(mass) => {
+                            let weight = mass.weight(g, amplitude()?);
+                            builder.element(element, weight, &[body.node])
+                        }
+                        Matter::Rigid(rigid) => {
+                            let weight = rigid.weight(g, amplitude()?);
+                            builder.element(element, weight, &[body.node])
+                        }
+                    }
+                    .map_err(model_error)?;
                 }
             }
         }

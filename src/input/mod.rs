@@ -4,11 +4,15 @@
 //! right.
 
 mod assemble;
+mod bodies;
 mod error;
 mod file;
+mod initial;
+mod joints;
 mod lines;
 mod loads;
 mod locate;
+mod parts;
 mod probes;
 mod sections;
 mod settings;
@@ -17,8 +21,9 @@ mod suggest;
 pub use assemble::{Geometry, Job, LineGeometry};
 pub use error::{InputError, Problem};
 pub use file::*;
+pub use initial::Start;
 pub use locate::LARGEST;
-pub use settings::Plan;
+pub use settings::{DynamicPlan, Plan};
 
 use locate::Locator;
 use pullback_elements::model::Model;

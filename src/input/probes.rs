@@ -10,6 +10,7 @@ pub(super) fn resolve(
     source: &Text<'_>,
     model: &Model,
     nodes: &Names<NodeId>,
+    released: &Names<NodeId>,
     geometry: &Geometry,
     described: &[Described],
 ) -> Result<Vec<Probe>, InputError> {
@@ -28,15 +29,28 @@ pub(super) fn resolve(
     described
         .iter()
         .enumerate()
-        .map(|(k, probe)| one(source, model, nodes, &elements, k, probe))
+        .map(|(k, probe)| {
+            let names = Known {
+                nodes,
+                released,
+                elements: &elements,
+            };
+            one(source, model, &names, k, probe)
+        })
         .collect()
+}
+
+/// What probes may refer to.
+struct Known<'a> {
+    nodes: &'a Names<NodeId>,
+    released: &'a Names<NodeId>,
+    elements: &'a Names<ElementId>,
 }
 
 fn one(
     source: &Text<'_>,
     model: &Model,
-    nodes: &Names<NodeId>,
-    elements: &Names<ElementId>,
+    names: &Known<'_>,
     k: usize,
     probe: &Described,
 ) -> Result<Probe, InputError> {
@@ -52,9 +66,9 @@ fn one(
         };
         source.value(&path("quantity"), problem)
     };
-    let target = match (needs, &probe.node, &probe.element) {
-        (Quantity::NODE, Some(name), None) => {
-            let node = nodes.find(source, &path("node"), name)?;
+    let target = match (needs, &probe.node, &probe.element, &probe.joint) {
+        (Quantity::NODE, Some(name), None, None) => {
+            let node = names.nodes.find(source, &path("node"), name)?;
             let reaction = matches!(
                 quantity,
                 Quantity::reaction_force | Quantity::reaction_moment
@@ -63,23 +77,34 @@ fn one(
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }
+            let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
+            if joint && !model.hung().any(|(hung, _)| hung == node) {
+                let node = name.clone();
+                return Err(source.value(&path("node"), Problem::NoJoint { node }));
+            }
             Target::Node(node, name.clone())
         }
-        (Quantity::ELEMENT, None, Some(name)) => {
-            Target::Element(elements.find(source, &path("element"), name)?)
+        (Quantity::ELEMENT, None, Some(name), None) => {
+            Target::Element(names.elements.find(source, &path("element"), name)?)
         }
-        (Quantity::NOTHING, None, None) => Target::Whole,
+        (Quantity::JOINT, None, None, Some(name)) => {
+            Target::Joint(names.released.find(source, &path("joint"), name)?)
+        }
+        (Quantity::NOTHING | Quantity::SPACE, None, None, None) => Target::Whole,
         _ => return Err(wrong_target()),
     };
     let (names, expected): ([&str; 3], _) = match target {
-        Target::Whole => ([""; 3], "no component"),
+        Target::Whole if needs == Quantity::SPACE => {
+            (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\"")
+        }
+        Target::Whole | Target::Joint(_) => ([""; 3], "no component"),
         Target::Node(..) => (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\""),
         Target::Element(_) => (["1", "2", "3"], "\"1\", \"2\", \"3\" or \"norm\""),
     };
     let component = match probe.component.as_deref() {
-        None if matches!(target, Target::Whole) => Some(Component::Whole),
+        None if names[0].is_empty() => Some(Component::Whole),
         None => Some(Component::All(names)),
-        Some(_) if matches!(target, Target::Whole) => None,
+        Some(_) if names[0].is_empty() => None,
         Some("norm") => Some(Component::Norm),
         Some(given) => (0..3).find(|&i| names[i] == given).map(Component::One),
     };
@@ -97,7 +122,9 @@ fn one(
 impl Quantity {
     const NODE: &'static str = "a node (and no element)";
     const ELEMENT: &'static str = "an element such as \"line:1\" (and no node)";
+    const JOINT: &'static str = "a joint (and neither node nor element)";
     const NOTHING: &'static str = "neither node nor element";
+    const SPACE: &'static str = "neither node nor element nor joint";
 
     /// What a probe of it refers to.
     fn needs(self) -> &'static str {
@@ -106,10 +133,20 @@ impl Quantity {
             | Self::position
             | Self::rotation
             | Self::chart_rotation
+            | Self::velocity
+            | Self::angular_velocity
+            | Self::acceleration
+            | Self::joint_force
+            | Self::joint_moment
             | Self::reaction_force
             | Self::reaction_moment => Self::NODE,
             Self::N | Self::M | Self::Gamma | Self::K => Self::ELEMENT,
-            Self::strain_energy => Self::NOTHING,
+            Self::joint_coordinate | Self::joint_rate => Self::JOINT,
+            Self::momentum | Self::angular_momentum => Self::SPACE,
+            Self::strain_energy
+            | Self::kinetic_energy
+            | Self::total_energy
+            | Self::energy_defect => Self::NOTHING,
         }
     }
 
@@ -120,6 +157,13 @@ impl Quantity {
             Self::position => "position",
             Self::rotation => "rotation",
             Self::chart_rotation => "chart_rotation",
+            Self::velocity => "velocity",
+            Self::angular_velocity => "angular_velocity",
+            Self::acceleration => "acceleration",
+            Self::joint_coordinate => "joint_coordinate",
+            Self::joint_rate => "joint_rate",
+            Self::joint_force => "joint_force",
+            Self::joint_moment => "joint_moment",
             Self::reaction_force => "reaction_force",
             Self::reaction_moment => "reaction_moment",
             Self::N => "N",
@@ -127,6 +171,11 @@ impl Quantity {
             Self::Gamma => "Gamma",
             Self::K => "K",
             Self::strain_energy => "strain_energy",
+            Self::kinetic_energy => "kinetic_energy",
+            Self::total_energy => "total_energy",
+            Self::energy_defect => "energy_defect",
+            Self::momentum => "momentum",
+            Self::angular_momentum => "angular_momentum",
         }
     }
 
@@ -137,6 +186,13 @@ impl Quantity {
             Self::position => "place x",
             Self::rotation => "rotation vector Ψ [rad]",
             Self::chart_rotation => "rotation vector Ψ in its chart [rad]",
+            Self::velocity => "velocity",
+            Self::angular_velocity => "angular velocity ω",
+            Self::acceleration => "acceleration",
+            Self::joint_coordinate => "joint coordinate",
+            Self::joint_rate => "rate of joint coordinate",
+            Self::joint_force => "force in joint",
+            Self::joint_moment => "moment in joint",
             Self::reaction_force => "reaction force",
             Self::reaction_moment => "reaction moment",
             Self::N => "forces N",
@@ -144,6 +200,35 @@ impl Quantity {
             Self::Gamma => "strains Γ",
             Self::K => "curvatures K",
             Self::strain_energy => "strain energy",
+            Self::kinetic_energy => "kinetic energy",
+            Self::total_energy => "total energy",
+            Self::energy_defect => "energy defect",
+            Self::momentum => "linear momentum",
+            Self::angular_momentum => "angular momentum",
         }
+    }
+
+    /// Whether it is asked of a motion.
+    pub fn is_dynamic(self) -> bool {
+        matches!(
+            self,
+            Self::velocity
+                | Self::angular_velocity
+                | Self::acceleration
+                | Self::joint_rate
+                | Self::kinetic_energy
+                | Self::total_energy
+                | Self::energy_defect
+                | Self::momentum
+                | Self::angular_momentum
+        )
+    }
+
+    /// Whether momenta and kinetic energy of the whole model must be known for it.
+    pub fn needs_audit(self) -> bool {
+        matches!(
+            self,
+            Self::kinetic_energy | Self::total_energy | Self::momentum | Self::angular_momentum
+        )
     }
 }

@@ -2,8 +2,9 @@
 
 use super::file::Section as Described;
 use super::{InputError, Problem, Text};
-use nalgebra::{Matrix3, Matrix6};
-use pullback_elements::beam::{Material, Section};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::beam::{Damping, Material, Section};
+use pullback_elements::inertia::Inertia;
 
 pub(super) fn section(
     source: &Text<'_>,
@@ -66,6 +67,21 @@ pub(super) fn section(
             source: error,
         })
     })?;
+    let made = match described.damping {
+        None => made,
+        Some(d) => made
+            .with_damping(Damping {
+                mass: d.mass,
+                stiffness: d.stiffness,
+            })
+            .map_err(|error| {
+                let problem = Problem::Section {
+                    section: name.to_owned(),
+                    source: error,
+                };
+                source.value(&["sections", name, "damping"], problem)
+            })?,
+    };
     let Some(mass) = described.mass else {
         return Ok(made);
     };
@@ -85,5 +101,16 @@ pub(super) fn section(
             return Err(source.value(&["sections", name, "mass"], problem));
         }
     }
-    Ok(made.with_mass(mass.A_rho, Matrix3::from_diagonal(&mass.J.into())))
+    let J = Matrix3::from_diagonal(&mass.J.into());
+    let Some([c2, c3]) = mass.center else {
+        return Ok(made.with_mass(mass.A_rho, J));
+    };
+    let inertia = Inertia::about_centre(mass.A_rho, Vector3::new(0.0, c2, c3), J);
+    made.with_inertia(inertia).map_err(|error| {
+        let problem = Problem::Section {
+            section: name.to_owned(),
+            source: error,
+        };
+        source.value(&["sections", name, "mass"], problem)
+    })
 }

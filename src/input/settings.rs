@@ -1,9 +1,13 @@
 //! The analysis of the file as options of the solver.
 
 use super::assemble::Names;
-use super::file::{Analysis, ArcLength, Direction, NewtonSettings, Static, Stop};
+use super::file::{
+    Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Scheme, Static, Stop,
+    TangentRule,
+};
 use super::{InputError, Problem, Text, positive};
 use pullback_elements::model::{Model, NodeId};
+use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
 use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
 
 /// What the solver is asked to do.
@@ -13,6 +17,19 @@ pub enum Plan {
     Static(StaticOptions),
     /// Path following, with a name for each of its events.
     Path(ArcLengthOptions, Vec<String>),
+    /// Motion in time.
+    Dynamic(DynamicPlan),
+}
+
+/// A motion in time, and how often it is written.
+#[derive(Clone, Copy, Debug)]
+pub struct DynamicPlan {
+    /// What the integrator is asked to do.
+    pub options: DynamicOptions,
+    /// A row every this many steps.
+    pub record_every: usize,
+    /// A checkpoint every this many steps; 0 for one at the end only.
+    pub checkpoint_every: usize,
 }
 
 impl Plan {
@@ -21,14 +38,15 @@ impl Plan {
         match self {
             Self::Static(options) => options.from,
             Self::Path(options, _) => options.from,
+            Self::Dynamic(_) => 0.0,
         }
     }
 
-    /// Newton's method.
-    pub fn newton(&self) -> &NewtonOptions {
+    /// What the steps advance, for messages and axes.
+    pub fn parameter(&self) -> &'static str {
         match self {
-            Self::Static(options) => &options.newton,
-            Self::Path(options, _) => &options.newton,
+            Self::Dynamic(_) => "time",
+            _ => "load parameter",
         }
     }
 }
@@ -42,7 +60,95 @@ pub(super) fn plan(
     match analysis {
         Analysis::Static(s) => load_steps(source, s).map(Plan::Static),
         Analysis::ArcLength(a) => path(source, model, nodes, a),
+        Analysis::Dynamic(d) => dynamic(source, d).map(Plan::Dynamic),
     }
+}
+
+fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
+    let at = |key: &'static str| ["analysis", "dynamic", key];
+    let adaptive = |key: &'static str| ["analysis", "dynamic", "adaptive", key];
+    let newton = |key: &'static str| ["analysis", "dynamic", "newton", key];
+    let min_step = d.min_step.unwrap_or(1e-6 * d.step);
+    for (key, value) in [("to", d.to), ("step", d.step), ("min_step", min_step)] {
+        positive(source, &at(key), key, value)?;
+    }
+    for (key, value) in [
+        ("relative", d.newton.relative),
+        ("absolute", d.newton.absolute),
+        ("max_iterations", d.newton.max_iterations as f64),
+    ] {
+        positive(source, &newton(key), key, value)?;
+    }
+    positive(
+        source,
+        &at("record_every"),
+        "record_every",
+        d.record_every as f64,
+    )?;
+    let adaptivity = match d.adaptive {
+        None => None,
+        Some(a) => {
+            let max_step = a.max_step.unwrap_or(100.0 * d.step);
+            for (key, value) in [("tolerance", a.tolerance), ("max_step", max_step)] {
+                positive(source, &adaptive(key), key, value)?;
+            }
+            let tolerance = a.tolerance;
+            Some(Adaptivity {
+                tolerance,
+                max_step,
+            })
+        }
+    };
+    if d.step > d.to || min_step > d.step {
+        let problem = Problem::Range {
+            key: "step",
+            value: d.step,
+            expected: "a step between min_step and to",
+        };
+        return Err(source.value(&at("step"), problem));
+    }
+    // A run has at most as many steps as a user would wait for.
+    if d.adaptive.is_none() && d.to / d.step > 1e9 {
+        let problem = Problem::Range {
+            key: "step",
+            value: d.step,
+            expected: "at most 1e9 steps",
+        };
+        return Err(source.value(&at("step"), problem));
+    }
+    let scheme = match d.scheme {
+        Scheme::Newmark([beta, gamma]) => integrator::Scheme::newmark(beta, gamma),
+        Scheme::Hht(alpha) => integrator::Scheme::hht(alpha),
+        Scheme::Wbz(rho) => integrator::Scheme::wbz(rho),
+        Scheme::GeneralisedAlpha(rho) => integrator::Scheme::chung_hulbert(rho),
+    };
+    let scheme = scheme.map_err(|error| {
+        let message = error.to_string();
+        source.value(&at("scheme"), Problem::Scheme { message })
+    })?;
+    Ok(DynamicPlan {
+        options: DynamicOptions {
+            min_step,
+            scheme,
+            adaptivity,
+            newton: integrator::NewtonOptions {
+                relative: d.newton.relative,
+                absolute: d.newton.absolute,
+                max_iterations: d.newton.max_iterations,
+                tangent: match d.newton.tangent {
+                    TangentRule::Every => integrator::Tangent::Every,
+                    TangentRule::Once => integrator::Tangent::Once,
+                },
+                predictor: match d.newton.predictor {
+                    Predictor::Velocity => integrator::Predictor::Velocity,
+                    Predictor::Keep => integrator::Predictor::Keep,
+                },
+            },
+            ..DynamicOptions::new(d.to, d.step)
+        },
+        record_every: d.record_every,
+        checkpoint_every: d.checkpoint_every,
+    })
 }
 
 fn newton(

@@ -12,6 +12,8 @@ pub enum Analysis {
     Static(Static),
     /// Path following with control of the arc length, through limit points of the load.
     ArcLength(ArcLength),
+    /// Motion in time.
+    Dynamic(Dynamic),
 }
 
 impl Default for Analysis {
@@ -143,6 +145,122 @@ pub struct Coordinate {
     pub dof: DofName,
     /// The value.
     pub value: f64,
+}
+
+/// Motion in time from the initial conditions. Steps are equal between kinks of prescribed
+/// functions, where they end exactly; a step that fails is halved, and the size grows back.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dynamic {
+    /// Time at the end; it starts at 0.
+    pub to: f64,
+    /// Step size.
+    pub step: f64,
+    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step`
+    /// by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_step: Option<f64>,
+    /// Integration scheme.
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// Step sizes by an estimate of the local error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
+    /// A row of the history every this many steps.
+    #[serde(default = "one")]
+    #[schemars(range(min = 1))]
+    pub record_every: usize,
+    /// A checkpoint to resume from every this many steps; 0 writes one at the end only.
+    #[serde(default)]
+    pub checkpoint_every: usize,
+    /// Newton's method.
+    #[serde(default)]
+    pub newton: DynamicNewton,
+}
+
+fn one() -> usize {
+    1
+}
+
+/// A scheme of the generalised-alpha family, all of order two except Newmark's with gamma > 1/2.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Scheme {
+    /// Newmark's with [beta, gamma]; [0.25, 0.5] is the trapezoidal rule.
+    Newmark([f64; 2]),
+    /// Hilber, Hughes and Taylor's with alpha in [-1/3, 0].
+    Hht(f64),
+    /// Wood, Bossak and Zienkiewicz's with the spectral radius at infinity in [0, 1].
+    Wbz(f64),
+    /// Chung and Hulbert's with the spectral radius at infinity in [0, 1].
+    GeneralisedAlpha(f64),
+}
+
+impl Default for Scheme {
+    fn default() -> Self {
+        Self::Newmark([0.25, 0.5])
+    }
+}
+
+/// Adaptive step sizes.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Adaptive {
+    /// Local error of a step allowed, relative to the size of the model (and to one radian).
+    pub tolerance: f64,
+    /// Largest step; a hundred times `step` by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_step: Option<f64>,
+}
+
+/// Newton's method inside a time step.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DynamicNewton {
+    /// Residual relative to the largest forces (moments) of the step.
+    pub relative: f64,
+    /// Absolute floor of the same test, in units of force (moment).
+    pub absolute: f64,
+    /// Most iterations per step.
+    #[schemars(range(min = 1))]
+    pub max_iterations: usize,
+    /// How often the tangent is factorised.
+    pub tangent: TangentRule,
+    /// Where the iteration begins.
+    pub predictor: Predictor,
+}
+
+impl Default for DynamicNewton {
+    fn default() -> Self {
+        let d = pullback_integrators::dynamics::NewtonOptions::default();
+        Self {
+            relative: d.relative,
+            absolute: d.absolute,
+            max_iterations: d.max_iterations,
+            tangent: TangentRule::Every,
+            predictor: Predictor::Velocity,
+        }
+    }
+}
+
+/// How often the tangent is factorised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum TangentRule {
+    /// In every iteration.
+    Every,
+    /// Once in each step.
+    Once,
+}
+
+/// Where Newton's iteration of a step begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Predictor {
+    /// At the coordinates that the velocities lead to.
+    Velocity,
+    /// At the old coordinates.
+    Keep,
 }
 
 /// When a Newton iteration has converged, and when it has failed.

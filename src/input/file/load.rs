@@ -50,7 +50,7 @@ pub struct Support {
     /// (x, y, z), or "rotation" (rx, ry, rz).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fix: Option<Fix>,
-    /// Coordinates that follow a given function of the load parameter.
+    /// Coordinates that follow a given function of the load parameter, or of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Driven>,
 }
@@ -92,7 +92,7 @@ impl Fix {
     }
 }
 
-/// Coordinates of a node as functions of the load parameter. The rotation is a rotation vector:
+/// Coordinates of a node as functions of the load parameter, or of time. The rotation is a rotation vector:
 /// with one component driven and the other two fixed it is an angle, any number of turns.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -129,7 +129,7 @@ impl Driven {
 }
 
 /// A load: exactly one of `force` or `moment` on a `node`, `force_per_length` on a `line`, or
-/// `gravity` on all lines (or on one `line`).
+/// `gravity` on all lines and bodies (or on one `line`).
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
@@ -148,14 +148,16 @@ pub struct Load {
     /// Force per reference length of the line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_per_length: Option<[f64; 3]>,
-    /// Acceleration of gravity: a force per length of Aρ times it.
+    /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Whether the load turns with the node or the cross-sections; otherwise its direction is
     /// fixed in space.
     #[serde(default)]
     pub follower: bool,
-    /// Factor as a function of the load parameter; `{ proportional = 1 }` by default.
-    #[serde(default)]
-    pub time: Time,
+    /// Factor as a function of the load parameter or time; by default it grows in proportion to the
+    /// load parameter in statics (`{ proportional = 1 }`), and is constant in dynamics
+    /// (`{ constant = 1 }`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<Time>,
 }

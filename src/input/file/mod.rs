@@ -3,6 +3,9 @@
 //! Their documentation is what the JSON Schema says about each key, so it speaks to the user.
 
 mod analysis;
+mod body;
+mod initial;
+mod joint;
 mod line;
 mod load;
 mod probe;
@@ -10,20 +13,24 @@ mod section;
 mod time;
 
 pub use analysis::{
-    Analysis, ArcLength, Coordinate, Direction, NewtonSettings, Output, Static, Stop,
+    Adaptive, Analysis, ArcLength, Coordinate, Direction, Dynamic, DynamicNewton, NewtonSettings,
+    Output, Predictor, Scheme, Static, Stop, TangentRule,
 };
+pub use body::{Body, Bushing, Six, Spring, Tensor};
+pub use initial::Initial;
+pub use joint::{Joint, JointKind, JointSpring};
 pub use line::{Arc, Line};
 pub use load::{DofName, Driven, Fix, Load, Support};
 pub use probe::{Probe, Quantity};
-pub use section::{Circle, Mass, Material, Rectangle, Section, Stiffness, Tube};
+pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
 pub use time::{Hat, Ramp, Sine, Time};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A model for `pullback run`: nodes, lines of beam elements between them, supports, loads, the
-/// analysis and what to record. Consistent units are the user's business; vectors are in global
+/// A model for `pullback run`: nodes, lines of beam elements between them, bodies, joints, springs,
+/// supports, loads, the analysis and what to record. Consistent units are the user's business; vectors are in global
 /// components (e1, e2, e3), angles in radians unless a key ends in `_deg`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -42,12 +49,24 @@ pub struct ModelFile {
     /// Lines of beam elements between nodes.
     #[serde(default)]
     pub lines: Vec<Line>,
+    /// Rigid bodies and point masses.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<Body>,
+    /// Joints, and rigid links.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<Joint>,
+    /// Springs and dampers between nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<Spring>,
     /// Supports: coordinates of nodes that are held or driven.
     #[serde(default)]
     pub supports: Vec<Support>,
     /// Loads on nodes and lines.
     #[serde(default)]
     pub loads: Vec<Load>,
+    /// Initial conditions of a dynamic analysis; at rest in the reference configuration by default.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub initial: Vec<Initial>,
     /// What to compute; load stepping from 0 to 1 with automatic steps when absent.
     #[serde(default)]
     pub analysis: Analysis,

@@ -12,10 +12,13 @@ pub struct Probe {
     pub name: String,
     /// What is recorded.
     pub quantity: Quantity,
-    /// Node, for displacement, position, rotation, chart_rotation, reaction_force and
-    /// reaction_moment.
+    /// Node, for displacement, position, rotation, chart_rotation, velocity, angular_velocity,
+    /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
+    /// Joint, for joint_coordinate and joint_rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
     /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element: Option<String>,
@@ -37,6 +40,20 @@ pub enum Quantity {
     rotation,
     /// Rotation vector Ψ of a node in the chart in use; jumps by a turn where the chart changes.
     chart_rotation,
+    /// Velocity of a node.
+    velocity,
+    /// Angular velocity of a node, global components.
+    angular_velocity,
+    /// Acceleration of a node.
+    acceleration,
+    /// Angle that a revolute joint has released (radians, any number of turns), or way of a slide.
+    joint_coordinate,
+    /// Its rate.
+    joint_rate,
+    /// Force with which a joint acts on the node that hangs on it.
+    joint_force,
+    /// Moment with which a joint acts on the node that hangs on it.
+    joint_moment,
     /// Force with which the support of a node acts on the structure.
     reaction_force,
     /// Moment with which the support of a node acts on the structure.
@@ -51,4 +68,15 @@ pub enum Quantity {
     K,
     /// Strain energy of the structure.
     strain_energy,
+    /// Kinetic energy.
+    kinetic_energy,
+    /// Kinetic energy, strain energy and potential of the loads that have one.
+    total_energy,
+    /// Energy that is there without having been supplied by loads and supports: the error of the
+    /// integration.
+    energy_defect,
+    /// Linear momentum of everything that has mass.
+    momentum,
+    /// Angular momentum about the origin of everything that has mass.
+    angular_momentum,
 }

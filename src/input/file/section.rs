@@ -29,9 +29,23 @@ pub struct Section {
     /// Material of a rectangle, circle or tube.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
-    /// Mass per length; overrides what material and shape give. Needed for gravity only.
+    /// Mass per length; overrides what material and shape give. Needed for gravity and dynamics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
+    /// Viscous damping of a dynamic analysis; none by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
+}
+
+/// Rayleigh's damping.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Damping {
+    /// Factor of the mass: a drag against the absolute velocity, in 1/time.
+    pub mass: f64,
+    /// Factor of the stiffness: stresses in proportion to the rates of strain (Kelvin and Voigt),
+    /// in units of time.
+    pub stiffness: f64,
 }
 
 /// Diagonal section law: N = diag(EA, GA₂, GA₃) Γ, M = diag(GJ, EI₂, EI₃) K.
@@ -95,7 +109,10 @@ pub struct Material {
 pub struct Mass {
     /// Mass per length Aρ.
     pub A_rho: f64,
-    /// Principal inertias per length about E1, E2, E3.
+    /// Principal inertias per length about E1, E2, E3, about the mass centre.
     #[serde(default)]
     pub J: [f64; 3],
+    /// Place of the mass centre in the cross-section, along E2 and E3; on the axis by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center: Option<[f64; 2]>,
 }

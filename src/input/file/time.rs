@@ -1,11 +1,11 @@
-//! Functions of the load parameter.
+//! Functions of the load parameter, or of time.
 
 use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
 use pullback_elements::time::{TimeFunction, TimeFunctionError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A function f(t) of the load parameter: a factor for loads, the value itself for driven
+/// A function f(t) of the load parameter in statics, of time in dynamics: a factor for loads, the value itself for driven
 /// coordinates.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
@@ -69,12 +69,6 @@ pub struct Sine {
     /// Mean value.
     #[serde(default)]
     pub offset: f64,
-}
-
-impl Default for Time {
-    fn default() -> Self {
-        Self::Proportional(1.0)
-    }
 }
 
 impl Time {

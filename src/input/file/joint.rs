@@ -1,0 +1,85 @@
+//! Joints, and what acts on the coordinates they release.
+
+use super::Time;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A joint. It makes a node of its own name that hangs on the master: lines, bodies, loads and
+/// further joints may use that node like any other, but it cannot be supported.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Name of the joint and of the node that hangs on it.
+    pub name: String,
+    /// What it releases.
+    #[serde(rename = "type")]
+    pub kind: JointKind,
+    /// Node it hangs on; for a slide give `lines` instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub master: Option<String>,
+    /// Axis of a revolute joint, in global components of the reference configuration; the master
+    /// carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// Place of the node that hangs on an offset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<[f64; 3]>,
+    /// Lines of two-node elements, one after the other, that a slide runs along.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<String>,
+    /// Where a slide starts: arc length from the beginning of the first line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Spring and damper on the released angle (revolute) or way (slide).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring: Option<JointSpring>,
+    /// Moment of a motor on the angle (force on the way) as a function of time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Time>,
+    /// The angle or way itself as a function of time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driven: Option<Time>,
+    /// Rate of the angle or way at the start (dynamics).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<f64>,
+}
+
+/// What a joint releases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum JointKind {
+    /// Nothing: a rigid link to a node at another `place`.
+    Offset,
+    /// The angle about an `axis`, any number of turns.
+    Revolute,
+    /// All rotations.
+    Spherical,
+    /// The place along `lines`.
+    Slide,
+}
+
+impl JointKind {
+    /// As it is written in the file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Offset => "offset",
+            Self::Revolute => "revolute",
+            Self::Spherical => "spherical",
+            Self::Slide => "slide",
+        }
+    }
+}
+
+/// A spring and damper on one coordinate x: force −k (x − x0) − k3 (x − x0)³ − c ẋ.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct JointSpring {
+    /// Stiffness.
+    pub k: f64,
+    /// Cubic stiffness.
+    pub k3: f64,
+    /// Damping.
+    pub c: f64,
+    /// Coordinate without force.
+    pub x0: f64,
+}

@@ -1,0 +1,153 @@
+//! Initial conditions of the file as vectors of the model.
+
+use super::assemble::{LineGeometry, Names};
+use super::file::{Initial, ModelFile};
+use super::{InputError, Problem, Text};
+use nalgebra::Vector3;
+use pullback_elements::model::{Model, NodeId, RigidMotion};
+use pullback_manifold::so3;
+use pullback_manifold::system::System;
+
+/// Coordinates and velocities at the start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Velocities.
+    pub v: Vec<f64>,
+}
+
+pub(super) fn start(
+    source: &Text<'_>,
+    model: &Model,
+    nodes: &Names<NodeId>,
+    released: &Names<NodeId>,
+    lines: &[LineGeometry],
+    file: &ModelFile,
+) -> Result<Start, InputError> {
+    let n = model.pattern().dim();
+    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    for (k, initial) in file.initial.iter().enumerate() {
+        let index = k.to_string();
+        let whole = ["initial", index.as_str()];
+        let path = |key: &'static str| ["initial", index.as_str(), key];
+        check(source, &path, &whole, initial)?;
+        let node = match &initial.node {
+            Some(name) => Some(nodes.find(source, &path("node"), name)?),
+            None => None,
+        };
+        if let Some(node) = node {
+            place(source, &path, model, node, initial, &mut q)?;
+        }
+        let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
+            (Some(omega), _) => Vector3::from(omega),
+            (None, Some(body)) => {
+                let psi = initial.rotation.unwrap_or_default();
+                so3::rotation(&Vector3::from(psi)) * Vector3::from(body)
+            }
+            (None, None) => Vector3::zeros(),
+        };
+        let here = node
+            .map(|n| model.reference(n) + Vector3::from(initial.displacement.unwrap_or_default()));
+        let motion = RigidMotion {
+            velocity: initial.velocity.unwrap_or_default().into(),
+            omega,
+            about: initial
+                .about
+                .map_or_else(|| here.unwrap_or_default(), Vector3::from),
+        };
+        let chosen = match (&node, &initial.line) {
+            (Some(node), _) => Some(vec![*node]),
+            (None, None) => None,
+            (None, Some(name)) => {
+                let line = lines.iter().find(|l| l.name == *name).ok_or_else(|| {
+                    let problem = Problem::UnknownName {
+                        what: "line",
+                        name: name.clone(),
+                        known: lines.iter().map(|l| l.name.clone()).collect(),
+                    };
+                    source.value(&path("line"), problem)
+                })?;
+                Some(line.nodes.clone())
+            }
+        };
+        let moves = initial.velocity.is_some()
+            || initial.angular_velocity.is_some()
+            || initial.body_angular_velocity.is_some();
+        if moves {
+            model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+        }
+    }
+    for (k, joint) in file.joints.iter().enumerate() {
+        let Some(rate) = joint.rate else { continue };
+        let index = k.to_string();
+        let at = ["joints", index.as_str(), "rate"];
+        let coordinate = released.find(source, &at, &joint.name)?;
+        model.set(&mut v, coordinate, 0, rate);
+    }
+    Ok(Start { q, v })
+}
+
+fn check<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    whole: &[&str],
+    initial: &Initial,
+) -> Result<(), InputError> {
+    let place = [
+        ("displacement", initial.displacement.is_some()),
+        ("rotation", initial.rotation.is_some()),
+        (
+            "body_angular_velocity",
+            initial.body_angular_velocity.is_some(),
+        ),
+    ];
+    for (key, given) in place {
+        if given && initial.node.is_none() {
+            return Err(source.key(&path(key), Problem::InitialNode { key }));
+        }
+    }
+    if initial.node.is_some() && initial.line.is_some() {
+        return Err(source.key(
+            &path("line"),
+            Problem::InitialTwice {
+                first: "node",
+                second: "line",
+            },
+        ));
+    }
+    if initial.angular_velocity.is_some() && initial.body_angular_velocity.is_some() {
+        let (first, second) = ("angular_velocity", "body_angular_velocity");
+        return Err(source.key(&path(second), Problem::InitialTwice { first, second }));
+    }
+    let says = place.iter().any(|p| p.1)
+        || initial.velocity.is_some()
+        || initial.angular_velocity.is_some();
+    if !says {
+        return Err(source.value(whole, Problem::InitialNothing));
+    }
+    Ok(())
+}
+
+/// Initial displacement and rotation of a node.
+fn place<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    model: &Model,
+    node: NodeId,
+    initial: &Initial,
+    q: &mut [f64],
+) -> Result<(), InputError> {
+    for (key, first, values) in [
+        ("displacement", 0, initial.displacement),
+        ("rotation", 3, initial.rotation),
+    ] {
+        for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
+            if !model.set(q, node, first + i, value) && value != 0.0 {
+                let node = initial.node.clone().unwrap_or_default();
+                return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,141 @@
+//! Lines and joints: each needs nodes that others make, so they are made in the order in which
+//! their nodes come to be.
+
+use super::assemble::{LineGeometry, Names};
+use super::file::{Joint, JointKind, ModelFile};
+use super::{InputError, Problem, Text, joints, lines};
+use pullback_elements::beam::Section;
+use pullback_elements::model::{ModelBuilder, NodeId};
+use std::collections::BTreeMap;
+
+/// What lines and joints have made.
+pub(super) struct Parts {
+    /// Lines in the order of the file.
+    pub lines: Vec<LineGeometry>,
+    /// Nodes of released coordinates, by the name of their joint.
+    pub released: Names<NodeId>,
+}
+
+/// A part that waits for its nodes.
+#[derive(Clone, Copy)]
+enum Part {
+    Line(usize),
+    Joint(usize),
+}
+
+/// Lays all lines and makes all joints; their nodes are added to `nodes`.
+pub(super) fn make(
+    source: &Text<'_>,
+    builder: &mut ModelBuilder,
+    nodes: &mut Names<NodeId>,
+    sections: &BTreeMap<String, Section>,
+    file: &ModelFile,
+) -> Result<Parts, InputError> {
+    let mut laid: Vec<Option<LineGeometry>> = file.lines.iter().map(|_| None).collect();
+    let mut released = Names::new("joint with a released coordinate");
+    let all = (0..file.lines.len()).map(Part::Line);
+    let mut waiting: Vec<Part> = all.chain((0..file.joints.len()).map(Part::Joint)).collect();
+    while !waiting.is_empty() {
+        let before = waiting.len();
+        let mut rest = Vec::new();
+        for part in waiting {
+            match part {
+                Part::Line(k) => {
+                    let line = &file.lines[k];
+                    if !(nodes.knows(&line.from) && nodes.knows(&line.to)) {
+                        rest.push(part);
+                        continue;
+                    }
+                    let made = lines::lay(source, builder, nodes, sections, k, line)?;
+                    for &node in &made.nodes[1..made.nodes.len() - 1] {
+                        nodes.add(builder.node_name(node).to_owned(), node);
+                    }
+                    laid[k] = Some(made);
+                }
+                Part::Joint(k) => {
+                    let joint = &file.joints[k];
+                    if !ready(joint, nodes, file, &laid) {
+                        rest.push(part);
+                        continue;
+                    }
+                    let made = joints::make(source, builder, nodes, file, &laid, k)?;
+                    nodes.add(joint.name.clone(), made.frame);
+                    if let Some(coordinate) = made.released {
+                        released.add(joint.name.clone(), coordinate);
+                    }
+                }
+            }
+        }
+        waiting = rest;
+        if waiting.len() == before {
+            return Err(stuck(source, nodes, file, &waiting));
+        }
+    }
+    Ok(Parts {
+        lines: laid.into_iter().flatten().collect(),
+        released,
+    })
+}
+
+/// Whether a joint's masters are there.
+fn ready(
+    joint: &Joint,
+    nodes: &Names<NodeId>,
+    file: &ModelFile,
+    laid: &[Option<LineGeometry>],
+) -> bool {
+    let line_ready = |name: &String| {
+        let k = file.lines.iter().position(|l| l.name == *name);
+        // An unknown line is refused when the joint is made.
+        k.is_none_or(|k| laid[k].is_some())
+    };
+    match joint.kind {
+        JointKind::Slide => joint.lines.iter().all(line_ready),
+        _ => joint.master.as_ref().is_none_or(|m| nodes.knows(m)),
+    }
+}
+
+/// Why no waiting part can be made: a node that does not exist, or parts that wait for each other.
+fn stuck(
+    source: &Text<'_>,
+    nodes: &Names<NodeId>,
+    file: &ModelFile,
+    waiting: &[Part],
+) -> InputError {
+    let mut wanted = Vec::new();
+    for part in waiting {
+        match *part {
+            Part::Line(k) => {
+                let line = &file.lines[k];
+                wanted.push(("lines", k, "from", &line.from));
+                wanted.push(("lines", k, "to", &line.to));
+            }
+            Part::Joint(k) => {
+                let joint = &file.joints[k];
+                if let Some(master) = &joint.master {
+                    wanted.push(("joints", k, "master", master));
+                }
+            }
+        }
+    }
+    wanted.retain(|(.., name)| !nodes.knows(name));
+    let comes = |name: &str| {
+        file.joints.iter().any(|j| j.name == name)
+            || (name.split_once('/')).is_some_and(|(l, _)| file.lines.iter().any(|x| x.name == l))
+    };
+    for (table, k, key, name) in &wanted {
+        let index = k.to_string();
+        if !comes(name) {
+            let path = [*table, index.as_str(), *key];
+            if let Err(error) = nodes.find(source, &path, name) {
+                return error;
+            }
+        }
+    }
+    let names = wanted.iter().map(|(.., name)| (*name).clone()).collect();
+    let Some((table, k, key, _)) = wanted.first() else {
+        return InputError::whole(Problem::Cycle { names });
+    };
+    let index = k.to_string();
+    source.value(&[*table, index.as_str(), *key], Problem::Cycle { names })
+}
