@@ -5,7 +5,8 @@ mod terminal;
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use pullback::output::Ending;
-use pullback::run::{Outcome, RunError, run};
+use pullback::run::{Outcome, RunError, resume, run};
+use pullback::solve::Advance;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,13 +33,17 @@ enum Command {
     ///
     /// Exit code 0: complete; 1: the analysis failed; 2: the model file is refused or the results
     /// cannot be written; 130: interrupted. After a failure or Ctrl-C the steps that converged are
-    /// kept, and result.json says that they are not all.
+    /// kept, and result.json says that they are not all; a dynamic analysis can be resumed.
     Run {
         /// Model file (TOML; see docs/model_file.md).
         model: PathBuf,
         /// Directory of the results; beside the model file by default, `MODEL.out`.
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Goes on from the checkpoint in the directory of the results (dynamic analyses): the
+        /// results are the same to the last bit as those of a run that has not been stopped.
+        #[arg(long)]
+        resume: bool,
         /// Says nothing unless something goes wrong.
         #[arg(long, short)]
         quiet: bool,
@@ -60,7 +65,12 @@ enum Command {
 
 fn main() -> ExitCode {
     let code = match Arguments::parse().command {
-        Command::Run { model, out, quiet } => run_model(&model, out.as_deref(), quiet),
+        Command::Run {
+            model,
+            out,
+            resume: again,
+            quiet,
+        } => run_model(&model, out.as_deref(), again, quiet),
         Command::Schema => print_schema(),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
     };
@@ -88,13 +98,17 @@ fn print_schema() -> u8 {
     }
 }
 
-fn run_model(model: &Path, out: Option<&Path>, quiet: bool) -> u8 {
+fn run_model(model: &Path, out: Option<&Path>, again: bool, quiet: bool) -> u8 {
     let interrupt = Interrupt::install();
     let progress = Progress::new(quiet);
-    let ran = run(model, out, &mut |step| {
+    let mut observer = |step: &Advance<'_>| {
         progress.step(step);
         interrupt.flow()
-    });
+    };
+    let ran = match again {
+        true => resume(model, out, &mut observer),
+        false => run(model, out, &mut observer),
+    };
     progress.clear();
     match ran {
         Err(RunError::Input(error)) => {
@@ -111,18 +125,21 @@ fn run_model(model: &Path, out: Option<&Path>, quiet: bool) -> u8 {
 
 fn report(outcome: &Outcome, quiet: bool) -> u8 {
     let directory = outcome.directory.display();
-    let kept = format!(
-        "{} rows up to load parameter {:.6} are kept in {directory}, marked incomplete",
-        outcome.rows, outcome.t
-    );
+    let Outcome {
+        rows, t, parameter, ..
+    } = outcome;
+    let reached = format!("{rows} rows up to {parameter} {t:.6}");
+    let again = match parameter {
+        &"time" => "; --resume goes on from there",
+        _ => "",
+    };
+    let kept = format!("{reached} are kept in {directory}, marked incomplete{again}");
     match &outcome.ending {
-        Ending::Complete => {
-            let text = format!(
-                "complete: {} rows up to load parameter {:.6} in {directory}\n",
-                outcome.rows, outcome.t
-            );
-            if quiet { 0 } else { print(&text) }
-        }
+        Ending::Complete if quiet => 0,
+        Ending::Complete => print(&format!(
+            "complete: {reached} in {directory}\n{}",
+            terminal::counts(&outcome.counts)
+        )),
         Ending::Interrupted { .. } => {
             eprintln!("interrupted: {kept}");
             INTERRUPTED

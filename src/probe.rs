@@ -78,9 +78,24 @@ impl Answers {
         }
     }
 
+    /// Whether they are those of a motion.
+    pub fn is_moving(&self) -> bool {
+        self.audit.is_some()
+    }
+
+    /// Energies, powers and momenta; zero in statics.
+    pub fn audit(&self) -> Audit {
+        self.audit.unwrap_or_default()
+    }
+
+    /// Energy that was never supplied; zero in statics.
+    pub fn energy_defect(&self) -> f64 {
+        self.energy_defect
+    }
+
     /// A quantity of the whole model that is no vector.
     fn whole(&self, quantity: Quantity) -> f64 {
-        let audit = self.audit.unwrap_or_default();
+        let audit = self.audit();
         match quantity {
             Quantity::kinetic_energy => audit.energies.kinetic,
             Quantity::total_energy => {
@@ -184,7 +199,7 @@ impl Probe {
         match &self.target {
             Target::Joint(_) => Vector3::zeros(),
             Target::Whole => {
-                let momentum = answers.audit.unwrap_or_default().momentum;
+                let momentum = answers.audit().momentum;
                 match self.quantity {
                     Quantity::momentum => momentum.linear,
                     _ => momentum.angular,

@@ -1,9 +1,12 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job};
-use crate::output::{Directory, Ending, OutputError, Recorder, Setting};
-use crate::solve::{Ended, solve};
-use pullback_integrators::statics::{StaticsError, Step};
+use crate::input::{self, InputError, Job, Plan};
+use crate::output::{
+    Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
+};
+use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
+use pullback_elements::model::Model;
+use pullback_integrators::dynamics::{DynamicsError, Progress, start};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -13,9 +16,21 @@ pub enum RunError {
     /// The model file is refused; nothing has been written.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// There is nothing that can be resumed; nothing has been written.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// The motion cannot begin.
+    #[error(transparent)]
+    Start(#[from] DynamicsError),
     /// Results cannot be written.
     #[error(transparent)]
-    Output(#[from] OutputError),
+    Record(#[from] RecordError),
+}
+
+impl From<OutputError> for RunError {
+    fn from(error: OutputError) -> Self {
+        Self::Record(error.into())
+    }
 }
 
 /// How a run ended, with its results written.
@@ -24,11 +39,15 @@ pub struct Outcome {
     /// How it ended.
     pub ending: Ending,
     /// The solver's failure, if that was it.
-    pub failure: Option<StaticsError>,
+    pub failure: Option<SolveError>,
+    /// What the analysis did.
+    pub counts: Counts,
     /// Converged steps and located events recorded.
     pub rows: usize,
-    /// Load parameter of the last of them.
+    /// Load parameter or time of the last of them.
     pub t: f64,
+    /// What that is, in words.
+    pub parameter: &'static str,
     /// Where the results are.
     pub directory: PathBuf,
     /// Names of the files.
@@ -49,11 +68,36 @@ pub fn default_directory(model: &Path) -> PathBuf {
 pub fn run(
     model: &Path,
     out: Option<&Path>,
-    observer: &mut dyn FnMut(&Step<'_>) -> ControlFlow<()>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let job = input::load(model)?;
     let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
     run_job(job, &model.display().to_string(), &directory, observer)
+}
+
+/// Takes up a dynamic run where its last checkpoint stands, with results that are the same to the
+/// last bit as if it had not stopped.
+///
+/// # Errors
+/// [`RunError`], [`ResumeError`] where there is no checkpoint of this model in the directory.
+pub fn resume(
+    model: &Path,
+    out: Option<&Path>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Outcome, RunError> {
+    let job = input::load(model)?;
+    let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
+    let Plan::Dynamic(plan) = &job.plan else {
+        return Err(ResumeError::Statics.into());
+    };
+    let settings = serde_json::to_value(&job.file).unwrap_or_default();
+    let checkpoint = Checkpoint::read(&directory, &settings)?;
+    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
+    if t >= to {
+        return Err(ResumeError::Passed { t, to }.into());
+    }
+    let source = model.display().to_string();
+    execute(job, &source, &directory, Some(checkpoint), observer)
 }
 
 /// Runs a job that has been assembled; `source` is what the results call its model file.
@@ -64,10 +108,21 @@ pub fn run_job(
     job: Job,
     source: &str,
     directory: &Path,
-    observer: &mut dyn FnMut(&Step<'_>) -> ControlFlow<()>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Outcome, RunError> {
+    execute(job, source, directory, None, observer)
+}
+
+fn execute(
+    job: Job,
+    source: &str,
+    directory: &Path,
+    checkpoint: Option<Checkpoint>,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let Job {
         mut model,
+        start: initial,
         plan,
         probes,
         geometry,
@@ -82,11 +137,37 @@ pub fn run_job(
         geometry: &geometry,
         output,
     };
-    let mut recorder = Recorder::new(setting, Directory::open(directory)?, probes, &model)?;
-    recorder.start(&mut model)?;
+    let directory = match &checkpoint {
+        None => Directory::open(directory)?,
+        Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
+    };
+    let mut recorder = Recorder::new(setting, directory, probes, &model)?;
+    let mut progress = Progress::default();
+    let every = match (&plan, checkpoint) {
+        (Plan::Dynamic(plan), checkpoint) => {
+            match checkpoint {
+                Some(checkpoint) => {
+                    progress = checkpoint.progress().clone();
+                    model.set_element_charts(checkpoint.element_charts());
+                    begin(&mut model, &plan.options, &mut progress)?;
+                    recorder.resume(checkpoint);
+                }
+                None => {
+                    progress = Progress::new(start(&model, 0.0, &initial.q, &initial.v)?);
+                    begin(&mut model, &plan.options, &mut progress)?;
+                    recorder.start_motion(&mut model, &progress)?;
+                }
+            }
+            plan.checkpoint_every
+        }
+        _ => {
+            recorder.start(&mut model)?;
+            0
+        }
+    };
     let mut unwritten = None;
-    let solved = solve(&mut model, &plan, &mut |model, step| {
-        if let Err(error) = recorder.record(model, step) {
+    let ended = solve(&mut model, &plan, &mut progress, &mut |model, step| {
+        if let Err(error) = take(&mut recorder, model, step, every) {
             unwritten = Some(error);
             return ControlFlow::Break(());
         }
@@ -95,32 +176,53 @@ pub fn run_job(
     if let Some(error) = unwritten {
         return Err(error.into());
     }
+    if matches!(plan, Plan::Dynamic(_)) {
+        recorder.checkpoint(&model, &progress)?;
+    }
     let (rows, t) = (
         recorder.rows().len(),
         recorder.rows().last().map_or(plan.start(), |row| row.t),
     );
-    let ending = match &solved {
-        Ok(ended) => ending(ended, t),
-        Err(error) => Ending::Failed {
-            message: error.to_string(),
-        },
-    };
-    let summary = solved.as_ref().ok().map(|ended| &ended.summary);
-    let written = recorder.finish(&ending, summary)?;
+    let ending = ending(&ended, t);
+    let written = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,
-        failure: solved.err(),
+        failure: ended.failure,
+        counts: ended.counts,
         rows,
         t,
+        parameter: plan.parameter(),
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
     })
 }
 
+/// Records a step, and where it is due a checkpoint.
+fn take(
+    recorder: &mut Recorder<'_>,
+    model: &mut Model,
+    step: &Advance<'_>,
+    every: usize,
+) -> Result<(), RecordError> {
+    recorder.record(model, step)?;
+    if let Some(progress) = step.progress
+        && every > 0
+        && step.number.is_multiple_of(every)
+    {
+        recorder.checkpoint(model, progress)?;
+    }
+    Ok(())
+}
+
 fn ending(ended: &Ended, t: f64) -> Ending {
+    if let Some(failure) = &ended.failure {
+        return Ending::Failed {
+            message: failure.to_string(),
+        };
+    }
     match ended.step_limit {
-        _ if ended.summary.finished => Ending::Complete,
-        Some(max_steps) if ended.summary.steps >= max_steps => Ending::StepLimit { max_steps, t },
+        _ if ended.finished => Ending::Complete,
+        Some(max_steps) if ended.counts.steps >= max_steps => Ending::StepLimit { max_steps, t },
         _ => Ending::Interrupted { t },
     }
 }

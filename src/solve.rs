@@ -2,37 +2,244 @@
 
 use crate::input::Plan;
 use pullback_elements::model::Model;
-use pullback_integrators::statics::{StaticsError, Step, Summary, solve_statics, trace_path};
+use pullback_integrators::dynamics::{
+    self, DynamicOptions, DynamicsError, EnergyBalance, Progress, StepReport,
+};
+use pullback_integrators::statics::{
+    FailedStep, Iteration, StaticsError, Step, solve_statics, trace_path,
+};
+use pullback_manifold::system::Point;
 use std::ops::ControlFlow;
 
-/// Where an analysis ended.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ended {
-    /// Counts, and whether the end was reached.
-    pub summary: Summary,
-    /// Most steps allowed, where there is such a limit.
-    pub step_limit: Option<usize>,
+/// Why an analysis came to no end.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// In statics.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// In dynamics.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
 }
 
-/// Computes what the plan says; `observer` sees every converged step, with the model in its
-/// configuration, and may stop the analysis.
+impl SolveError {
+    fn step(&self) -> Option<&FailedStep> {
+        match self {
+            Self::Statics(StaticsError::Step(step)) | Self::Dynamics(DynamicsError::Step(step)) => {
+                Some(step)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A step that has converged, of whatever analysis.
+#[derive(Clone, Copy, Debug)]
+pub struct Advance<'a> {
+    /// Number of the step, from 1; located events repeat the number of the step they lie in.
+    pub number: usize,
+    /// Load parameter or time.
+    pub t: f64,
+    /// Step in it, or along the path.
+    pub step_size: f64,
+    /// Linear solutions of this step.
+    pub iterations: usize,
+    /// History of the iterations; the last entry is the converged state.
+    pub residuals: &'a [Iteration],
+    /// Charts changed by this step.
+    pub chart_changes: usize,
+    /// Index of the event located here, if it is one.
+    pub event: Option<usize>,
+    /// Where a motion is.
+    pub progress: Option<&'a Progress>,
+}
+
+impl<'a> From<&Step<'a>> for Advance<'a> {
+    fn from(step: &Step<'a>) -> Self {
+        Self {
+            number: step.number,
+            t: step.t,
+            step_size: step.step_size,
+            iterations: step.iterations,
+            residuals: step.residuals,
+            // A located event repeats the changes of the step it lies in.
+            chart_changes: match step.event {
+                Some(_) => 0,
+                None => step.chart_changes,
+            },
+            event: step.event,
+            progress: None,
+        }
+    }
+}
+
+impl<'a> From<&StepReport<'a>> for Advance<'a> {
+    fn from(step: &StepReport<'a>) -> Self {
+        Self {
+            number: step.progress.summary.steps,
+            t: step.progress.state.t,
+            step_size: step.step_size,
+            iterations: step.iterations,
+            residuals: step.residuals,
+            chart_changes: step.chart_changes,
+            event: None,
+            progress: Some(step.progress),
+        }
+    }
+}
+
+/// What an analysis did, whether it came to its end or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Counts {
+    /// Converged steps.
+    pub steps: usize,
+    /// Attempts that did not converge.
+    pub rejected: usize,
+    /// Attempts rejected by the estimate of the local error.
+    pub inaccurate: usize,
+    /// Linear solutions in converged steps.
+    pub iterations: usize,
+    /// Evaluations of the model.
+    pub evaluations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Changes of chart.
+    pub chart_changes: usize,
+    /// Energies, in dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyBalance>,
+}
+
+impl Counts {
+    fn of_statics(s: &pullback_integrators::statics::Summary) -> Self {
+        Self {
+            steps: s.steps,
+            rejected: s.rejected,
+            inaccurate: 0,
+            iterations: s.iterations,
+            evaluations: s.evaluations,
+            factorisations: s.factorisations,
+            chart_changes: s.chart_changes,
+            energy: None,
+        }
+    }
+
+    /// Counts of a motion so far.
+    pub fn of_motion(s: &dynamics::Summary) -> Self {
+        Self {
+            steps: s.steps,
+            rejected: s.failed,
+            inaccurate: s.inaccurate,
+            iterations: s.iterations,
+            evaluations: s.evaluations,
+            factorisations: s.factorisations,
+            chart_changes: s.chart_changes,
+            energy: s.energy,
+        }
+    }
+}
+
+/// Where an analysis ended, and why.
+#[derive(Debug)]
+pub struct Ended {
+    /// What it did.
+    pub counts: Counts,
+    /// Whether its end was reached.
+    pub finished: bool,
+    /// Most steps allowed, where there is such a limit.
+    pub step_limit: Option<usize>,
+    /// What stopped it, where the solver failed.
+    pub failure: Option<SolveError>,
+}
+
+/// Charts, consistent accelerations and energies at the start of a motion; nothing to do for one
+/// that is continued, but the charts of the model.
 ///
 /// # Errors
-/// [`StaticsError`] of the solver.
+/// [`DynamicsError`].
+pub fn begin(
+    model: &mut Model,
+    options: &DynamicOptions,
+    progress: &mut Progress,
+) -> Result<(), DynamicsError> {
+    let options = DynamicOptions {
+        to: progress.state.t,
+        ..*options
+    };
+    dynamics::integrate(model, progress, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+}
+
+/// The point that a motion has reached.
+pub fn point(progress: &Progress) -> Point<'_> {
+    let state = &progress.state;
+    Point {
+        t: state.t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    }
+}
+
+/// Computes what the plan says, a motion from where `progress` stands; `observer` sees every
+/// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
     model: &mut Model,
     plan: &Plan,
-    observer: &mut dyn FnMut(&mut Model, &Step<'_>) -> ControlFlow<()>,
-) -> Result<Ended, StaticsError> {
+    progress: &mut Progress,
+    observer: &mut dyn FnMut(&mut Model, &Advance<'_>) -> ControlFlow<()>,
+) -> Ended {
     let mut q = Vec::new();
-    match plan {
-        Plan::Static(options) => Ok(Ended {
-            summary: solve_statics(model, &mut q, options, observer)?,
-            step_limit: None,
-        }),
-        Plan::Path(options, _) => Ok(Ended {
-            summary: trace_path(model, &mut q, options, observer)?.summary,
-            step_limit: Some(options.max_steps),
-        }),
+    let mut counts = Counts::default();
+    let mut step_limit = None;
+    let mut seen = |model: &mut Model, step: &Step<'_>| {
+        let advance = Advance::from(step);
+        if advance.event.is_none() {
+            counts.steps = advance.number;
+            counts.iterations += advance.iterations;
+            counts.chart_changes += advance.chart_changes;
+        }
+        observer(model, &advance)
+    };
+    let statics = match plan {
+        Plan::Static(options) => solve_statics(model, &mut q, options, &mut seen),
+        Plan::Path(options, _) => {
+            step_limit = Some(options.max_steps);
+            trace_path(model, &mut q, options, &mut seen).map(|path| path.summary)
+        }
+        Plan::Dynamic(plan) => {
+            let solved = dynamics::integrate(model, progress, &plan.options, &mut |model, step| {
+                observer(model, &Advance::from(step))
+            });
+            return Ended {
+                counts: Counts::of_motion(&progress.summary),
+                finished: solved.is_ok() && progress.summary.finished,
+                step_limit,
+                failure: solved.err().map(SolveError::from),
+            };
+        }
+    };
+    match statics {
+        Ok(summary) => Ended {
+            counts: Counts::of_statics(&summary),
+            finished: summary.finished,
+            step_limit,
+            failure: None,
+        },
+        Err(error) => {
+            let failure = SolveError::from(error);
+            if let Some(step) = failure.step() {
+                counts.rejected = step.rejected;
+                counts.evaluations = step.spent.evaluations;
+                counts.factorisations = step.spent.factorisations;
+            }
+            Ended {
+                counts,
+                finished: false,
+                step_limit,
+                failure: Some(failure),
+            }
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback::gallery::Comparison;
-use pullback::integrators::statics::Step;
+use pullback::solve::{Advance, Counts};
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -25,9 +25,13 @@ impl Progress {
     }
 
     /// Tells of a converged step.
-    pub fn step(&self, step: &Step<'_>) {
+    pub fn step(&self, step: &Advance<'_>) {
+        let parameter = match step.progress {
+            Some(_) => "time",
+            None => "load parameter",
+        };
         self.0.set_message(format!(
-            "step {}  load parameter {:.6}  step size {:.3e}  {} iterations",
+            "step {}  {parameter} {:.6}  step size {:.3e}  {} iterations",
             step.number, step.t, step.step_size, step.iterations
         ));
         self.0.tick();
@@ -102,6 +106,29 @@ pub fn table(rows: &[Comparison]) -> String {
             row.tolerance,
             if row.passed() { "ok" } else { "NO" },
             row.source
+        );
+    }
+    out
+}
+
+/// What an analysis did, in lines.
+pub fn counts(counts: &Counts) -> String {
+    let mut out = format!(
+        "{} steps ({} rejected), {} iterations, {} evaluations, {} factorisations, {} changes of \
+         chart\n",
+        counts.steps,
+        counts.rejected + counts.inaccurate,
+        counts.iterations,
+        counts.evaluations,
+        counts.factorisations,
+        counts.chart_changes
+    );
+    if let Some(energy) = counts.energy {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "energy: kinetic {:.6e}, stored {:.6e}, supplied {:.6e}, never supplied {:.2e} at most",
+            energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
     }
     out

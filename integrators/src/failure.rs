@@ -53,6 +53,17 @@ pub struct FailedStep {
     pub worst: Vec<(Kind, String, f64)>,
     /// Failed attempts so far.
     pub rejected: usize,
+    /// Evaluations and factorisations so far.
+    pub spent: Spent,
+}
+
+/// What an analysis has spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spent {
+    /// Evaluations of the system.
+    pub evaluations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
 }
 
 /// Why an iteration did not converge.
@@ -82,6 +93,7 @@ impl FailedStep {
         [from, to]: [f64; 2],
         steps: usize,
         rejected: usize,
+        spent: Spent,
     ) -> Self {
         let cause = match wreck.failure {
             Failure::System(error) => Cause::System(error),
@@ -114,6 +126,7 @@ impl FailedStep {
                 })
                 .collect(),
             rejected,
+            spent,
         }
     }
 }

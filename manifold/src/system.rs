@@ -145,6 +145,7 @@ impl Default for Scales {
 
 /// Energies and powers of a system at a point, with which a run in time can be audited:
 /// d/dt (kinetic + stored) = supplied − dissipated.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
     /// Kinetic energy.

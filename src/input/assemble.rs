@@ -5,7 +5,7 @@ use super::initial::Start;
 use super::settings::Plan;
 use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
 use crate::probe::Probe;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use pullback_elements::model::{ElementId, Model, ModelBuilder, ModelError, NodeId};
 use std::collections::{BTreeMap, HashMap};
 
@@ -36,8 +36,19 @@ pub struct Geometry {
     pub lines: Vec<LineGeometry>,
     /// Nodes with a support.
     pub supports: Vec<NodeId>,
-    /// Nodes with a body.
-    pub bodies: Vec<NodeId>,
+    /// Bodies in the order of the file.
+    pub bodies: Vec<BodyGeometry>,
+    /// Rigid links, from node to node.
+    pub links: Vec<[NodeId; 2]>,
+}
+
+/// A rigid body or point mass.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyGeometry {
+    /// Node that moves with it.
+    pub node: NodeId,
+    /// Place of its centre of mass as seen from the node, in the reference configuration.
+    pub center: Vector3<f64>,
 }
 
 /// A line of elements.
@@ -73,6 +84,10 @@ impl<T: Copy> Names<T> {
 
     pub(super) fn knows(&self, name: &str) -> bool {
         self.things.contains_key(name)
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<T> {
+        self.things.get(name).copied()
     }
 
     pub(super) fn add(&mut self, name: String, thing: T) {
@@ -159,7 +174,19 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
         ..Geometry::default()
     };
     let bodies = bodies::bodies(source, &mut builder, &nodes, &file)?;
-    geometry.bodies = bodies.iter().map(|b| b.node).collect();
+    geometry.bodies = (bodies.iter().zip(&file.bodies))
+        .map(|(made, body)| BodyGeometry {
+            node: made.node,
+            center: body.center.unwrap_or_default().into(),
+        })
+        .collect();
+    geometry.links = (file.joints.iter())
+        .filter(|joint| joint.place.is_some())
+        .filter_map(|joint| {
+            let ends = [joint.master.as_ref()?, &joint.name];
+            Some([nodes.get(ends[0])?, nodes.get(ends[1])?])
+        })
+        .collect();
     bodies::springs(source, &mut builder, &nodes, &file)?;
     geometry.supports = loads::support(source, &mut builder, &nodes, &file.supports)?;
     let loaded = loads::Loaded {

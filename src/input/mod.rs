@@ -18,7 +18,7 @@ mod sections;
 mod settings;
 mod suggest;
 
-pub use assemble::{Geometry, Job, LineGeometry};
+pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
 pub use error::{InputError, Problem};
 pub use file::*;
 pub use initial::Start;

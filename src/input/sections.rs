@@ -1,5 +1,7 @@
 //! Cross-sections of the file as sections of the model.
 
+#![allow(non_snake_case)]
+
 use super::file::Section as Described;
 use super::{InputError, Problem, Text};
 use nalgebra::{Matrix3, Matrix6, Vector3};

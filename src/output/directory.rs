@@ -67,6 +67,33 @@ impl Directory {
         })
     }
 
+    /// Opens the directory of a run that goes on, and removes the ParaView files that were not
+    /// written by the time of its checkpoint.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn reopen(path: &Path, kept: &[&str]) -> Result<Self, OutputError> {
+        let fail = |source| OutputError::Write {
+            path: path.to_owned(),
+            source,
+        };
+        let mut files: Vec<String> = Vec::new();
+        for entry in fs::read_dir(path).map_err(fail)? {
+            let entry = entry.map_err(fail)?;
+            let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
+                continue;
+            };
+            if is_grid(&name) && !kept.contains(&name.as_str()) {
+                fs::remove_file(entry.path()).map_err(fail)?;
+            }
+        }
+        files.extend(kept.iter().map(|&name| name.to_owned()));
+        Ok(Self {
+            path: path.to_owned(),
+            files,
+        })
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
@@ -102,14 +129,20 @@ impl Directory {
     }
 }
 
-/// Whether a file name is one that a run gives.
-fn is_result(name: &str) -> bool {
+/// Whether a file name is that of a grid.
+fn is_grid(name: &str) -> bool {
     let step = name
         .strip_prefix("step_")
         .and_then(|rest| rest.strip_suffix(".vtu"));
     step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// Whether a file name is one that a run gives.
+fn is_result(name: &str) -> bool {
+    is_grid(name)
         || [
             super::results::NAME,
+            super::checkpoint::NAME,
             "history.csv",
             "steps.pvd",
             "deformed.svg",

@@ -1,5 +1,6 @@
 //! `history.csv`: one row per converged step and located event.
 
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// Columns before those of the probes.
@@ -19,18 +20,21 @@ pub const COLUMNS: [&str; 13] = [
     "strain_energy",
 ];
 
+/// Columns after those in dynamics.
+pub const DYNAMIC_COLUMNS: [&str; 2] = ["kinetic_energy", "energy_defect"];
+
 /// A converged step.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Number of the step; 0 is the start.
     pub step: usize,
     /// What was located here, if anything.
     pub event: Option<String>,
-    /// Load parameter.
+    /// Load parameter or time.
     pub t: f64,
-    /// Step in the load parameter, or along the path.
+    /// Step in it, or along the path.
     pub step_size: f64,
-    /// Linear solutions.
+    /// Linear solutions since the row before.
     pub iterations: usize,
     /// Largest force and moment out of balance.
     pub residual: [f64; 2],
@@ -38,12 +42,14 @@ pub struct Row {
     pub ratio: f64,
     /// Last correction, relative to the scale of its coordinate.
     pub correction: f64,
-    /// Charts changed before the step.
+    /// Charts changed since the row before.
     pub chart_changes: usize,
     /// Largest rotation angle ψ of any node in its chart, in radians.
     pub largest_rotation: f64,
     /// Strain energy.
     pub strain_energy: f64,
+    /// Kinetic energy, and energy that was never supplied; in dynamics.
+    pub motion: Option<[f64; 2]>,
     /// Values of the probes.
     pub probes: Vec<f64>,
 }
@@ -51,6 +57,10 @@ pub struct Row {
 /// The whole file.
 pub fn csv(probes: &[String], rows: &[Row]) -> String {
     let mut out = COLUMNS.join(",");
+    if rows.iter().any(|row| row.motion.is_some()) {
+        out += ",";
+        out += &DYNAMIC_COLUMNS.join(",");
+    }
     for probe in probes {
         out += ",";
         out += probe;
@@ -73,7 +83,7 @@ pub fn csv(probes: &[String], rows: &[Row]) -> String {
             row.largest_rotation,
             row.strain_energy,
         );
-        for value in &row.probes {
+        for value in row.motion.iter().flatten().chain(&row.probes) {
             let _ = write!(out, ",{value:?}");
         }
         out += "\n";

@@ -2,6 +2,7 @@
 //!
 //! Files are written under temporary names and renamed when they are whole.
 
+mod checkpoint;
 mod directory;
 mod history;
 pub mod plot;
@@ -9,8 +10,11 @@ mod recorder;
 mod results;
 mod vtu;
 
+pub use checkpoint::{Checkpoint, ResumeError};
 pub use directory::{Directory, OutputError};
-pub use history::{COLUMNS, Row, csv};
-pub use recorder::{Recorder, Setting};
-pub use results::{Ending, FinalState, NodeResult, ReactionResult, Results, Statistics};
+pub use history::{COLUMNS, DYNAMIC_COLUMNS, Row, csv};
+pub use recorder::{RecordError, Recorder, Setting};
+pub use results::{
+    Ending, FinalState, MotionResult, NodeResult, ReactionResult, Results, Statistics,
+};
 pub use vtu::{Frame, collection, grid};

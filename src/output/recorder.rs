@@ -1,22 +1,29 @@
 //! Records converged steps and writes what they give.
 
+use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError};
 use super::history::{Row, csv};
 use super::plot::{self, Curve, Panel, Shapes};
-use super::results::{Ending, FinalState, NAME, NodeResult, ReactionResult, Results, Statistics};
+use super::results::{
+    Ending, FinalState, MotionResult, NAME, NodeResult, ReactionResult, Results, Statistics,
+};
 use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
+use crate::solve::{Advance, Counts, point};
 use pullback_elements::model::Model;
-use pullback_integrators::statics::Step;
-use pullback_manifold::system::{Evaluation, Point, System};
+use pullback_integrators::dynamics::Progress;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::time::{Duration, Instant};
 
-/// Time between two checkpoints of history and results.
-const CHECKPOINT: Duration = Duration::from_secs(5);
+/// Time between two savings of history and results.
+const SAVED: Duration = Duration::from_secs(5);
 
 /// Shapes kept for the figure of the deformed structure.
 const SHAPES: usize = 64;
+
+/// ParaView files that a motion gives unless told otherwise, about.
+const GRIDS: f64 = 200.0;
 
 /// What does not change while an analysis runs.
 pub struct Setting<'a> {
@@ -37,25 +44,20 @@ pub struct Recorder<'a> {
     setting: Setting<'a>,
     directory: Directory,
     probes: Vec<Probe>,
-    rows: Vec<Row>,
-    frames: Vec<Frame>,
     reference: Shapes,
-    /// Shapes on the way, thinned out as they grow many.
-    shapes: Vec<(f64, Shapes)>,
-    /// The shape of the last row, where it is not among them.
-    latest: Option<(f64, Shapes)>,
-    /// Every how many rows a shape is kept.
-    stride: usize,
+    record: Record,
     last: Option<FinalState>,
     /// The grid of the last row, where it has not been written.
     pending: Option<(Frame, String)>,
+    /// Every how many rows a grid is written.
+    grid_every: usize,
     statistics: Statistics,
     started: Instant,
-    checkpoint: Instant,
+    saved: Instant,
 }
 
 impl<'a> Recorder<'a> {
-    /// Opens the directory and marks it as the place of a run that has not ended.
+    /// Marks the directory as the place of a run that has not ended.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -65,15 +67,12 @@ impl<'a> Recorder<'a> {
         probes: Vec<Probe>,
         model: &Model,
     ) -> Result<Self, OutputError> {
-        let elements = setting
-            .geometry
-            .lines
-            .iter()
-            .map(|l| l.elements.len())
-            .sum();
+        let lines = setting.geometry.lines.iter();
+        let elements = lines.map(|l| l.elements.len()).sum::<usize>();
+        let bodies = setting.geometry.bodies.len();
         let statistics = Statistics {
             nodes: model.frames().count(),
-            elements,
+            elements: elements + bodies + setting.file.springs.len(),
             unknowns: model.pattern().dim(),
             symmetric: model.is_symmetric(),
             ..Statistics::default()
@@ -81,22 +80,31 @@ impl<'a> Recorder<'a> {
         let now = Instant::now();
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, true),
+            grid_every: grid_every(&setting),
             setting,
             directory,
             probes,
-            rows: Vec::new(),
-            frames: Vec::new(),
-            shapes: Vec::new(),
-            latest: None,
-            stride: 1,
+            record: Record {
+                stride: 1,
+                ..Record::default()
+            },
             last: None,
             pending: None,
             statistics,
             started: now,
-            checkpoint: now,
+            saved: now,
         };
         recorder.write_results(&Ending::Running)?;
         Ok(recorder)
+    }
+
+    /// Goes on from a checkpoint.
+    pub fn resume(&mut self, checkpoint: Checkpoint) {
+        for (probe, memory) in self.probes.iter_mut().zip(checkpoint.memories) {
+            probe.remember(memory);
+        }
+        self.record = checkpoint.record;
+        self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
     }
 
     /// Records the reference configuration where it is in equilibrium at the first load.
@@ -121,14 +129,51 @@ impl<'a> Recorder<'a> {
             t,
             ..Row::default()
         };
-        self.add(model, row)
+        self.add(model, row, Answers::of(model, t))
     }
 
-    /// Records a converged step, with the model in its configuration.
+    /// Records the initial state of a motion.
     ///
     /// # Errors
-    /// [`OutputError`].
-    pub fn record(&mut self, model: &Model, step: &Step<'_>) -> Result<(), OutputError> {
+    /// [`RecordError`].
+    pub fn start_motion(
+        &mut self,
+        model: &mut Model,
+        progress: &Progress,
+    ) -> Result<(), RecordError> {
+        self.statistics.counts = Counts::of_motion(&progress.summary);
+        self.record.largest_rotation = model.largest_rotation();
+        let row = Row {
+            t: progress.state.t,
+            chart_changes: progress.summary.chart_changes,
+            ..Row::default()
+        };
+        let answers = moving(model, progress)?;
+        Ok(self.add(model, row, answers)?)
+    }
+
+    /// Records a converged step, with the model in its configuration; in a motion as often as the
+    /// plan says.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn record(&mut self, model: &mut Model, step: &Advance<'_>) -> Result<(), RecordError> {
+        let rotation = model.largest_rotation();
+        self.record.largest_rotation = self.record.largest_rotation.max(rotation);
+        let counts = &mut self.statistics.counts;
+        if let Some(progress) = step.progress {
+            *counts = Counts::of_motion(&progress.summary);
+        } else if step.event.is_none() {
+            counts.steps += 1;
+            counts.iterations += step.iterations;
+            counts.chart_changes += step.chart_changes;
+        }
+        self.record.since[0] += step.iterations;
+        self.record.since[1] += step.chart_changes;
+        if !self.due(step) {
+            return Ok(());
+        }
+        let [iterations, chart_changes] = std::mem::take(&mut self.record.since);
         let event = match (self.setting.plan, step.event) {
             (Plan::Path(_, names), Some(k)) => names.get(k).cloned(),
             _ => None,
@@ -144,82 +189,88 @@ impl<'a> Recorder<'a> {
             step: step.number,
             t: step.t,
             step_size: step.step_size,
-            iterations: step.iterations,
+            iterations,
             residual: [force, moment],
             ratio: end.map_or(0.0, |i| i.ratio),
             correction,
-            // A located event repeats the changes of the step it lies in.
-            chart_changes: if event.is_some() {
-                0
-            } else {
-                step.chart_changes
-            },
+            chart_changes,
             event,
             ..Row::default()
         };
-        self.add(model, row)?;
-        if self.checkpoint.elapsed() > CHECKPOINT {
+        let answers = match step.progress {
+            Some(progress) => moving(model, progress)?,
+            None => Answers::of(model, step.t),
+        };
+        self.add(model, row, answers)?;
+        if self.saved.elapsed() > SAVED {
             self.write_history()?;
             self.write_results(&Ending::Running)?;
-            self.checkpoint = Instant::now();
+            self.saved = Instant::now();
         }
         Ok(())
     }
 
-    fn add(&mut self, model: &Model, mut row: Row) -> Result<(), OutputError> {
-        let answers = Answers::of(model, row.t);
+    /// Whether a step makes a row.
+    fn due(&self, step: &Advance<'_>) -> bool {
+        match self.setting.plan {
+            Plan::Dynamic(plan) => {
+                step.number.is_multiple_of(plan.record_every) || step.t >= plan.options.to
+            }
+            _ => true,
+        }
+    }
+
+    fn add(&mut self, model: &Model, mut row: Row, answers: Answers) -> Result<(), OutputError> {
         row.largest_rotation = model.largest_rotation();
         row.strain_energy = answers.strain_energy();
+        if answers.is_moving() {
+            row.motion = Some([answers.audit().energies.kinetic, answers.energy_defect()]);
+        }
         for probe in &mut self.probes {
             probe.record(model, &answers, &mut row.probes);
         }
-        if row.event.is_none() && row.step > 0 {
-            self.statistics.steps += 1;
-            self.statistics.iterations += row.iterations;
-            self.statistics.chart_changes += row.chart_changes;
-        }
         self.last = Some(final_state(model, &answers, row.t));
-        let number = self.rows.len();
+        let number = self.record.rows.len();
         let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
-        if number.is_multiple_of(self.stride) {
-            self.latest = None;
+        if number.is_multiple_of(self.record.stride) {
+            self.record.latest = None;
             self.keep(shape);
         } else {
-            self.latest = Some(shape);
+            self.record.latest = Some(shape);
         }
-        let every = self.setting.output.paraview_every;
-        if every > 0 {
+        if self.grid_every > 0 {
             let frame = Frame {
                 t: row.t,
                 file: format!("step_{number:04}.vtu"),
             };
             let text = grid(model, self.setting.geometry, &answers);
             self.pending = Some((frame, text));
-            if number.is_multiple_of(every) {
+            if number.is_multiple_of(self.grid_every) {
                 self.write_pending()?;
             }
         }
-        self.rows.push(row);
+        self.record.rows.push(row);
         Ok(())
     }
 
     /// Keeps a shape; when there are too many, every second one goes. The limit is even, so the
     /// last one stays.
     fn keep(&mut self, shape: (f64, Shapes)) {
-        self.shapes.push(shape);
-        if self.shapes.len() > SHAPES {
-            let all = std::mem::take(&mut self.shapes);
-            self.shapes = all.into_iter().step_by(2).collect();
-            self.stride *= 2;
+        let record = &mut self.record;
+        record.shapes.push(shape);
+        if record.shapes.len() > SHAPES {
+            let all = std::mem::take(&mut record.shapes);
+            record.shapes = all.into_iter().step_by(2).collect();
+            record.stride *= 2;
         }
     }
 
     fn write_pending(&mut self) -> Result<(), OutputError> {
         if let Some((frame, text)) = self.pending.take() {
             self.directory.write(&frame.file, &text)?;
-            self.frames.push(frame);
+            self.record.frames.push(frame);
             self.directory
-                .write("steps.pvd", &collection(&self.frames))?;
+                .write("steps.pvd", &collection(&self.record.frames))?;
         }
         Ok(())
     }
@@ -229,12 +280,13 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_history(&mut self) -> Result<(), OutputError> {
-        let text = csv(&self.columns(), &self.rows);
+        let text = csv(&self.columns(), &self.record.rows);
         self.directory.write("history.csv", &text)
     }
 
     fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
-        self.statistics.seconds = self.started.elapsed().as_secs_f64();
+        self.statistics.seconds = self.seconds();
+        self.statistics.largest_rotation = self.record.largest_rotation;
         let results = Results {
             program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
             model: self.setting.source,
@@ -253,28 +305,42 @@ impl<'a> Recorder<'a> {
         self.directory.write(NAME, &(text + "\n"))
     }
 
+    fn seconds(&self) -> f64 {
+        self.record.seconds + self.started.elapsed().as_secs_f64()
+    }
+
+    /// Writes what is needed to go on from here.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn checkpoint(&mut self, model: &Model, progress: &Progress) -> Result<(), OutputError> {
+        let name = || checkpoint::NAME.to_owned();
+        let settings = serde_json::to_value(self.setting.file).map_err(|source| {
+            let name = name();
+            OutputError::Encode { name, source }
+        })?;
+        let mut checkpoint = Checkpoint::new(settings, progress);
+        checkpoint.element_charts = model.element_charts();
+        checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
+        checkpoint.record = self.record.clone();
+        checkpoint.record.seconds = self.seconds();
+        self.directory.write(&name(), &checkpoint.text()?)
+    }
+
     /// Rows so far.
     pub fn rows(&self) -> &[Row] {
-        &self.rows
+        &self.record.rows
     }
 
     /// Writes everything that a run ends with; `result.json` comes last.
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn finish(
-        mut self,
-        ending: &Ending,
-        summary: Option<&pullback_integrators::statics::Summary>,
-    ) -> Result<Directory, OutputError> {
-        if let Some(s) = summary {
-            self.statistics.rejected = Some(s.rejected);
-            self.statistics.factorisations = Some(s.factorisations);
-            self.statistics.evaluations = Some(s.evaluations);
-        }
+    pub fn finish(mut self, ending: &Ending, counts: Counts) -> Result<Directory, OutputError> {
+        self.statistics.counts = counts;
         self.write_pending()?;
         self.write_history()?;
-        if self.setting.output.figures && !self.rows.is_empty() {
+        if self.setting.output.figures && !self.record.rows.is_empty() {
             let title = self.setting.file.title.as_deref();
             let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
                 drawn.map_err(|source| OutputError::Draw {
@@ -282,8 +348,8 @@ impl<'a> Recorder<'a> {
                     source,
                 })
             };
-            self.shapes.extend(self.latest.take());
-            let shape = plot::deformed(title, &self.reference, &self.shapes);
+            self.record.shapes.extend(self.record.latest.take());
+            let shape = plot::deformed(title, &self.reference, &self.record.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;
             let history = draw("history.svg", plot::panels(title, &self.panels()))?;
@@ -301,7 +367,7 @@ impl<'a> Recorder<'a> {
         let mut column = 0;
         for probe in &self.probes {
             for label in probe.columns() {
-                let points = self.rows.iter().map(|row| {
+                let points = self.record.rows.iter().map(|row| {
                     let value = row.probes[column];
                     if upright {
                         (value, row.t)
@@ -319,7 +385,7 @@ impl<'a> Recorder<'a> {
             }
         }
         if panels.is_empty() {
-            let points = self.rows.iter().map(|row| {
+            let points = self.record.rows.iter().map(|row| {
                 if upright {
                     (row.strain_energy, row.t)
                 } else {
@@ -332,7 +398,8 @@ impl<'a> Recorder<'a> {
         panels
             .into_iter()
             .map(|(quantity, curves)| {
-                let (load, value) = ("load parameter t".to_owned(), quantity.axis().to_owned());
+                let parameter = format!("{} t", self.setting.plan.parameter());
+                let (load, value) = (parameter, quantity.axis().to_owned());
                 let (x, y) = if upright {
                     (value, load)
                 } else {
@@ -345,12 +412,15 @@ impl<'a> Recorder<'a> {
 }
 
 fn final_state(model: &Model, answers: &Answers, t: f64) -> FinalState {
+    let moving = answers.is_moving();
     let nodes = model.frames().map(|(id, name)| {
         let state = model.node_state(id);
         let result = NodeResult {
             displacement: state.d.into(),
             rotation: state.psi.into(),
             place: state.place.into(),
+            velocity: moving.then(|| state.velocity.into()),
+            angular_velocity: moving.then(|| state.omega.into()),
         };
         (name.to_owned(), result)
     });
@@ -367,5 +437,45 @@ fn final_state(model: &Model, answers: &Answers, t: f64) -> FinalState {
         reactions: reactions.collect(),
         strain_energy: answers.strain_energy(),
         load_potential: model.load_potential(t),
+        motion: moving.then(|| {
+            let audit = answers.audit();
+            MotionResult {
+                kinetic_energy: audit.energies.kinetic,
+                momentum: audit.momentum.linear.into(),
+                angular_momentum: audit.momentum.angular.into(),
+            }
+        }),
     }
+}
+
+/// The answers of a model at the state that a motion has reached.
+fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError> {
+    let t = progress.state.t;
+    let audit = model.audit(point(progress)).map_err(RecordError::Audit)?;
+    let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
+    Ok(Answers::of(model, t).moving(Some(audit), defect))
+}
+
+/// Every how many rows a grid is written.
+fn grid_every(setting: &Setting<'_>) -> usize {
+    match (setting.output.paraview_every, setting.plan) {
+        (Some(every), _) => every,
+        (None, Plan::Dynamic(plan)) => {
+            let options = &plan.options;
+            let rows = options.to / options.step / plan.record_every as f64;
+            (rows / GRIDS).ceil().max(1.0) as usize
+        }
+        (None, _) => 1,
+    }
+}
+
+/// Why a step cannot be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The model cannot be asked there.
+    #[error("a converged state cannot be evaluated: {0}")]
+    Audit(SystemError),
 }

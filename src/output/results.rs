@@ -1,6 +1,7 @@
 //! `result.json`: settings, summary and the final state.
 
 use crate::input::ModelFile;
+use crate::solve::Counts;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -13,18 +14,18 @@ pub(super) const NAME: &str = "result.json";
 pub enum Ending {
     /// It has not ended (or the program was killed).
     Running,
-    /// The end of the load, or a stop on the path, was reached.
+    /// The end of the load or of time, or a stop on the path, was reached.
     Complete,
     /// The user or an observer stopped it.
     Interrupted {
-        /// Load parameter of the last converged step.
+        /// Load parameter or time of the last converged step.
         t: f64,
     },
     /// The path had its most steps before any stop was reached.
     StepLimit {
         /// The limit.
         max_steps: usize,
-        /// Load parameter of the last converged step.
+        /// Load parameter or time of the last converged step.
         t: f64,
     },
     /// The solver failed.
@@ -68,18 +69,11 @@ pub struct Statistics {
     pub unknowns: usize,
     /// Whether the tangent is symmetric: all loads are conservative.
     pub symmetric: bool,
-    /// Converged steps.
-    pub steps: usize,
-    /// Failed attempts, where the solver says so.
-    pub rejected: Option<usize>,
-    /// Linear solutions in converged steps.
-    pub iterations: usize,
-    /// Factorisations, where the solver says so.
-    pub factorisations: Option<usize>,
-    /// Evaluations of the model, where the solver says so.
-    pub evaluations: Option<usize>,
-    /// Changes of chart.
-    pub chart_changes: usize,
+    /// What the analysis did.
+    #[serde(flatten)]
+    pub counts: Counts,
+    /// Largest rotation angle ψ of any node in its chart, in radians.
+    pub largest_rotation: f64,
     /// Wall-clock time in seconds, output included.
     pub seconds: f64,
 }
@@ -87,7 +81,7 @@ pub struct Statistics {
 /// A converged state.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FinalState {
-    /// Load parameter.
+    /// Load parameter or time.
     pub t: f64,
     /// All frame nodes by name.
     pub nodes: BTreeMap<String, NodeResult>,
@@ -97,6 +91,9 @@ pub struct FinalState {
     pub strain_energy: f64,
     /// Potential of the loads that have one.
     pub load_potential: f64,
+    /// What moves, in dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionResult>,
 }
 
 /// A node.
@@ -108,6 +105,23 @@ pub struct NodeResult {
     pub rotation: [f64; 3],
     /// Current place.
     pub place: [f64; 3],
+    /// Velocity, global components; in dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<[f64; 3]>,
+    /// Angular velocity, global components; in dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<[f64; 3]>,
+}
+
+/// Energy and momentum of everything that has mass.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct MotionResult {
+    /// Kinetic energy.
+    pub kinetic_energy: f64,
+    /// Linear momentum, global components.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin, global components.
+    pub angular_momentum: [f64; 3],
 }
 
 /// Force and moment with which a support acts on the structure, global components.

@@ -1,6 +1,7 @@
 //! ParaView files: an unstructured grid per step and a collection of them.
 //!
-//! Each line has points of its own, so that lines that meet at a node keep their section axes.
+//! Each line has points of its own, so that lines that meet at a node keep their section axes. A
+//! body is a point of its own at its centre of mass.
 
 #![allow(non_snake_case)]
 
@@ -8,12 +9,13 @@ use crate::input::Geometry;
 use crate::probe::Answers;
 use nalgebra::Vector3;
 use pullback_elements::model::Model;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// A grid and its time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Load parameter.
+    /// Load parameter or time.
     pub t: f64,
     /// File name.
     pub file: String,
@@ -21,6 +23,8 @@ pub struct Frame {
 
 /// Cell types: line, quadratic edge, cubic line.
 const CELL_TYPES: [u8; 3] = [3, 21, 35];
+/// Cell type of a point.
+const VERTEX: u8 = 1;
 
 /// The collection (`.pvd`) of grids.
 pub fn collection(frames: &[Frame]) -> String {
@@ -43,6 +47,7 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
     let mut points = Vec::new();
     let mut displacement = Vec::new();
     let mut rotation = Vec::new();
+    let mut rates: [Vec<Vector3<f64>>; 2] = Default::default();
     let mut axes: [Vec<Vector3<f64>>; 3] = Default::default();
     let mut connectivity = Vec::new();
     let mut offsets = Vec::new();
@@ -56,6 +61,8 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
             points.push(state.place);
             displacement.push(state.d);
             rotation.push(state.psi);
+            rates[0].push(state.velocity);
+            rates[1].push(state.omega);
             let frame = state.R * R0;
             for (k, axis) in axes.iter_mut().enumerate() {
                 axis.push(frame.column(k).into_owned());
@@ -75,6 +82,25 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
             resultants[3].push(answers.mean(id, |s| s.K));
         }
     }
+    for body in &geometry.bodies {
+        let state = model.node_state(body.node);
+        let arm = state.R * body.center;
+        connectivity.push(points.len());
+        points.push(state.place + arm);
+        displacement.push(state.d + arm - body.center);
+        rotation.push(state.psi);
+        rates[0].push(state.velocity + state.omega.cross(&arm));
+        rates[1].push(state.omega);
+        for (k, axis) in axes.iter_mut().enumerate() {
+            axis.push(state.R.column(k).into_owned());
+        }
+        offsets.push(connectivity.len());
+        types.push(VERTEX);
+        line_number.push(0);
+        for part in &mut resultants {
+            part.push(Vector3::zeros());
+        }
+    }
     let mut out = format!(
         "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
@@ -92,6 +118,10 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
     out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
     vectors(&mut out, "displacement", &displacement);
     vectors(&mut out, "rotation", &rotation);
+    if answers.is_moving() {
+        vectors(&mut out, "velocity", &rates[0]);
+        vectors(&mut out, "angular_velocity", &rates[1]);
+    }
     for (name, axis) in ["e1", "e2", "e3"].into_iter().zip(&axes) {
         vectors(&mut out, name, axis);
     }

@@ -12,6 +12,20 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const HYSTERESIS: f64 = 1e-6;
 
 impl Model {
+    /// Which of its nodes each element takes through the complement map (bit k for node k): what
+    /// a model remembers of its way besides the coordinates.
+    pub fn element_charts(&self) -> Vec<u32> {
+        self.elements.iter().map(|e| e.switched).collect()
+    }
+
+    /// Goes on from what [`Model::element_charts`] gave for the same model; entries beyond its
+    /// elements are ignored.
+    pub fn set_element_charts(&mut self, charts: &[u32]) {
+        for (e, &switched) in self.elements.iter_mut().zip(charts) {
+            e.switched = switched;
+        }
+    }
+
     /// Changes the charts of nodes with ψ > π, then lets the elements choose theirs.
     pub(super) fn update_charts(
         &mut self,

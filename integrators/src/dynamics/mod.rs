@@ -23,6 +23,7 @@ pub use scheme::Scheme;
 pub use step::{Predictor, Tangent};
 
 /// A state of motion: what a scheme carries from step to step.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Time.

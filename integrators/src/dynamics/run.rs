@@ -5,7 +5,7 @@
 use super::initial::accelerate;
 use super::step::Stepper;
 use super::{DynamicsError, NewtonOptions, Scheme, State};
-use crate::failure::{Along, FailedStep, Failure, Wreck};
+use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Energies, Point, System};
@@ -59,6 +59,7 @@ pub struct Adaptivity {
 }
 
 /// Energies along a run.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// Kinetic and stored energy at the start.
@@ -79,6 +80,7 @@ impl EnergyBalance {
 }
 
 /// What a run did.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Accepted steps.
@@ -103,6 +105,7 @@ pub struct Summary {
 
 /// Where a run is: everything that the next step depends on. A run that is continued from a copy
 /// gives the same numbers to the last bit.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
     /// The state; empty accelerations are found first.
@@ -232,8 +235,9 @@ impl Run<'_> {
         let mut none: [&mut [f64]; 0] = [];
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
         let vectors: &mut [&mut [f64]] = if fresh { &mut none } else { &mut both };
-        progress.summary.chart_changes += system.change_charts(*t, q, v, vectors).charts;
+        let changed = system.change_charts(*t, q, v, vectors).charts;
         if fresh {
+            progress.summary.chart_changes += changed;
             self.accelerate(system, solver, progress)?;
             progress.summary.energy = None;
             if let Some(now) = self.energies(system, &progress.state, progress.state.t)? {
@@ -362,10 +366,16 @@ impl Run<'_> {
             steps,
             failed,
             inaccurate,
+            evaluations,
+            factorisations,
             ..
         } = progress.summary;
         let rejected = failed + inaccurate;
-        let step = FailedStep::new(system, wreck, Along::Time, span, steps, rejected);
+        let spent = Spent {
+            evaluations,
+            factorisations,
+        };
+        let step = FailedStep::new(system, wreck, Along::Time, span, steps, rejected, spent);
         Err(DynamicsError::Step(Box::new(step)))
     }
 

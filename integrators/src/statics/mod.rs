@@ -11,7 +11,7 @@ mod error;
 mod load_steps;
 mod newton;
 
-pub use crate::failure::{Along, Cause, FailedStep};
+pub use crate::failure::{Along, Cause, FailedStep, Spent};
 pub use arc_length::{ArcLengthOptions, Event, PathSummary, trace_path, trace_path_with};
 pub use error::StaticsError;
 pub use load_steps::{StaticOptions, Summary, solve_statics, solve_statics_with};

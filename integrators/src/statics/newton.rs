@@ -19,7 +19,7 @@
 #![allow(non_snake_case)]
 
 use super::{Iteration, NewtonOptions, Summary};
-use crate::failure::{Along, FailedStep, Failure, Wreck};
+use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
@@ -134,7 +134,12 @@ impl Newton {
         };
         let (along, span) = (Along::Load, [summary.t, to]);
         let (steps, rejected) = (summary.steps, summary.rejected);
-        Box::new(FailedStep::new(system, wreck, along, span, steps, rejected))
+        let spent = Spent {
+            evaluations: self.evaluations,
+            factorisations: self.factorisations,
+        };
+        let step = FailedStep::new(system, wreck, along, span, steps, rejected, spent);
+        Box::new(step)
     }
 
     pub(super) fn factorise(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {

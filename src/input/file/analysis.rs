@@ -295,8 +295,10 @@ impl Default for NewtonSettings {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// A ParaView file every this many steps, and always at the last; 0 writes none.
-    pub paraview_every: usize,
+    /// A ParaView file every this many rows of the history, and always at the last; 0 writes none.
+    /// By default every row in statics, and about 200 files in dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paraview_every: Option<usize>,
     /// SVG figures.
     pub figures: bool,
 }
@@ -304,7 +306,7 @@ pub struct Output {
 impl Default for Output {
     fn default() -> Self {
         Self {
-            paraview_every: 1,
+            paraview_every: None,
             figures: true,
         }
     }

@@ -11,6 +11,7 @@ use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor, WHITE};
 use pullback_elements::model::Model;
+use serde::{Deserialize, Serialize};
 
 /// Points per element of higher order.
 const PIECES: usize = 8;
@@ -22,7 +23,7 @@ const MARKED: usize = 41;
 const FLAT: f64 = 1e-3;
 
 /// Lines of a structure in one configuration.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shapes {
     /// Points along each line.
     lines: Vec<Vec<Vector3<f64>>>,
@@ -30,6 +31,10 @@ pub struct Shapes {
     nodes: Vec<Vector3<f64>>,
     /// Places of supported nodes.
     supports: Vec<Vector3<f64>>,
+    /// Centres of mass of bodies.
+    bodies: Vec<Vector3<f64>>,
+    /// Rigid links, also from a node to the centre of mass of its body.
+    links: Vec<[Vector3<f64>; 2]>,
 }
 
 impl Shapes {
@@ -51,11 +56,25 @@ impl Shapes {
             out.lines.push(interpolate(&nodes, line.order));
             out.nodes.extend(nodes);
         }
+        for link in &geometry.links {
+            out.links.push(link.map(place));
+        }
+        for body in &geometry.bodies {
+            let node = place(body.node);
+            let center = if reference {
+                node + body.center
+            } else {
+                node + model.node_state(body.node).R * body.center
+            };
+            out.bodies.push(center);
+            out.links.push([node, center]);
+        }
         out
     }
 
     fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
-        self.lines.iter().flatten().chain(&self.supports)
+        let links = self.links.iter().flatten();
+        (self.lines.iter().flatten().chain(links)).chain(&self.supports)
     }
 }
 
@@ -235,6 +254,9 @@ fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> 
         let t = axes::tick(*t, 0.1);
         out.push((format!("deformed, t = {t}"), Mark::Line(PALETTE[0], 5)));
     }
+    if !reference.bodies.is_empty() {
+        out.push(("centre of mass".to_owned(), Mark::Dot(PALETTE[1])));
+    }
     if !reference.supports.is_empty() {
         out.push(("support".to_owned(), Mark::Square(INK)));
     }
@@ -284,6 +306,9 @@ fn draw(
             let dots = places.map(|p| Circle::new(p, 5 * FINE / 2, PALETTE[0].filled()));
             chart.draw_series(dots)?;
         }
+        let places = last.bodies.iter().map(|p| view.project(p));
+        let dots = places.map(|p| Circle::new(p, 4 * FINE, PALETTE[1].filled()));
+        chart.draw_series(dots)?;
     }
     let half = 4.0 * scale;
     let squares = reference.supports.iter().map(|p| {
@@ -307,6 +332,12 @@ fn outline(
         PathElement::new(places.collect::<Vec<_>>(), style)
     });
     chart.draw_series(lines)?;
+    let thin = color.stroke_width((stroke * FINE / 4).max(1) as u32);
+    let links = shapes.links.iter().map(|link| {
+        let places = link.iter().map(|p| view.project(p));
+        PathElement::new(places.collect::<Vec<_>>(), thin)
+    });
+    chart.draw_series(links)?;
     Ok(())
 }
 

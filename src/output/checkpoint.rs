@@ -1,0 +1,156 @@
+//! `checkpoint.json`: everything that a motion needs to go on as if it had never stopped.
+
+use super::directory::OutputError;
+use super::history::Row;
+use super::plot::Shapes;
+use super::vtu::Frame;
+use pullback_integrators::dynamics::Progress;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Name of the file.
+pub(super) const NAME: &str = "checkpoint.json";
+
+/// What has been recorded so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Record {
+    pub rows: Vec<Row>,
+    pub frames: Vec<Frame>,
+    /// Shapes on the way, thinned out as they grow many.
+    pub shapes: Vec<(f64, Shapes)>,
+    /// The shape of the last row, where it is not among them.
+    pub latest: Option<(f64, Shapes)>,
+    /// Every how many rows a shape is kept.
+    pub stride: usize,
+    /// Iterations and changes of chart of steps after the last row.
+    pub since: [usize; 2],
+    /// Largest rotation angle of any node so far.
+    pub largest_rotation: f64,
+    /// Wall-clock time spent.
+    pub seconds: f64,
+}
+
+/// A motion that can be taken up again.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checkpoint {
+    program: String,
+    /// The model file with defaults.
+    settings: Value,
+    pub(super) progress: Progress,
+    pub(super) element_charts: Vec<u32>,
+    /// Rotation vectors that the probes have seen last.
+    pub(super) memories: Vec<[f64; 3]>,
+    pub(super) record: Record,
+}
+
+/// Why a run cannot be resumed.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// Only a motion has checkpoints.
+    #[error("only a dynamic analysis can be resumed; run without --resume")]
+    Statics,
+    /// There is no checkpoint.
+    #[error("cannot read {}: {source}; run without --resume first", path.display())]
+    None {
+        /// Where it should be.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is no checkpoint of this program.
+    #[error("{} is no checkpoint of this version of the program: {source}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// The model file is another one by now.
+    #[error(
+        "`{part}` has changed in the model file since {} was written; only `output` and \
+         `analysis.dynamic` (but not its scheme) may change. Undo that, or run without --resume",
+        path.display()
+    )]
+    Changed {
+        /// The checkpoint.
+        path: PathBuf,
+        /// What has changed.
+        part: String,
+    },
+    /// The run has passed the end that is asked for.
+    #[error("the checkpoint is at time {t}, behind `to` = {to}: there is nothing left to compute")]
+    Passed {
+        /// Time reached.
+        t: f64,
+        /// Time asked for.
+        to: f64,
+    },
+}
+
+impl Checkpoint {
+    pub(super) fn new(settings: Value, progress: &Progress) -> Self {
+        Self {
+            program: concat!("pullback ", env!("CARGO_PKG_VERSION")).to_owned(),
+            settings,
+            progress: progress.clone(),
+            element_charts: Vec::new(),
+            memories: Vec::new(),
+            record: Record::default(),
+        }
+    }
+
+    pub(super) fn text(&self) -> Result<String, OutputError> {
+        serde_json::to_string(self).map_err(|source| OutputError::Encode {
+            name: NAME.to_owned(),
+            source,
+        })
+    }
+
+    /// Reads the checkpoint of a directory, for a model file that now says `settings`.
+    ///
+    /// # Errors
+    /// [`ResumeError`].
+    pub fn read(directory: &Path, settings: &Value) -> Result<Self, ResumeError> {
+        let path = directory.join(NAME);
+        let text = std::fs::read_to_string(&path).map_err(|source| ResumeError::None {
+            path: path.clone(),
+            source,
+        })?;
+        let read: Self = serde_json::from_str(&text).map_err(|source| ResumeError::Unusable {
+            path: path.clone(),
+            source,
+        })?;
+        if let Some(part) = changed(&read.settings, settings) {
+            return Err(ResumeError::Changed { path, part });
+        }
+        Ok(read)
+    }
+
+    /// Where the motion is.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// What [`Model::element_charts`](pullback_elements::model::Model::element_charts) said there.
+    pub fn element_charts(&self) -> &[u32] {
+        &self.element_charts
+    }
+
+    /// Names of the ParaView files written by then.
+    pub(crate) fn grids(&self) -> Vec<&str> {
+        self.record.frames.iter().map(|f| f.file.as_str()).collect()
+    }
+}
+
+/// The part of the model file that must not have changed but has.
+fn changed(before: &Value, now: &Value) -> Option<String> {
+    let scheme = "/analysis/dynamic/scheme";
+    if before.pointer(scheme) != now.pointer(scheme) {
+        return Some("analysis.dynamic.scheme".to_owned());
+    }
+    let (before, now) = (before.as_object()?, now.as_object()?);
+    let keys = before.keys().chain(now.keys());
+    let mut fixed = keys.filter(|key| !["analysis", "output"].contains(&key.as_str()));
+    fixed.find(|key| before.get(*key) != now.get(*key)).cloned()
+}
