@@ -1,5 +1,8 @@
 //! Functions of time (or of the load parameter) for loads and prescribed motion.
 
+#![allow(non_snake_case)]
+
+use std::f64::consts::TAU;
 use std::fmt::Debug;
 
 /// A function of time with two derivatives.
@@ -147,6 +150,81 @@ impl TimeFunction for Table {
     }
 }
 
+/// Zero but for `value` from `start` until `end`: a load that is put on and taken off at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulse {
+    start: f64,
+    end: f64,
+    value: f64,
+}
+
+impl Pulse {
+    /// A rectangular pulse.
+    ///
+    /// # Errors
+    /// [`TimeFunctionError`] for numbers that are not finite, or an end that is not after the
+    /// start.
+    pub fn new(start: f64, end: f64, value: f64) -> Result<Self, TimeFunctionError> {
+        Table::ramp(start, end, value)?;
+        Ok(Self { start, end, value })
+    }
+}
+
+impl TimeFunction for Pulse {
+    fn at(&self, t: f64) -> [f64; 3] {
+        let on = self.start <= t && t < self.end;
+        [if on { self.value } else { 0.0 }, 0.0, 0.0]
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        vec![self.start, self.end]
+    }
+}
+
+/// A smooth run-up from rest to a constant rate within a duration T:
+/// f = (rate/T) (t²/2 + (T/2π)² (cos(2πt/T) − 1)), then rate·(t − T/2).
+///
+/// Rate and acceleration are continuous (Kane, Ryan & Banerjee 1987).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunUp {
+    rate: f64,
+    duration: f64,
+}
+
+impl RunUp {
+    /// A run-up to `rate` in `duration`.
+    ///
+    /// # Errors
+    /// [`TimeFunctionError`] for numbers that are not finite, or a duration that is not positive.
+    pub fn new(rate: f64, duration: f64) -> Result<Self, TimeFunctionError> {
+        Table::ramp(0.0, duration, rate)?;
+        Ok(Self { rate, duration })
+    }
+}
+
+impl TimeFunction for RunUp {
+    fn at(&self, t: f64) -> [f64; 3] {
+        let (rate, T) = (self.rate, self.duration);
+        if t <= 0.0 {
+            return [0.0; 3];
+        }
+        if t >= T {
+            return [rate * (t - 0.5 * T), rate, 0.0];
+        }
+        let k = TAU / T;
+        let (s, c) = (k * t).sin_cos();
+        [
+            rate / T * (0.5 * t * t + (c - 1.0) / (k * k)),
+            rate / T * (t - s / k),
+            rate / T * (1.0 - c),
+        ]
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        vec![self.duration]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,6 +238,32 @@ mod tests {
         assert_eq!(hat.at(0.75), [20.0, -80.0, 0.0]);
         assert_eq!(hat.at(2.0), [0.0, 0.0, 0.0]);
         assert_eq!(hat.kinks(), [0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn a_pulse_is_on_from_its_start_until_its_end() {
+        let pulse = Pulse::new(0.0, 2.5, 8.0).unwrap();
+        let on = [-0.1, 0.0, 2.5_f64.next_down(), 2.5].map(|t| pulse.at(t)[0]);
+        assert_eq!(on, [0.0, 8.0, 8.0, 0.0]);
+        assert!(Pulse::new(1.0, 1.0, 2.0).is_err());
+    }
+
+    #[test]
+    fn a_run_up_is_smooth_and_its_derivatives_are_its_own() {
+        let f = RunUp::new(6.0, 15.0).unwrap();
+        for t in [15.0_f64.next_down(), 15.0] {
+            let [x, v, a] = f.at(t);
+            assert!((x - 45.0).abs() < 1e-12 && (v - 6.0).abs() < 1e-12 && a.abs() < 1e-12);
+        }
+        for t in [0.5, 3.0, 7.5, 14.0, 20.0] {
+            let h = 1e-4;
+            for k in 0..2 {
+                let difference = (f.at(t + h)[k] - f.at(t - h)[k]) / (2.0 * h);
+                assert!((difference - f.at(t)[k + 1]).abs() < 1e-8);
+            }
+        }
+        assert_eq!(f.at(0.0), [0.0; 3]);
+        assert!(RunUp::new(6.0, 0.0).is_err());
     }
 
     #[test]

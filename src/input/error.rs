@@ -156,12 +156,16 @@ pub enum Problem {
     },
     #[error("this initial condition says nothing")]
     InitialNothing,
+    #[error("the node \"{node}\" hangs on a joint and has no {key} of its own")]
+    InitialHung { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]
     Scheme { message: String },
+    #[error("a driven coordinate cannot jump")]
+    Jump,
     #[error("{source}")]
     Time { source: TimeFunctionError },
     #[error("the probe \"{probe}\" records {quantity}, which needs {needs}")]
@@ -263,6 +267,10 @@ impl Problem {
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
+            Self::InitialHung { .. } => {
+                "give it to the joint's master, or give the joint a `rate`"
+            }
+            Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
             _ => return None,

@@ -37,6 +37,7 @@ pub(super) fn start(
             None => None,
         };
         if let Some(node) = node {
+            hangs(source, &path, model, node, initial)?;
             place(source, &path, model, node, initial, &mut q)?;
         }
         let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
@@ -129,6 +130,30 @@ fn check<'a>(
     Ok(())
 }
 
+/// Refuses what a node that hangs on a joint cannot have of its own.
+fn hangs<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    model: &Model,
+    node: NodeId,
+    initial: &Initial,
+) -> Result<(), InputError> {
+    let turns = model.is_own(model.free_rotation_of(node));
+    for (key, given, own) in [
+        ("displacement", initial.displacement, model.is_own(node)),
+        ("velocity", initial.velocity, model.is_own(node)),
+        ("rotation", initial.rotation, turns),
+        ("angular_velocity", initial.angular_velocity, turns),
+        ("body_angular_velocity", initial.body_angular_velocity, turns),
+    ] {
+        if given.is_some() && !own {
+            let node = initial.node.clone().unwrap_or_default();
+            return Err(source.key(&path(key), Problem::InitialHung { node, key }));
+        }
+    }
+    Ok(())
+}
+
 /// Initial displacement and rotation of a node.
 fn place<'a>(
     source: &Text<'_>,
@@ -138,9 +163,11 @@ fn place<'a>(
     initial: &Initial,
     q: &mut [f64],
 ) -> Result<(), InputError> {
-    for (key, first, values) in [
-        ("displacement", 0, initial.displacement),
-        ("rotation", 3, initial.rotation),
+    let free = model.free_rotation_of(node);
+    let first = if free == node { 3 } else { 0 };
+    for (key, node, first, values) in [
+        ("displacement", node, 0, initial.displacement),
+        ("rotation", free, first, initial.rotation),
     ] {
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
             if !model.set(q, node, first + i, value) && value != 0.0 {

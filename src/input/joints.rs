@@ -2,7 +2,7 @@
 
 use super::assemble::{LineGeometry, Names};
 use super::file::{Joint, JointKind, ModelFile};
-use super::loads::function;
+use super::loads::{drive, function};
 use super::{InputError, Problem, Text};
 use pullback_elements::joint::{offset, revolute, slide, spherical};
 use pullback_elements::load::CoordinateForce;
@@ -216,7 +216,7 @@ fn act<'a>(
             .map_err(|error| source.value(&path("motor"), Problem::Model(error)))?;
     }
     if let Some(time) = &joint.driven {
-        let driven = function(source, &path("driven"), time)?;
+        let driven = drive(source, &path("driven"), time)?;
         builder.prescribe_coordinate(coordinate, 0, driven);
     }
     Ok(())

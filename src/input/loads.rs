@@ -46,7 +46,7 @@ pub(super) fn support(
             }
             match time {
                 Time::Constant(value) => builder.prescribe(node, dof.dof(), Constant(value)),
-                _ => builder.prescribe_boxed(node, dof.dof(), function(source, &path, &time)?),
+                _ => builder.prescribe_boxed(node, dof.dof(), drive(source, &path, &time)?),
             }
         }
         if taken.len() == before {
@@ -67,6 +67,18 @@ pub(super) fn function(
 ) -> Result<Box<dyn TimeFunction>, InputError> {
     time.function()
         .map_err(|error| source.value(path, Problem::Time { source: error }))
+}
+
+/// The function of a driven coordinate, which must not jump.
+pub(super) fn drive(
+    source: &Text<'_>,
+    path: &[&str],
+    time: &Time,
+) -> Result<Box<dyn TimeFunction>, InputError> {
+    match time {
+        Time::Pulse(_) => Err(source.value(path, Problem::Jump)),
+        _ => function(source, path, time),
+    }
 }
 
 /// What loads act on, besides nodes.

@@ -105,8 +105,12 @@ impl Model {
         nodes: Option<&[NodeId]>,
         motion: &RigidMotion,
     ) {
+        let free: Option<Vec<NodeId>> =
+            nodes.map(|all| all.iter().map(|&n| self.free_rotation_of(n)).collect());
         for (id, n) in self.nodes.iter().enumerate() {
-            let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(id as u32)));
+            let id = NodeId(id as u32);
+            let named = |nodes: &[NodeId]| nodes.contains(&id);
+            let chosen = nodes.is_none_or(named) || free.as_deref().is_some_and(named);
             if !chosen || !n.is_own() {
                 continue;
             }
@@ -133,6 +137,21 @@ impl Model {
                 put(first, &inverse.tr_mul(&motion.omega));
             }
         }
+    }
+
+    /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation
+    /// that a joint such as a spherical one has released.
+    pub fn free_rotation_of(&self, node: NodeId) -> NodeId {
+        let Source::Mapped(d) = &self.nodes[node.0 as usize].source else {
+            return node;
+        };
+        let released = |&&n: &&u32| self.nodes[n as usize].form == Form::Rotation;
+        d.masters().iter().find(released).map_or(node, |&n| NodeId(n))
+    }
+
+    /// Whether the coordinates of a node are its own: it does not hang on a joint.
+    pub fn is_own(&self, node: NodeId) -> bool {
+        self.nodes[node.0 as usize].is_own()
     }
 
     /// Value of a prescribed coordinate at the start.

@@ -92,8 +92,8 @@ impl Fix {
     }
 }
 
-/// Coordinates of a node as functions of the load parameter, or of time. The rotation is a rotation vector:
-/// with one component driven and the other two fixed it is an angle, any number of turns.
+/// Coordinates of a node as functions of the load parameter, or of time. The rotation is a rotation
+/// vector: with one component driven and the other two fixed it is an angle, any number of turns.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
@@ -148,15 +148,16 @@ pub struct Load {
     /// Force per reference length of the line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_per_length: Option<[f64; 3]>,
-    /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of bodies.
+    /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of
+    /// bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Whether the load turns with the node or the cross-sections; otherwise its direction is
     /// fixed in space.
     #[serde(default)]
     pub follower: bool,
-    /// Factor as a function of the load parameter or time; by default it grows in proportion to the
-    /// load parameter in statics (`{ proportional = 1 }`), and is constant in dynamics
+    /// Factor as a function of the load parameter or time; by default it grows in proportion to
+    /// the load parameter in statics (`{ proportional = 1 }`), and is constant in dynamics
     /// (`{ constant = 1 }`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Time>,

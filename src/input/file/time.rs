@@ -1,12 +1,12 @@
 //! Functions of the load parameter, or of time.
 
 use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
-use pullback_elements::time::{TimeFunction, TimeFunctionError};
+use pullback_elements::time::{self as function, TimeFunction, TimeFunctionError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A function f(t) of the load parameter in statics, of time in dynamics: a factor for loads, the value itself for driven
-/// coordinates.
+/// A function f(t) of the load parameter in statics, of time in dynamics: a factor for loads, the
+/// value itself for driven coordinates.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Time {
@@ -18,6 +18,11 @@ pub enum Time {
     Ramp(Ramp),
     /// From 0 up to a value and back to 0.
     Hat(Hat),
+    /// A value from one time until another, 0 before and after.
+    Pulse(Pulse),
+    /// A smooth run-up to a constant rate.
+    #[serde(rename = "run-up")]
+    RunUp(RunUp),
     /// Straight lines between points [t, f], constant before the first and after the last.
     Table(Vec<[f64; 2]>),
     /// f(t) = offset + amplitude · sin(omega t + phase).
@@ -54,6 +59,31 @@ pub struct Hat {
     pub value: f64,
 }
 
+/// `value` from `start` until `end`, 0 before and after.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pulse {
+    /// Where it begins.
+    #[serde(default)]
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+    /// Its value.
+    #[serde(default = "one")]
+    pub value: f64,
+}
+
+/// From rest to `rate` within `duration`, without a jump in the acceleration:
+/// f = rate/T (t²/2 + (T/2π)² (cos(2πt/T) − 1)), then rate (t − T/2).
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunUp {
+    /// Rate of change at the end.
+    pub rate: f64,
+    /// Time T that it takes.
+    pub duration: f64,
+}
+
 /// A sine.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -82,6 +112,8 @@ impl Time {
             Self::Proportional(slope) => Box::new(Proportional(*slope)),
             Self::Ramp(r) => Box::new(Table::ramp(r.start, r.end, r.value)?),
             Self::Hat(h) => Box::new(Table::hat(h.start, h.peak, h.end, h.value)?),
+            Self::Pulse(p) => Box::new(function::Pulse::new(p.start, p.end, p.value)?),
+            Self::RunUp(r) => Box::new(function::RunUp::new(r.rate, r.duration)?),
             Self::Table(points) => Box::new(Table::new(points.clone())?),
             Self::Sine(s) => Box::new(SineFunction {
                 amplitude: s.amplitude,
