@@ -267,9 +267,7 @@ impl Problem {
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
-            Self::InitialHung { .. } => {
-                "give it to the joint's master, or give the joint a `rate`"
-            }
+            Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
             Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",

@@ -144,7 +144,11 @@ fn hangs<'a>(
         ("velocity", initial.velocity, model.is_own(node)),
         ("rotation", initial.rotation, turns),
         ("angular_velocity", initial.angular_velocity, turns),
-        ("body_angular_velocity", initial.body_angular_velocity, turns),
+        (
+            "body_angular_velocity",
+            initial.body_angular_velocity,
+            turns,
+        ),
     ] {
         if given.is_some() && !own {
             let node = initial.node.clone().unwrap_or_default();

@@ -146,7 +146,10 @@ impl Model {
             return node;
         };
         let released = |&&n: &&u32| self.nodes[n as usize].form == Form::Rotation;
-        d.masters().iter().find(released).map_or(node, |&n| NodeId(n))
+        d.masters()
+            .iter()
+            .find(released)
+            .map_or(node, |&n| NodeId(n))
     }
 
     /// Whether the coordinates of a node are its own: it does not hang on a joint.

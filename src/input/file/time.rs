@@ -1,7 +1,7 @@
 //! Functions of the load parameter, or of time.
 
-use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
 use pullback_elements::time::{self as function, TimeFunction, TimeFunctionError};
+use pullback_elements::time::{Constant, Proportional, Sine as SineFunction, Table};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,229 @@
+//! A motion that was stopped goes on from its checkpoint to the very same bits.
+#![allow(clippy::unwrap_used)]
+
+mod program_support;
+
+use program_support::{directory, files, program, read, results, write};
+use pullback::output::{Ending, ResumeError};
+use pullback::run::{RunError, resume, run};
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Two flexible links on a driven hub that makes more than a turn, with a ball joint between them
+/// and a hand on a spring: changes of chart, a kink, joints, damping.
+const MODEL: &str = r#"
+[sections.link]
+stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 1e3, EI = [1e3, 1e3] }
+mass = { A_rho = 1, J = [2, 1, 1] }
+damping = { stiffness = 1e-4 }
+
+[nodes]
+hub = [0, 0, 0]
+middle = [1, 0, 0]
+tip = [2, 0, 0]
+
+[[lines]]
+name = "first"
+from = "hub"
+to = "middle"
+elements = 2
+section = "link"
+
+[[joints]]
+name = "ball"
+type = "spherical"
+master = "middle"
+
+[[lines]]
+name = "second"
+from = "ball"
+to = "tip"
+elements = 2
+section = "link"
+
+[[joints]]
+name = "pin"
+type = "revolute"
+master = "tip"
+axis = [0, 1, 0]
+spring = { k = 3.0, c = 0.1 }
+
+[[bodies]]
+name = "hand"
+node = "pin"
+mass = 0.5
+inertia = [0.1, 0.2, 0.3]
+center = [0.1, 0, 0]
+
+[[supports]]
+node = "hub"
+fix = ["x", "y", "z", "rx", "ry"]
+driven = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }
+
+[[loads]]
+gravity = [0, 0, -9.81]
+
+[analysis.dynamic]
+to = 1.0
+step = 0.01
+checkpoint_every = 7
+record_every = 2
+
+[output]
+paraview_every = 5
+
+[[probes]]
+name = "turn"
+node = "tip"
+quantity = "rotation"
+
+[[probes]]
+name = "hold"
+node = "ball"
+quantity = "joint_force"
+
+[[probes]]
+name = "push"
+node = "hub"
+quantity = "reaction_force"
+"#;
+
+/// The results of a run, without the time that it took.
+fn timeless(out: &Path) -> Value {
+    let mut results = results(out);
+    results["statistics"]["seconds"] = Value::Null;
+    results["model"] = Value::Null;
+    results["files"] = Value::Null;
+    results
+}
+
+fn assert_same(one: &Path, other: &Path) {
+    assert_eq!(files(one), files(other));
+    for name in files(one) {
+        if ["result.json", "checkpoint.json"].contains(&name.as_str()) {
+            continue;
+        }
+        assert!(
+            read(one.join(&name)) == read(other.join(&name)),
+            "{name} differs"
+        );
+    }
+    assert_eq!(timeless(one), timeless(other));
+}
+
+fn go_on(_: &pullback::solve::Advance<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+#[test]
+fn a_resumed_run_gives_the_same_bits() {
+    let directory = directory("program_resume");
+    let model = write(&directory, MODEL);
+    let whole = directory.join("whole");
+    run(&model, Some(&whole), &mut go_on).unwrap();
+    let statistics = &results(&whole)["statistics"];
+    assert!(
+        statistics["chart_changes"].as_u64().unwrap() > 10,
+        "{statistics}"
+    );
+
+    // Stopped three times, between rows, between checkpoints and in the middle of a turn.
+    let parts = directory.join("parts");
+    let mut stops = [3, 14, 55].into_iter();
+    let mut stop = stops.next().unwrap();
+    let until = |stop: usize| {
+        move |step: &pullback::solve::Advance<'_>| match step.number >= stop {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let outcome = run(&model, Some(&parts), &mut until(stop)).unwrap();
+    assert!(matches!(outcome.ending, Ending::Interrupted { .. }));
+    assert_eq!(results(&parts)["complete"], false);
+    for next in stops {
+        stop = next;
+        resume(&model, Some(&parts), &mut until(stop)).unwrap();
+    }
+    let outcome = resume(&model, Some(&parts), &mut go_on).unwrap();
+    assert_eq!(outcome.ending, Ending::Complete);
+    assert_same(&whole, &parts);
+}
+
+#[test]
+fn a_killed_run_goes_on_from_its_last_checkpoint() {
+    let directory = directory("program_killed");
+    let model = write(&directory, MODEL);
+    let whole = directory.join("whole");
+    run(&model, Some(&whole), &mut go_on).unwrap();
+    // A copy of the directory as it was after step 40 is what a killed program leaves behind: its
+    // last checkpoint is that of step 35.
+    let (parts, killed) = (directory.join("parts"), directory.join("killed"));
+    run(&model, Some(&parts), &mut |step| {
+        if step.number == 40 {
+            std::fs::create_dir_all(&killed).unwrap();
+            for name in files(&parts) {
+                std::fs::copy(parts.join(&name), killed.join(&name)).unwrap();
+            }
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let mut first = None;
+    resume(&model, Some(&killed), &mut |step| {
+        first.get_or_insert(step.number);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(first, Some(36));
+    assert_same(&whole, &killed);
+}
+
+#[test]
+fn a_finished_run_can_be_made_longer() {
+    let directory = directory("program_longer");
+    let short = MODEL.replace("to = 1.0", "to = 0.5");
+    let model = write(&directory, &short);
+    run(&model, None, &mut go_on).unwrap();
+    write(&directory, MODEL);
+    let outcome = resume(&model, None, &mut go_on).unwrap();
+    assert_eq!(outcome.t, 1.0);
+    let error = resume(&model, None, &mut go_on).unwrap_err();
+    assert!(matches!(
+        error,
+        RunError::Resume(ResumeError::Passed { .. })
+    ));
+}
+
+#[test]
+fn what_cannot_be_resumed_is_refused_by_name() {
+    let directory = directory("program_not_resumed");
+    let model = write(&directory, MODEL);
+    let refusal = || {
+        let output = program(&[Path::new("--resume"), &model]);
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(refusal().contains("checkpoint.json"), "{}", refusal());
+    run(&model, None, &mut |step| {
+        if step.number == 20 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .unwrap();
+    let before = read(directory.join("model.out/history.csv"));
+    write(&directory, &MODEL.replace("mass = 0.5", "mass = 0.6"));
+    assert!(refusal().contains("`bodies` has changed"), "{}", refusal());
+    let scheme = "step = 0.01\nscheme = { hht = -0.1 }";
+    write(&directory, &MODEL.replace("step = 0.01", scheme));
+    assert!(refusal().contains("`analysis.dynamic.scheme` has changed"));
+    write(&directory, program_support::MODEL);
+    assert!(refusal().contains("only a dynamic analysis can be resumed"));
+    write(&directory, MODEL);
+    std::fs::write(directory.join("model.out/checkpoint.json"), "{\"rows\": 3}").unwrap();
+    assert!(refusal().contains("is no checkpoint"), "{}", refusal());
+    // A refusal touches nothing.
+    assert_eq!(read(directory.join("model.out/history.csv")), before);
+}
