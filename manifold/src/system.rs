@@ -237,6 +237,18 @@ pub trait System {
         Ok(None)
     }
 
+    /// The generalised momentum p = ∂T/∂q̇ at a point in motion, into `p`; false (and `p`
+    /// untouched) for a system whose momentum does not depend on t at fixed q and q̇.
+    ///
+    /// Where a driven velocity jumps, p does not: the free velocities take the impulse.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
+        let _ = (at, p);
+        Ok(false)
+    }
+
     /// Whether the tangents are symmetric (conservative loads).
     fn is_symmetric(&self) -> bool {
         false

@@ -224,14 +224,9 @@ impl System for Model {
         if let Some((_, values)) = &mut S {
             values.fill(0.0);
         }
-        let mut again = |S: &mut Option<(Weights, &mut [f64])>| -> Result<(), SystemError> {
-            let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
-            self.add_elements(at.t, statics, borrow, rates)?;
-            let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
-            self.pull_back_nodes(at.t, borrow, rates);
-            Ok(())
-        };
-        again(&mut S)?;
+        let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
+        self.add_elements(at.t, statics, borrow, rates)?;
+        self.pull_back_nodes(at.t, S, rates);
         self.measure_reactions();
         for (u, &c) in self.coordinates.iter().enumerate() {
             r[u] = self.work.r[c];
@@ -279,6 +274,10 @@ impl System for Model {
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
         self.audit(at).map(|audit| Some(audit.energies))
+    }
+
+    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.generalised_momentum(at, p)
     }
 
     fn is_symmetric(&self) -> bool {

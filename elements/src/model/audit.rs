@@ -114,6 +114,47 @@ impl Model {
         }
         Ok(audit)
     }
+
+    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false where
+    /// nothing is driven, as it cannot jump then.
+    pub(super) fn generalised_momentum(
+        &mut self,
+        at: Point<'_>,
+        p: &mut [f64],
+    ) -> Result<bool, SystemError> {
+        if self.prescribed.is_empty() && self.dependent.is_empty() {
+            return Ok(false);
+        }
+        self.expand(at)?;
+        let w = &mut self.work;
+        w.r.fill(0.0);
+        for e in self.elements.iter().filter(|e| !e.element.is_load()) {
+            let local = &mut w.local;
+            local.gather(e, &self.spans, &w.x);
+            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
+            let switched = local.switch(e, &self.nodes);
+            local
+                .momenta(e, at.t)
+                .map_err(|error| named(error, &e.name))?;
+            let n = e.element.dim();
+            local.r[..n].copy_from_slice(&local.work[..n]);
+            if switched {
+                local.pull_back_switch(e, &self.nodes, None, false, false);
+            }
+            let mut k = 0;
+            for &node in &e.nodes {
+                for c in self.spans[node as usize].range() {
+                    w.r[c] += local.r[k];
+                    k += 1;
+                }
+            }
+        }
+        self.pull_back_nodes(at.t, None, false);
+        for (p, &c) in p.iter_mut().zip(&self.coordinates) {
+            *p = self.work.r[c];
+        }
+        Ok(true)
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

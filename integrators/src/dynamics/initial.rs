@@ -48,9 +48,7 @@ pub fn start<Y: System + ?Sized>(
 
 /// Fills the accelerations of a state, true and algorithmic, from the equations of motion.
 ///
-/// The residual is linear in q̈, so one linear solution suffices. Coordinates without mass make
-/// that system singular: they are found with M + h C + h² K instead, h the step that will be made,
-/// which leaves them in balance with the forces on them to the accuracy of a first step.
+/// The residual is linear in q̈, so one linear solution suffices.
 pub(super) fn accelerate<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -61,6 +59,68 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     let n = state.q.len();
     state.a.clear();
     state.a.resize(n, 0.0);
+    solve_mass(system, solver, state, h, [r, S], None)?;
+    state.a.copy_from_slice(r);
+    state.algorithmic.clone_from(&state.a);
+    Ok(())
+}
+
+/// Where a driven velocity jumps at the state's time the momentum of the free coordinates does
+/// not: their velocities jump by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive and the old
+/// velocities. Returns whether there was such an impulse.
+pub(super) fn strike<Y: System + ?Sized>(
+    system: &mut Y,
+    solver: &mut dyn LinearSolver,
+    state: &mut State,
+    h: f64,
+    [r, S]: [&mut [f64]; 2],
+) -> Result<bool, DynamicsError> {
+    let n = state.q.len();
+    let (mut before, mut after) = (vec![0.0; n], vec![0.0; n]);
+    let t = state.t;
+    for (t, p) in [(t.next_down(), &mut before), (t, &mut after)] {
+        let at = Point {
+            t,
+            q: &state.q,
+            v: &state.v,
+            a: &state.a,
+        };
+        let knows = system.momentum(at, p);
+        if !knows.map_err(|source| DynamicsError::System { t, source })? {
+            return Ok(false);
+        }
+    }
+    let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    let size = largest(&before).max(largest(&after));
+    for (before, after) in before.iter_mut().zip(&after) {
+        *before -= after;
+    }
+    if largest(&before) <= ROUNDING * size {
+        return Ok(false);
+    }
+    solve_mass(system, solver, state, h, [r, S], Some(&before))?;
+    for (v, dv) in state.v.iter_mut().zip(&*r) {
+        *v += dv;
+    }
+    Ok(true)
+}
+
+/// Differences of momentum below this part of the momentum are rounding errors.
+const ROUNDING: f64 = 1e-12;
+
+/// Solves M x = b, b the residual at the state unless it is given; x is then in `r`.
+///
+/// Coordinates without mass make M singular: M + h C + h² K stands in for it then, h the step that
+/// will be made, which leaves them in balance with the forces on them to the accuracy of a first
+/// step.
+fn solve_mass<Y: System + ?Sized>(
+    system: &mut Y,
+    solver: &mut dyn LinearSolver,
+    state: &State,
+    h: f64,
+    [r, S]: [&mut [f64]; 2],
+    b: Option<&[f64]>,
+) -> Result<(), DynamicsError> {
     let t = state.t;
     let mut refused = None;
     for (C, K) in [(0.0, 0.0), (h, h * h)] {
@@ -74,13 +134,11 @@ pub(super) fn accelerate<Y: System + ?Sized>(
         system
             .evaluate(at, out)
             .map_err(|source| DynamicsError::System { t, source })?;
-        let solved = solver.factorise(S).and_then(|()| solver.solve(r));
-        match solved {
-            Ok(()) => {
-                state.a.copy_from_slice(r);
-                state.algorithmic.clone_from(&state.a);
-                return Ok(());
-            }
+        if let Some(b) = b {
+            r.copy_from_slice(b);
+        }
+        match solver.factorise(S).and_then(|()| solver.solve(r)) {
+            Ok(()) => return Ok(()),
             Err(error) => refused = Some(error),
         }
     }

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::initial::accelerate;
+use super::initial::{accelerate, strike};
 use super::step::Stepper;
 use super::{DynamicsError, NewtonOptions, Scheme, State};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
@@ -414,6 +414,11 @@ impl Run<'_> {
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
         if at_stop {
+            let Stepper { r, S, .. } = &mut self.stepper;
+            if strike(system, solver, &mut progress.state, h, [r, S])? {
+                progress.summary.evaluations += 1;
+                progress.summary.factorisations += 1;
+            }
             self.accelerate(system, solver, progress)?;
             let right = self.energies(system, &progress.state, progress.state.t)?;
             if let (Some(now), Some(balance)) = (right, &mut progress.summary.energy) {
