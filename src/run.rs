@@ -173,8 +173,11 @@ fn execute(
         }
         observer(step)
     });
-    if let Some(error) = unwritten {
-        return Err(error.into());
+    let mut unevaluated = None;
+    match unwritten {
+        Some(RecordError::Audit(error)) => unevaluated = Some(error),
+        Some(error) => return Err(error.into()),
+        None => {}
     }
     if matches!(plan, Plan::Dynamic(_)) {
         recorder.checkpoint(&model, &progress)?;
@@ -183,7 +186,12 @@ fn execute(
         recorder.rows().len(),
         recorder.rows().last().map_or(plan.start(), |row| row.t),
     );
-    let ending = ending(&ended, t);
+    let ending = match unevaluated {
+        Some(error) => Ending::Failed {
+            message: RecordError::Audit(error).to_string(),
+        },
+        None => ending(&ended, t),
+    };
     let written = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,

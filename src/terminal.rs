@@ -108,8 +108,30 @@ pub fn table(rows: &[Comparison]) -> String {
             row.source
         );
     }
+    let mut cases: Vec<&Comparison> = Vec::new();
+    for row in rows {
+        if cases.last().is_none_or(|last| last.case != row.case) {
+            cases.push(row);
+        }
+    }
+    let total: f64 = cases.iter().map(|row| row.seconds).sum();
+    let times = cases
+        .iter()
+        .map(|row| format!("{} {:.2} s", row.case, row.seconds));
+    let times = times.collect::<Vec<_>>().join(", ");
+    let off = rows.iter().filter(|row| !row.passed()).count();
+    let _ = writeln!(out, "time: {times}");
+    let _ = writeln!(
+        out,
+        "{} comparisons in {} cases, {off} off, {total:.1} s",
+        rows.len(),
+        cases.len()
+    );
     out
 }
+
+/// Error of the energy over the energy supplied that makes results doubtful.
+const DOUBTFUL: f64 = 0.1;
 
 /// What an analysis did, in lines.
 pub fn counts(counts: &Counts) -> String {
@@ -130,6 +152,13 @@ pub fn counts(counts: &Counts) -> String {
             "energy: kinetic {:.6e}, stored {:.6e}, supplied {:.6e}, never supplied {:.2e} at most",
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
+        if energy.largest_defect > DOUBTFUL * energy.start.max(energy.work.abs()) {
+            let _ = writeln!(
+                out,
+                "warning: that is much compared with the energy supplied; take smaller steps, or a \
+                 scheme that damps high frequencies (`scheme = {{ generalised-alpha = 0.8 }}`)"
+            );
+        }
     }
     out
 }

@@ -3,6 +3,7 @@
 use crate::input;
 use crate::output::plot::{Curve, Panel, panels};
 use pullback_elements::model::{Dof, Model, NodeId, NodeState};
+use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
     ArcLengthOptions, Event, StaticOptions, StaticsError, Step, Summary, solve_statics, trace_path,
 };
@@ -31,6 +32,10 @@ pub enum CaseError {
     },
     #[error("gallery case {case}: {source}")]
     Solve { case: String, source: StaticsError },
+    #[error("gallery case {case}: {source}")]
+    Motion { case: String, source: DynamicsError },
+    #[error("gallery case {case}: {problem}")]
+    Setup { case: String, problem: String },
     #[error("gallery case {case}: there is no node {node}")]
     Node { case: String, node: String },
     #[error("gallery case {case}: no step at load parameter {t}")]
@@ -73,7 +78,7 @@ impl Comparison {
 
 /// What a case works with: where rows and plots go.
 pub struct Context {
-    case: &'static str,
+    pub(super) case: &'static str,
     out: Option<PathBuf>,
     rows: Vec<Comparison>,
 }
@@ -162,7 +167,7 @@ impl Context {
         input::parse(self.case, text).map_err(|source| self.model_error(source))
     }
 
-    fn model_error(&self, source: input::InputError) -> CaseError {
+    pub(super) fn model_error(&self, source: input::InputError) -> CaseError {
         CaseError::Model {
             case: self.case.to_owned(),
             source: Box::new(source),
@@ -304,4 +309,16 @@ fn record(model: &Model, node: NodeId, step: &Step<'_>) -> Record {
 /// Observed order of convergence from errors at two meshes, the second twice as fine.
 pub(super) fn order(coarse: f64, fine: f64) -> f64 {
     (coarse / fine).abs().log2()
+}
+
+/// Vertex of the parabola through a point of a curve and its two neighbours.
+pub(super) fn peak(curve: &[(f64, f64)], k: usize) -> (f64, f64) {
+    let k = k.clamp(1, curve.len().saturating_sub(2).max(1));
+    let Some(&[(x0, y0), (x1, y1), (x2, y2)]) = curve.get(k - 1..k + 2) else {
+        return (f64::NAN, f64::NAN);
+    };
+    let (a, b) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+    let bend = (b - a) / (x2 - x0);
+    let x = 0.5 * (x0 + x1) - a / (2.0 * bend);
+    (x, y1 + (x - x1) * (a + bend * (x - x0)))
 }

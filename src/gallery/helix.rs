@@ -1,6 +1,6 @@
 //! The helical beam: rotations far beyond π, elements astride a change of chart most of the time.
 
-use super::case::{Case, CaseError, Context, Record};
+use super::case::{Case, CaseError, Context, Record, peak};
 use crate::output::plot::Curve;
 use pullback_integrators::statics::StaticOptions;
 
@@ -15,12 +15,8 @@ fn first_maximum(records: &[Record]) -> (f64, f64) {
     else {
         return (f64::NAN, f64::NAN);
     };
-    let [(x0, y0), (x1, y1), (x2, y2)] =
-        [k - 1, k, k + 1].map(|k| (records[k].t, records[k].state.d.z));
-    let (a, b) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
-    let bend = (b - a) / (x2 - x0);
-    let x = 0.5 * (x0 + x1) - a / (2.0 * bend);
-    (x, y1 + (x - x1) * (a + bend * (x - x0)))
+    let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
+    peak(&points, k)
 }
 
 fn run(context: &mut Context) -> Result<(), CaseError> {

@@ -1,11 +1,18 @@
 //! The gallery: built-in cases with published or exact results, and how far the program is off.
 
+mod arms;
 mod bend45;
 mod case;
+mod flights;
 mod helix;
+mod hooke;
 mod limit_points;
+mod motion;
 mod planar;
 mod spatial;
+mod struck;
+mod swings;
+mod tops;
 
 pub use case::{Case, CaseError, Comparison, Context};
 
@@ -28,6 +35,20 @@ pub const CASES: &[Case] = &[
     spatial::BENDING_TORSION,
     planar::FOLLOWER,
     bend45::OBJECTIVITY,
+    tops::TOP,
+    hooke::CASE,
+    struck::CASE,
+    arms::SPHERICAL,
+    arms::REVOLUTE,
+    tops::HEAVY_TOP,
+    tops::FREE_BODY,
+    swings::PENDULUM,
+    hooke::UNIVERSAL,
+    struck::CONVERGED,
+    flights::SPIN_UP,
+    flights::FLYING,
+    swings::DOUBLE,
+    swings::RUBBER,
 ];
 
 /// Runs the cases of the given names (all when there are none) and returns one row per compared

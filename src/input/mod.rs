@@ -94,7 +94,15 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
 /// # Errors
 /// As [`load`], without places.
 pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
-    assemble::assemble(&Text::new(name, ""), file.clone()).map(|job| job.model)
+    job(name, file).map(|job| job.model)
+}
+
+/// Assembles a parsed file.
+///
+/// # Errors
+/// As [`load`], without places.
+pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
+    assemble::assemble(&Text::new(name, ""), file.clone())
 }
 
 /// The text of a file.

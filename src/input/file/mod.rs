@@ -20,10 +20,10 @@ pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
 pub use joint::{Joint, JointKind, JointSpring};
 pub use line::{Arc, Line};
-pub use load::{DofName, Driven, Fix, Load, Support};
+pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
-pub use time::{Hat, Ramp, Sine, Time};
+pub use time::{Hat, Pulse, Ramp, RunUp, Sine, Time};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

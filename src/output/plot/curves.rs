@@ -5,7 +5,7 @@ use super::{FINE, PALETTE, PlotError, TITLE, font, scaled};
 use plotters::element::{Circle, PathElement};
 use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, WHITE};
+use plotters::style::{Color, RGBColor, WHITE};
 
 /// A curve with a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Whether only the points are drawn, without lines between them (published values, say).
     pub scattered: bool,
+    /// Number of its colour, where curves of a kind share one; by its place otherwise.
+    pub color: Option<usize>,
 }
 
 impl Curve {
@@ -25,6 +27,7 @@ impl Curve {
             label: label.into(),
             points,
             scattered: false,
+            color: None,
         }
     }
 
@@ -34,6 +37,19 @@ impl Curve {
             scattered: true,
             ..Self::new(label, points)
         }
+    }
+
+    /// The same with a colour of its own choice.
+    #[must_use]
+    pub fn colored(self, color: usize) -> Self {
+        Self {
+            color: Some(color),
+            ..self
+        }
+    }
+
+    fn drawn_in(&self, place: usize) -> RGBColor {
+        PALETTE[self.color.unwrap_or(place) % PALETTE.len()]
     }
 }
 
@@ -99,9 +115,10 @@ pub(super) fn heading(root: &Area<'_>, title: Option<&str>, w: i32) -> Result<()
 }
 
 fn entries(panel: &Panel) -> Vec<(String, Mark)> {
-    let curves = panel.curves.iter().zip(PALETTE.iter().cycle());
+    let curves = panel.curves.iter().enumerate();
     curves
-        .map(|(curve, &color)| {
+        .map(|(place, curve)| {
+            let color = curve.drawn_in(place);
             let mark = if curve.scattered {
                 Mark::Dot(color)
             } else {
@@ -117,12 +134,13 @@ fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
     let x = axes::range(all().map(|p| p.0));
     let y = axes::range(all().map(|p| p.1));
     let mut chart = axes::axes(area, x, y, [&panel.x, &panel.y])?;
-    for (curve, color) in panel.curves.iter().zip(PALETTE.iter().cycle()) {
+    for (place, curve) in panel.curves.iter().enumerate() {
+        let color = curve.drawn_in(place);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
         let points: Vec<(f64, f64)> = curve.points.iter().filter(finite).copied().collect();
         // Few points are shown as what they are: converged steps.
         if curve.scattered || points.len() <= 40 {
-            let radius = if curve.scattered { 4 } else { 3 } * FINE;
+            let radius = 3 * FINE;
             let dots = points
                 .iter()
                 .map(|&p| Circle::new(p, radius, color.filled()));

@@ -1,0 +1,179 @@
+//! Runs in time: the states of watched nodes at all steps.
+
+use super::case::{CaseError, Context};
+use crate::input::{self, Plan};
+use crate::solve::{begin, point};
+use nalgebra::Vector3;
+use pullback_elements::model::{Audit, Model, NodeId, NodeState};
+use pullback_integrators::dynamics::{
+    DynamicOptions, DynamicsError, Progress, Summary, integrate, start,
+};
+use std::ops::ControlFlow;
+
+/// A motion at its steps, the start included.
+pub(super) struct History {
+    /// Times.
+    pub t: Vec<f64>,
+    /// States of the watched nodes: those of one node at all times together.
+    pub nodes: Vec<Vec<NodeState>>,
+    /// Energies and momenta.
+    pub audits: Vec<Audit>,
+    /// What the integrator did.
+    pub summary: Summary,
+}
+
+impl History {
+    /// A quantity of a watched node over time.
+    pub fn curve(&self, node: usize, of: impl Fn(&NodeState) -> f64) -> Vec<(f64, f64)> {
+        let values = self.nodes[node].iter().map(of);
+        self.t.iter().copied().zip(values).collect()
+    }
+
+    /// A quantity of the whole model over time.
+    pub fn audit(&self, of: impl Fn(&Audit) -> f64) -> Vec<(f64, f64)> {
+        let values = self.audits.iter().map(of);
+        self.t.iter().copied().zip(values).collect()
+    }
+
+    /// State of a watched node at the step nearest to a time.
+    pub fn at(&self, node: usize, t: f64) -> &NodeState {
+        let nearest = |k: &usize| (self.t[*k] - t).abs();
+        let k = (0..self.t.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+        &self.nodes[node][k.unwrap_or(0)]
+    }
+
+    /// Kinetic and strain energy and the potential of the loads.
+    pub fn total_energy(&self) -> Vec<(f64, f64)> {
+        self.audit(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
+    }
+}
+
+/// What a run is asked besides what its file says.
+#[derive(Clone, Copy)]
+pub(super) struct Run {
+    /// End, where it is another one.
+    pub to: Option<f64>,
+    /// Step, where it is another one.
+    pub step: Option<f64>,
+}
+
+impl Run {
+    /// As the file says.
+    pub const FILE: Self = Self {
+        to: None,
+        step: None,
+    };
+
+    /// With another step.
+    pub fn step(step: f64) -> Self {
+        Self {
+            step: Some(step),
+            ..Self::FILE
+        }
+    }
+
+    /// Until another end.
+    pub fn to(self, to: f64) -> Self {
+        Self {
+            to: Some(to),
+            ..self
+        }
+    }
+
+    fn options(self, file: &DynamicOptions) -> DynamicOptions {
+        let step = self.step.unwrap_or(file.step);
+        DynamicOptions {
+            to: self.to.unwrap_or(file.to),
+            step,
+            min_step: file.min_step.min(1e-6 * step),
+            ..*file
+        }
+    }
+}
+
+impl Context {
+    /// Integrates a model file and records the named nodes.
+    pub(super) fn motion(
+        &self,
+        file: &input::ModelFile,
+        nodes: &[&str],
+        run: Run,
+    ) -> Result<History, CaseError> {
+        let job = input::job(self.case, file).map_err(|source| self.model_error(source))?;
+        let Plan::Dynamic(plan) = job.plan else {
+            return Err(self.setup("its analysis is not dynamic"));
+        };
+        let mut model = job.model;
+        let ids = nodes
+            .iter()
+            .map(|&node| {
+                model.find(node).ok_or_else(|| CaseError::Node {
+                    case: self.case.to_owned(),
+                    node: node.to_owned(),
+                })
+            })
+            .collect::<Result<Vec<NodeId>, _>>()?;
+        let fail = |source: DynamicsError| CaseError::Motion {
+            case: self.case.to_owned(),
+            source,
+        };
+        let options = run.options(&plan.options);
+        let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
+        let mut progress = Progress::new(initial);
+        begin(&mut model, &options, &mut progress).map_err(fail)?;
+        let mut history = History {
+            t: Vec::new(),
+            nodes: vec![Vec::new(); ids.len()],
+            audits: Vec::new(),
+            summary: Summary::default(),
+        };
+        let mut failed = None;
+        let mut record = |model: &mut Model, progress: &Progress| {
+            let audit = model.audit(point(progress))?;
+            history.t.push(progress.state.t);
+            history.audits.push(audit);
+            for (states, &id) in history.nodes.iter_mut().zip(&ids) {
+                states.push(model.node_state(id));
+            }
+            Ok(())
+        };
+        let unusable = |source| DynamicsError::System { t: 0.0, source };
+        record(&mut model, &progress).map_err(|e| fail(unusable(e)))?;
+        integrate(
+            &mut model,
+            &mut progress,
+            &options,
+            &mut |model, step| match record(model, step.progress) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
+            },
+        )
+        .map_err(fail)?;
+        if let Some(error) = failed {
+            return Err(fail(unusable(error)));
+        }
+        history.summary = progress.summary;
+        Ok(history)
+    }
+
+    pub(super) fn setup(&self, problem: &str) -> CaseError {
+        CaseError::Setup {
+            case: self.case.to_owned(),
+            problem: problem.to_owned(),
+        }
+    }
+}
+
+/// Value of order two in the step from those with steps h and h/2.
+pub(super) fn richardson<const N: usize>(coarse: [f64; N], fine: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| fine[k] + (fine[k] - coarse[k]) / 3.0)
+}
+
+/// Observed order from values with steps h, h/2 and h/4.
+pub(super) fn observed_order(values: &[Vector3<f64>; 3]) -> f64 {
+    let [a, b, c] = values;
+    ((a - b).norm() / (b - c).norm()).log2()
+}
