@@ -188,7 +188,7 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
         })
         .collect();
     bodies::springs(source, &mut builder, &nodes, &file)?;
-    geometry.supports = loads::support(source, &mut builder, &nodes, &file.supports)?;
+    geometry.supports = loads::support(source, &mut builder, &nodes, &file)?;
     let loaded = loads::Loaded {
         lines: &geometry.lines,
         bodies: &bodies,

@@ -4,7 +4,7 @@
 
 use super::assemble::{LineGeometry, Names};
 use super::bodies::{Matter, Placed};
-use super::file::{Analysis, Load, ModelFile, Support, Time};
+use super::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
@@ -18,11 +18,11 @@ pub(super) fn support(
     source: &Text<'_>,
     builder: &mut ModelBuilder,
     nodes: &Names<NodeId>,
-    supports: &[Support],
+    file: &ModelFile,
 ) -> Result<Vec<NodeId>, InputError> {
     let mut taken = HashSet::new();
     let mut supported = Vec::new();
-    for (k, support) in supports.iter().enumerate() {
+    for (k, support) in file.supports.iter().enumerate() {
         let index = k.to_string();
         let path = |key: &'static str| ["supports", index.as_str(), key];
         let node = nodes.find(source, &path("node"), &support.node)?;
@@ -57,7 +57,43 @@ pub(super) fn support(
             supported.push(node);
         }
     }
+    for name in file.nodes.keys().filter(|name| !turns(file, name)) {
+        let Some(node) = nodes.get(name) else {
+            continue;
+        };
+        for dof in [DofName::RX, DofName::RY, DofName::RZ] {
+            if taken.insert((node, dof)) {
+                builder.prescribe(node, dof.dof(), Constant(0.0));
+            }
+        }
+    }
     Ok(supported)
+}
+
+/// Whether anything at a node knows of its rotation: point masses, springs along lines and forces
+/// do not, and a rotation that nothing resists has no solution.
+fn turns(file: &ModelFile, name: &str) -> bool {
+    let is = |other: &String| other == name;
+    let line = file.lines.iter().any(|l| is(&l.from) || is(&l.to));
+    let joint = file
+        .joints
+        .iter()
+        .any(|j| j.master.as_ref().is_some_and(is));
+    let rigid = |b: &&Body| b.inertia.is_some() || b.center.is_some();
+    let body = file.bodies.iter().filter(rigid).any(|b| is(&b.node));
+    let bushings = file.springs.iter().filter(|s| s.bushing.is_some());
+    let bushing = bushings.flat_map(|s| &s.nodes).any(is);
+    let moments = file
+        .loads
+        .iter()
+        .filter(|l| l.moment.is_some() || l.follower);
+    let moment = moments.filter_map(|l| l.node.as_ref()).any(is);
+    let set = |i: &&Initial| {
+        i.rotation.is_some() || i.angular_velocity.is_some() || i.body_angular_velocity.is_some()
+    };
+    let initial = file.initial.iter().filter(set);
+    let initial = initial.filter_map(|i| i.node.as_ref()).any(is);
+    line || joint || body || bushing || moment || initial
 }
 
 pub(super) fn function(

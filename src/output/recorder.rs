@@ -229,7 +229,7 @@ impl<'a> Recorder<'a> {
         for probe in &mut self.probes {
             probe.record(model, &answers, &mut row.probes);
         }
-        self.last = Some(final_state(model, &answers, row.t));
+        self.last = Some(final_state(model, &answers, row.t, self.setting.file));
         let number = self.record.rows.len();
         let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
         if number.is_multiple_of(self.record.stride) {
@@ -411,7 +411,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-fn final_state(model: &Model, answers: &Answers, t: f64) -> FinalState {
+fn final_state(model: &Model, answers: &Answers, t: f64, file: &ModelFile) -> FinalState {
     let moving = answers.is_moving();
     let nodes = model.frames().map(|(id, name)| {
         let state = model.node_state(id);
@@ -424,7 +424,9 @@ fn final_state(model: &Model, answers: &Answers, t: f64) -> FinalState {
         };
         (name.to_owned(), result)
     });
-    let reactions = answers.reactions().iter().map(|r| {
+    let supported = |name: &String| file.supports.iter().any(|s| s.node == *name);
+    let reactions = answers.reactions().iter().filter(|r| supported(&r.node));
+    let reactions = reactions.map(|r| {
         let result = ReactionResult {
             force: r.force.into(),
             moment: r.moment.into(),

@@ -220,8 +220,13 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let fresh = progress.state.a.is_empty();
-        if progress.next_step == 0.0 {
-            progress.next_step = self.options.step;
+        // A run that is continued may have been given another step.
+        let DynamicOptions { step, min_step, .. } = *self.options;
+        if self.options.adaptivity.is_none() {
+            progress.next_step = progress.next_step.min(step);
+        }
+        if progress.next_step < min_step {
+            progress.next_step = step;
         }
         let State {
             t,

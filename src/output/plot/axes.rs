@@ -15,7 +15,7 @@ pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Room for tick labels and descriptions at the left and at the bottom, and around a plot.
-pub(super) const LEFT: i32 = 70;
+pub(super) const LEFT: i32 = 80;
 pub(super) const BOTTOM: i32 = 44;
 pub(super) const MARGIN: i32 = 14;
 
