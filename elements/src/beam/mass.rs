@@ -79,12 +79,24 @@ impl<const NN: usize> MassPoint<NN> {
     #[inline]
     fn spread(&self, block: &Matrix6<f64>, out: &mut [f64]) {
         let n = 6 * NN;
+        let coupled = self.inertia.S != Vector3::zeros();
         for j in 0..NN {
             for i in 0..NN {
                 let factor = self.weight * self.N[i] * self.N[j];
                 for c in 0..6 {
                     let start = 6 * i + (6 * j + c) * n;
-                    for (o, b) in out[start..start + 6].iter_mut().zip(block.column(c).iter()) {
+                    let out = &mut out[start..start + 6];
+                    // Without a first moment translations are coupled neither to rotations nor to
+                    // each other.
+                    let rows = match (coupled, c) {
+                        (true, _) => 0..6,
+                        (false, 0..3) => c..c + 1,
+                        (false, _) => 3..6,
+                    };
+                    for (o, b) in out[rows.clone()]
+                        .iter_mut()
+                        .zip(&block.column(c).as_slice()[rows])
+                    {
                         *o += factor * b;
                     }
                 }

@@ -161,15 +161,9 @@ impl Model {
             if switched {
                 local.pull_back_switch(e, &self.nodes, weights, statics, rates);
             }
-            let mut k = 0;
-            for &node in &e.nodes {
-                for c in self.spans[node as usize].range() {
-                    w.r[c] += local.r[k];
-                    if rates {
-                        w.r_t[c] += local.r_t[k];
-                    }
-                    k += 1;
-                }
+            local.add_residual(e, &self.spans, &mut w.r);
+            if rates {
+                local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
             if let Some((weights, values)) = &mut S {
                 local.combine(e, &self.nodes, *weights, statics, &w.operators);
@@ -278,7 +272,7 @@ impl System for Model {
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        self.audit(at).map(|audit| Some(audit.energies))
+        self.account(at, false).map(|audit| Some(audit.energies))
     }
 
     fn is_symmetric(&self) -> bool {
