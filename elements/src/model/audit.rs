@@ -118,9 +118,9 @@ impl Model {
                 let node = &self.nodes[n as usize];
                 let own = node.range();
                 if let Source::Mapped(d) = &node.source {
-                    let through = d.carried(node.dim, &self.spans, &w.v, &w.operators);
-                    let all = dot(&w.r[own.clone()], &w.v[own.clone()]);
-                    *supplied -= all - dot(&w.r[own], &through);
+                    let r = &w.r[own.clone()];
+                    let through = d.carried_power(r, &self.spans, &w.v, &w.operators);
+                    *supplied -= dot(r, &w.v[own]) - through;
                 }
             }
         }
