@@ -141,6 +141,7 @@ impl Model {
                 local.gather_previous(e, &self.spans, &w.previous);
             }
             let switched = local.switch(e, &self.nodes);
+            let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
@@ -165,8 +166,8 @@ impl Model {
             if rates {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
-            if let Some((weights, values)) = &mut S {
-                local.combine(e, &self.nodes, *weights, statics, &w.operators);
+            if let Some((weights, values)) = S {
+                local.combine(e, &self.nodes, *weights, [statics, rates], &w.operators);
                 self.placement.scatter(e, &local.S, values);
             }
         }

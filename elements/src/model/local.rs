@@ -7,7 +7,7 @@ use super::dependence::Operators;
 use super::dependence::collect;
 use super::slots::Complement;
 use super::{Attached, Node, Span};
-use crate::element::{ElementError, Motion, Response};
+use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
 
@@ -150,13 +150,6 @@ impl Local {
         let tangent = weights.is_some() || rates;
         let moving = tangent && !statics;
         self.r[..n].fill(0.0);
-        if tangent {
-            self.K[..n * n].fill(0.0);
-        }
-        if moving {
-            self.C[..n * n].fill(0.0);
-            self.M[..n * n].fill(0.0);
-        }
         if rates {
             self.r_t[..n].fill(0.0);
         }
@@ -167,17 +160,30 @@ impl Local {
             v: &self.v[..end],
             a: &self.a[..end],
         };
+        let r = &mut self.r[..n];
+        let previous = previous.then_some(&self.previous[..n]);
+        if let (Some(weights), Some(combined)) = (weights, combined(e, statics, rates)) {
+            let S = &mut self.S[..n * n];
+            S.fill(0.0);
+            return combined.evaluate_combined(previous, &at, weights, r, S);
+        }
+        if tangent {
+            self.K[..n * n].fill(0.0);
+        }
+        if moving {
+            self.C[..n * n].fill(0.0);
+            self.M[..n * n].fill(0.0);
+        }
         let mut out = Response {
-            r: &mut self.r[..n],
+            r,
             K: tangent.then_some(&mut self.K[..n * n]),
             C: moving.then_some(&mut self.C[..n * n]),
             M: moving.then_some(&mut self.M[..n * n]),
             r_t: rates.then_some(&mut self.r_t[..n]),
         };
-        if previous {
-            e.element.evaluate_from(&self.previous[..n], &at, &mut out)
-        } else {
-            e.element.evaluate(&at, &mut out)
+        match previous {
+            Some(previous) => e.element.evaluate_from(previous, &at, &mut out),
+            None => e.element.evaluate(&at, &mut out),
         }
     }
 
@@ -335,11 +341,14 @@ impl Local {
         e: &Attached,
         nodes: &[Node],
         weights: Weights,
-        statics: bool,
+        [statics, rates]: [bool; 2],
         operators: &Operators,
     ) {
         let n = e.element.dim();
         let moving = (!statics).then_some(());
+        if combined(e, statics, rates).is_some() {
+            return;
+        }
         if !e.mapped {
             if statics {
                 std::mem::swap(&mut self.K, &mut self.S);
@@ -370,6 +379,13 @@ impl Local {
             &mut self.work,
         );
     }
+}
+
+/// The element's own way to the combined tangent, where the parts are not needed: in motion, for
+/// nodes that are seen as they are stored and follow no others.
+fn combined(e: &Attached, statics: bool, rates: bool) -> Option<&dyn Combined> {
+    let parts = statics || rates || e.mapped || e.switched != 0;
+    if parts { None } else { e.element.combined() }
 }
 
 /// Adds the entries of some nodes, one after the other, to those of all: the reverse of `collect`.
