@@ -13,12 +13,14 @@
 use crate::element::{Element, Motion, Response};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::check::{Forces, Random, Report, State, forces_at, states};
+use pullback_manifold::system::Weights;
 
 /// Checks every law of an element at every place within its domain.
 ///
 /// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
-/// derivative of the energy where there is one; the power of its velocities where it dissipates; and
-/// that neither the residual nor a tangent depends on what else is asked for.
+/// derivative of the energy where there is one; the power of its velocities where it dissipates;
+/// that neither the residual nor a tangent depends on what else is asked for; and that a combined
+/// tangent is the sum of its parts.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let states = states(n);
@@ -49,6 +51,7 @@ pub fn element(element: &dyn Element) -> Report {
             }
             requests(&mut report, element, at, state, &all);
             iterates(&mut report, element, at, state, &all, &mut random);
+            combination(&mut report, element, at, state, &all);
         }
     }
     report
@@ -146,6 +149,39 @@ fn requests(report: &mut Report, element: &dyn Element, at: &str, s: &State, all
             1e-14 * size,
         );
     }
+}
+
+/// The combined tangent is the sum of its parts, and an element that is dead has none.
+fn combination(report: &mut Report, element: &dyn Element, at: &str, s: &State, all: &Forces) {
+    let parts = [
+        (1.0, Some(&all.K)),
+        (2.0, all.C.as_ref()),
+        (3.0, all.M.as_ref()),
+    ];
+    let mut sum = DMatrix::zeros(s.x.len(), s.x.len());
+    let mut size = all.r.norm();
+    for (weight, part) in parts {
+        if let Some(part) = part {
+            sum += part * weight;
+            size += weight * part.norm();
+        }
+    }
+    if element.is_dead() {
+        report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
+    }
+    let Some(combined) = element.combined() else {
+        return;
+    };
+    let (mut r, mut S) = (all.r.clone() * 0.0, sum.clone() * 0.0);
+    let weights = Weights {
+        K: 1.0,
+        C: 2.0,
+        M: 3.0,
+    };
+    let (r_slice, S_slice) = (r.as_mut_slice(), S.as_mut_slice());
+    let done = combined.evaluate_combined(None, &motion(s), weights, r_slice, S_slice);
+    let gap = done.map_or(f64::NAN, |()| (r - &all.r).norm() + (S - &sum).norm());
+    report.defect("S = cK K + cC C + cM M", at, gap, 1e-13 * size);
 }
 
 /// Damping takes the power it says, and never gives any.

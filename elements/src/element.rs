@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::system::Weights;
 
 /// Time, coordinates, velocities and accelerations of an element: those of its nodes, one after
 /// the other. A frame node has six, (d, Ψ): displacement from its reference place and rotation
@@ -50,6 +51,24 @@ pub enum ElementError {
         /// The distance of its ends.
         length: f64,
     },
+}
+
+/// An element that forms the combined tangent of an integrator faster than its parts K, C and M.
+pub trait Combined {
+    /// Adds the residual to `r` and cK·K + cC·C + cM·M to `S` (n×n, column by column): the sums of
+    /// what [`Element::evaluate`], or [`Element::evaluate_from`] with a `previous` iterate, adds.
+    /// Both are zero on entry.
+    ///
+    /// # Errors
+    /// As [`Element::evaluate`].
+    fn evaluate_combined(
+        &self,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError>;
 }
 
 /// Rotations beyond this angle are refused: T is singular at 2π, T⁻¹ unbounded.
@@ -106,6 +125,16 @@ pub trait Element: Send + Sync {
     ) -> Result<(), ElementError> {
         let _ = previous;
         self.evaluate(at, out)
+    }
+
+    /// The combined tangent, where there is a faster way to it than through its parts.
+    fn combined(&self) -> Option<&dyn Combined> {
+        None
+    }
+
+    /// Whether the residual depends on time alone: all tangents are zero.
+    fn is_dead(&self) -> bool {
+        false
     }
 
     /// Stored (strain or load) energy; zero for elements without one.

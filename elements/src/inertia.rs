@@ -15,6 +15,7 @@
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
+use pullback_manifold::system::Weights;
 
 /// Mass, first moment and moments of inertia of a body about a frame's origin (or of a
 /// cross-section, per unit length, about its axis), components in axes fixed in the frame.
@@ -77,14 +78,16 @@ pub(crate) struct FrameMotion {
     pub x_ddot: Vector3<f64>,
 }
 
-/// Tangents of f_acc over (x, Ψ), all 6×6.
-pub(crate) struct InertiaTangents {
-    /// ∂f/∂(ẍ, Ψ̈).
-    pub M: Matrix6<f64>,
-    /// ∂f/∂(ẋ, Ψ̇).
-    pub C: Matrix6<f64>,
-    /// ∂f/∂(x, Ψ).
-    pub K: Matrix6<f64>,
+/// What a variation of the motion does to Ω and A, and what else the tangents of f_acc share:
+/// δΩ = C₁ δΨ + T δΨ̇ and δA = C₅₁ δΨ + C₄ δΨ̇ + T δΨ̈.
+pub(crate) struct Variations {
+    C1: Matrix3<f64>,
+    C4: Matrix3<f64>,
+    C51: Matrix3<f64>,
+    /// C₂(h, Ψ).
+    C2: Matrix3<f64>,
+    /// D_Ω (Ω×JΩ).
+    H: Matrix3<f64>,
 }
 
 /// What force and tangents share.
@@ -253,47 +256,56 @@ impl Moving<'_> {
         M
     }
 
-    /// The exact tangents of f_acc.
+    /// What all tangents at this motion share.
     #[inline]
-    pub fn tangents(&self) -> InertiaTangents {
+    pub fn variations(&self) -> Variations {
+        let (J, Omega, c) = (&self.inertia.J, &self.Omega, &self.quotients);
+        let FrameMotion {
+            psi,
+            psi_dot,
+            psi_ddot,
+            ..
+        } = self.motion;
+        Variations {
+            C1: so3::C1(psi_dot, psi, c),
+            C4: so3::C4(psi_dot, psi, c),
+            C51: so3::C5(psi_dot, psi, c) + so3::C1(psi_ddot, psi, c),
+            C2: so3::C2(&self.h(), psi, c),
+            H: skew(Omega) * J - skew(&(J * Omega)),
+        }
+    }
+
+    /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
+    #[inline]
+    pub fn tangent(&self, by: &Variations, weights: Weights) -> Matrix6<f64> {
         let Self {
-            inertia: Inertia { S, J, .. },
+            inertia: Inertia { mass, S, J },
             motion,
-            quotients: c,
             R,
             T,
             Omega,
             ..
         } = self;
-        let psi = &motion.psi;
-        let h = self.h();
-        let H = skew(Omega) * J - skew(&(J * Omega));
-        let C1 = so3::C1(&motion.psi_dot, psi, c);
-        let C4 = so3::C4(&motion.psi_dot, psi, c);
-        let C51 = so3::C5(&motion.psi_dot, psi, c) + so3::C1(&motion.psi_ddot, psi, c);
-        let (mut K, mut C) = (Matrix6::zeros(), Matrix6::zeros());
-        let mut inner = H * C1 + J * C51;
+        let Weights { K, C, M } = weights;
+        let Omega_q = by.C1 * K + T * C;
+        let A_q = by.C51 * K + by.C4 * C + T * M;
+        let mut h_q = by.H * Omega_q + J * A_q;
+        let mut tangent = Matrix6::zeros();
         if self.eccentric {
             let S_skew = skew(S);
-            inner += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T;
+            h_q += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T * K;
             // D_Ω (Ω×(Ω×S)).
             let L = Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
                 - S * Omega.transpose() * 2.0;
-            put(
-                &mut K,
-                0,
-                3,
-                &(R * (L * C1 - S_skew * C51 - skew(&self.l()) * T)),
-            );
-            put(&mut C, 0, 3, &(R * (L * T - S_skew * C4)));
+            let l_q = L * Omega_q - S_skew * A_q - skew(&self.l()) * T * K;
+            put(&mut tangent, 0, 3, &(R * l_q));
+            put(&mut tangent, 3, 0, &(T.tr_mul(&S_skew) * R.transpose() * M));
         }
-        put(&mut K, 3, 3, &(so3::C2(&h, psi, c) + T.tr_mul(&inner)));
-        put(&mut C, 3, 3, &T.tr_mul(&(H * T + J * C4)));
-        InertiaTangents {
-            M: self.mass(),
-            C,
-            K,
+        for k in 0..3 {
+            tangent[(k, k)] = mass * M;
         }
+        put(&mut tangent, 3, 3, &(by.C2 * K + T.tr_mul(&h_q)));
+        tangent
     }
 
     /// Momentum covector p = M (ẋ, Ψ̇) and its derivative with respect to (x, Ψ).

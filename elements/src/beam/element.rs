@@ -5,11 +5,12 @@
 use super::mass::MassPoint;
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Strained};
+use super::strain::{Law, Line, Stiffness, Strained};
 use super::viscous::Viscous;
-use crate::element::{EDGE, Element, ElementError, Motion, Response, SectionState};
+use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
+use pullback_manifold::system::Weights;
 
 /// Why a beam element cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -50,6 +51,40 @@ struct GaussPoint<const NN: usize> {
     R0: Matrix3<f64>,
     law: Law,
 }
+
+impl<const NN: usize> GaussPoint<NN> {
+    /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
+    /// their mirror images.
+    #[inline]
+    fn spread(&self, D: &Stiffness, weight: f64, K: &mut [f64]) {
+        let n = 6 * NN;
+        for j in 0..NN {
+            for i in 0..=j {
+                let dd = weight * self.dN[i] * self.dN[j];
+                let dn = weight * self.dN[i] * self.N[j];
+                let nd = weight * self.N[i] * self.dN[j];
+                let nn = weight * self.N[i] * self.N[j];
+                let xx = D.xx * dd;
+                let xr = D.xp * dd + D.xq * dn;
+                let rx = (D.xp * dd + D.xq * nd).transpose();
+                let rr = D.pp * dd + D.pq * dn + (D.pq * nd).transpose() + D.qq * nn;
+                for c in 0..3 {
+                    let start = 6 * i + (6 * j + c) * n;
+                    for (top, bottom, start) in [(&xx, &rx, start), (&xr, &rr, start + 3 * n)] {
+                        let K = &mut K[start..start + 6];
+                        for r in 0..3 {
+                            K[r] += top[(r, c)];
+                            K[3 + r] += bottom[(r, c)];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The tangents asked for, each with the weights of K, C and M in it: the parts, or their sum.
+pub(super) type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
 /// Reissner's beam with NN nodes: d and Ψ interpolated alike, NN − 1 Gauss points for the
 /// internal force and its tangent (no shear or membrane locking).
@@ -176,15 +211,15 @@ impl<const NN: usize> Beam<NN> {
         line
     }
 
-    /// Adds residual and tangent; with a `previous` iterate, K_σ takes its stresses extrapolated.
+    /// Adds residual and tangents; with a `previous` iterate, K_σ takes its stresses extrapolated.
     #[inline]
     fn add(
         &self,
         previous: Option<&[f64]>,
         at: &Motion<'_>,
-        out: &mut Response<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
     ) -> Result<(), ElementError> {
-        let n = 6 * NN;
         // Their tangents are added after the mirror: they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
         let damped = self.damping.stiffness > 0.0 && !at.v.is_empty();
@@ -200,60 +235,40 @@ impl<const NN: usize> Beam<NN> {
                 *viscous = Some(Viscous::new(&mut strained, &line, &rates, &p.law, beta));
             }
             let f = strained.forces();
-            for (i, r) in out.r.chunks_exact_mut(6).enumerate() {
+            for (i, r) in r.chunks_exact_mut(6).enumerate() {
                 let (a, b) = (p.weight * p.dN[i], p.weight * p.N[i]);
                 for k in 0..3 {
                     r[k] -= a * f.x_prime[k];
                     r[3 + k] -= a * f.psi_prime[k] + b * f.psi[k];
                 }
             }
-            let Some(K) = out.K.as_deref_mut() else {
-                continue;
-            };
-            // Viscous stresses are not extrapolated.
-            let (N, M) = match previous.filter(|_| !damped) {
-                None => (strained.N, strained.M),
-                Some(x) => {
-                    let from = Self::line(p, x);
-                    Strained::new(&from, &p.X_prime, &p.law).extrapolated(&from, &line, &p.law)
+            for (weights, K) in tangents.iter_mut().flatten() {
+                if weights.K == 0.0 {
+                    continue;
                 }
-            };
-            let D = strained.stiffness(&line, &p.law, &N, &M);
-            for j in 0..NN {
-                for i in 0..=j {
-                    // Upper blocks only; the lower ones are their mirror images.
-                    let dd = p.weight * p.dN[i] * p.dN[j];
-                    let dn = p.weight * p.dN[i] * p.N[j];
-                    let nd = p.weight * p.N[i] * p.dN[j];
-                    let nn = p.weight * p.N[i] * p.N[j];
-                    let start = 6 * i + 6 * j * n;
-                    for c in 0..3 {
-                        for r in 0..3 {
-                            let dx = start + r + c * n;
-                            let rot = dx + 3 * n;
-                            K[dx] += dd * D.xx[(r, c)];
-                            K[rot] += dd * D.xp[(r, c)] + dn * D.xq[(r, c)];
-                            K[dx + 3] += dd * D.xp[(c, r)] + nd * D.xq[(c, r)];
-                            K[rot + 3] += dd * D.pp[(r, c)]
-                                + dn * D.pq[(r, c)]
-                                + nd * D.pq[(c, r)]
-                                + nn * D.qq[(r, c)];
-                        }
+                // Viscous stresses are not extrapolated.
+                let (N, M) = match previous.filter(|_| !damped) {
+                    None => (strained.N, strained.M),
+                    Some(x) => {
+                        let from = Self::line(p, x);
+                        Strained::new(&from, &p.X_prime, &p.law).extrapolated(&from, &line, &p.law)
                     }
-                }
+                };
+                let D = strained.stiffness(&line, &p.law, &N, &M);
+                p.spread(&D, p.weight * weights.K, K);
             }
         }
-        if let Some(K) = out.K.as_deref_mut() {
+        for (_, K) in tangents.iter_mut().flatten().filter(|t| t.0.K != 0.0) {
             mirror::<NN>(K);
         }
         for (p, viscous) in self.points.iter().zip(&viscous) {
             if let Some(viscous) = viscous {
-                viscous.add_tangents(&p.N, &p.dN, p.weight, out);
+                viscous.add_tangents(&p.N, &p.dN, p.weight, tangents);
             }
         }
         if !at.v.is_empty() {
             for p in &self.masses {
-                p.add(at, self.damping.mass, out);
+                p.add(at, self.damping.mass, r, tangents);
             }
         }
         Ok(())
@@ -279,7 +294,8 @@ impl<const NN: usize> Element for Beam<NN> {
     }
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
-        self.add(None, at, out)
+        let (r, mut tangents) = parts(out);
+        self.add(None, at, r, &mut tangents)
     }
 
     fn evaluate_from(
@@ -288,7 +304,12 @@ impl<const NN: usize> Element for Beam<NN> {
         at: &Motion<'_>,
         out: &mut Response<'_>,
     ) -> Result<(), ElementError> {
-        self.add(Some(previous), at, out)
+        let (r, mut tangents) = parts(out);
+        self.add(Some(previous), at, r, &mut tangents)
+    }
+
+    fn combined(&self) -> Option<&dyn Combined> {
+        Some(self)
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
@@ -334,6 +355,28 @@ impl<const NN: usize> Element for Beam<NN> {
             });
         }
     }
+}
+
+impl<const NN: usize> Combined for Beam<NN> {
+    fn evaluate_combined(
+        &self,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError> {
+        self.add(previous, at, r, &mut [Some((weights, S)), None, None])
+    }
+}
+
+/// The residual and the parts K, C, M of the tangent that a response asks for.
+fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
+    let one = |K, C, M| Weights { K, C, M };
+    let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
+    let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
+    let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
+    (&mut *out.r, [K, C, M])
 }
 
 /// Copies the blocks above the diagonal below it.

@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Motion, Response};
+use super::element::Tangents;
+use crate::element::Motion;
 use crate::inertia::{FrameMotion, Inertia};
 use nalgebra::{Matrix6, Vector3};
+use pullback_manifold::system::Weights;
 
 /// One point of the inertia rule: shape functions, weight times length, inertia per length with
 /// components in the global frame of the reference configuration.
@@ -40,7 +42,13 @@ impl<const NN: usize> MassPoint<NN> {
 
     /// Adds −f_acc, the drag α p, and their tangents.
     #[inline]
-    pub(super) fn add(&self, at: &Motion<'_>, alpha: f64, out: &mut Response<'_>) {
+    pub(super) fn add(
+        &self,
+        at: &Motion<'_>,
+        alpha: f64,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+    ) {
         let motion = self.motion(at);
         let moving = self.inertia.moving(&motion);
         let mut f = moving.force();
@@ -48,30 +56,24 @@ impl<const NN: usize> MassPoint<NN> {
         if let Some((p, _)) = &drag {
             f += p * alpha;
         }
-        for (r, N) in out.r.chunks_exact_mut(6).zip(&self.N) {
+        for (r, N) in r.chunks_exact_mut(6).zip(&self.N) {
             for (r, f) in r.iter_mut().zip(f.iter()) {
                 *r -= self.weight * N * f;
             }
         }
-        if out.K.is_none() && out.C.is_none() {
-            if let Some(M) = out.M.as_deref_mut() {
-                self.spread(&moving.mass(), M);
+        let mut variations = None;
+        for (weights, out) in tangents.iter_mut().flatten() {
+            if weights.K == 0.0 && weights.C == 0.0 {
+                self.spread(&(moving.mass() * weights.M), out);
+                continue;
             }
-            return;
-        }
-        let mut tangents = moving.tangents();
-        if let Some((_, D)) = &drag {
-            tangents.C += tangents.M * alpha;
-            tangents.K += D * alpha;
-        }
-        if let Some(M) = out.M.as_deref_mut() {
-            self.spread(&tangents.M, M);
-        }
-        if let Some(C) = out.C.as_deref_mut() {
-            self.spread(&tangents.C, C);
-        }
-        if let Some(K) = out.K.as_deref_mut() {
-            self.spread(&tangents.K, K);
+            let by = variations.get_or_insert_with(|| moving.variations());
+            let M = weights.M + alpha * weights.C;
+            let mut tangent = moving.tangent(by, Weights { M, ..*weights });
+            if let Some((_, p_q)) = &drag {
+                tangent += p_q * (alpha * weights.K);
+            }
+            self.spread(&tangent, out);
         }
     }
 
@@ -79,12 +81,24 @@ impl<const NN: usize> MassPoint<NN> {
     #[inline]
     fn spread(&self, block: &Matrix6<f64>, out: &mut [f64]) {
         let n = 6 * NN;
+        let coupled = self.inertia.S != Vector3::zeros();
         for j in 0..NN {
             for i in 0..NN {
                 let factor = self.weight * self.N[i] * self.N[j];
                 for c in 0..6 {
                     let start = 6 * i + (6 * j + c) * n;
-                    for (o, b) in out[start..start + 6].iter_mut().zip(block.column(c).iter()) {
+                    let out = &mut out[start..start + 6];
+                    // Without a first moment translations are coupled neither to rotations nor to
+                    // each other.
+                    let rows = match (coupled, c) {
+                        (true, _) => 0..6,
+                        (false, 0..3) => c..c + 1,
+                        (false, _) => 3..6,
+                    };
+                    for (o, b) in out[rows.clone()]
+                        .iter_mut()
+                        .zip(&block.column(c).as_slice()[rows])
+                    {
                         *o += factor * b;
                     }
                 }

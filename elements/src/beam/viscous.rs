@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
+use super::element::Tangents;
 use super::strain::{Law, Line, Strained};
-use crate::element::Response;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pullback_manifold::jet::Grad;
 use pullback_manifold::quotients::Quotients;
@@ -78,14 +78,14 @@ impl Viscous {
         N: &[f64; NN],
         dN: &[f64; NN],
         weight: f64,
-        out: &mut Response<'_>,
+        tangents: &mut Tangents<'_>,
     ) {
         let left = self.B.tr_mul(&self.C) * weight;
-        if let Some(C) = out.C.as_deref_mut() {
-            spread(&(left * self.B), N, dN, C);
-        }
-        if let Some(K) = out.K.as_deref_mut() {
-            spread(&(left * self.B_dot), N, dN, K);
+        for (weights, out) in tangents.iter_mut().flatten() {
+            if weights.K != 0.0 || weights.C != 0.0 {
+                let right = self.B * weights.C + self.B_dot * weights.K;
+                spread(&(left * right), N, dN, out);
+            }
         }
     }
 }

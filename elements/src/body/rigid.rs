@@ -8,6 +8,7 @@ use crate::inertia::{FrameMotion, Inertia};
 use crate::load::EccentricForce;
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_manifold::system::Weights;
 
 /// How far a principal moment may fall below zero, relative to the largest: round-off.
 const ROUND_OFF: f64 = 1e-12;
@@ -151,10 +152,11 @@ impl Element for RigidBody {
             add(out.M.as_deref_mut(), &moving.mass());
             return Ok(());
         }
-        let tangents = moving.tangents();
-        add(out.M.as_deref_mut(), &tangents.M);
-        add(out.C.as_deref_mut(), &tangents.C);
-        add(out.K.as_deref_mut(), &tangents.K);
+        let variations = moving.variations();
+        let one = |K, C, M| moving.tangent(&variations, Weights { K, C, M });
+        add(out.M.as_deref_mut(), &moving.mass());
+        add(out.C.as_deref_mut(), &one(0.0, 1.0, 0.0));
+        add(out.K.as_deref_mut(), &one(1.0, 0.0, 0.0));
         Ok(())
     }
 }

@@ -105,10 +105,10 @@ impl Map<13, 6> for Slide {
     }
 
     fn change_charts(&mut self, _t: f64, q: &SVector<f64, 13>) -> ChartChanges {
-        let before = self.clone();
+        let (segment, sheets) = (self.segment, self.sheets);
         self.segment = self.element_at(q[12]);
         let mut charts = 0;
-        if self.segment == before.segment {
+        if self.segment == segment {
             // The chart in which the larger of the two angles is smaller, as the beam itself has it.
             let psi = [3, 9].map(|k| Vector3::new(q[k], q[k + 1], q[k + 2]));
             let angle = psi.map(|p| p.norm());
@@ -123,7 +123,7 @@ impl Map<13, 6> for Slide {
                 }
                 false => [Sheet::Opposite, Sheet::Same],
             };
-            charts += usize::from(self.sheets != before.sheets);
+            charts += usize::from(self.sheets != sheets);
         } else {
             // Its nodes' coordinates are not those in `q`: their sheets are chosen when they are.
             self.sheets = [Sheet::Same; 2];

@@ -44,6 +44,10 @@ impl Element for CoordinateForce {
         -self.force.at(at.t)[0] * at.x[0]
     }
 
+    fn is_dead(&self) -> bool {
+        true
+    }
+
     fn is_load(&self) -> bool {
         true
     }

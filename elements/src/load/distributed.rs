@@ -130,6 +130,10 @@ impl Element for LineLoad {
         !self.follower
     }
 
+    fn is_dead(&self) -> bool {
+        !self.follower
+    }
+
     fn is_load(&self) -> bool {
         true
     }

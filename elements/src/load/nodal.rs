@@ -106,6 +106,10 @@ impl Element for NodalLoad {
         self.which == Which::DeadForce
     }
 
+    fn is_dead(&self) -> bool {
+        self.which == Which::DeadForce
+    }
+
     fn is_load(&self) -> bool {
         true
     }

@@ -141,6 +141,7 @@ impl Model {
                 local.gather_previous(e, &self.spans, &w.previous);
             }
             let switched = local.switch(e, &self.nodes);
+            let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
@@ -161,18 +162,12 @@ impl Model {
             if switched {
                 local.pull_back_switch(e, &self.nodes, weights, statics, rates);
             }
-            let mut k = 0;
-            for &node in &e.nodes {
-                for c in self.spans[node as usize].range() {
-                    w.r[c] += local.r[k];
-                    if rates {
-                        w.r_t[c] += local.r_t[k];
-                    }
-                    k += 1;
-                }
+            local.add_residual(e, &self.spans, &mut w.r);
+            if rates {
+                local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
-            if let Some((weights, values)) = &mut S {
-                local.combine(e, &self.nodes, *weights, statics, &w.operators);
+            if let Some((weights, values)) = S {
+                local.combine(e, &self.nodes, *weights, [statics, rates], &w.operators);
                 self.placement.scatter(e, &local.S, values);
             }
         }
@@ -273,7 +268,7 @@ impl System for Model {
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        self.audit(at).map(|audit| Some(audit.energies))
+        self.account(at, false).map(|audit| Some(audit.energies))
     }
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {

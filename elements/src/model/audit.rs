@@ -4,8 +4,7 @@
 
 use super::assembly::named;
 use super::local::Local;
-use super::{Model, Source};
-use crate::element::Motion;
+use super::{Attached, Model, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Energies, Point, SystemError};
@@ -31,6 +30,24 @@ pub struct Audit {
     pub momentum: Momentum,
 }
 
+impl Momentum {
+    /// Adds that of an element with coordinates `x` and generalised momenta `p`.
+    fn add(&mut self, e: &Attached, nodes: &[Node], x: &[f64], p: &[f64]) {
+        let mut k = 0;
+        for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
+            if node.is_frame() {
+                let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
+                let linear = three(p, k);
+                // The covector of a spatial moment m is T m.
+                let spin = so3::tangent_inverse(&three(x, k + 3)) * three(p, k + 3);
+                self.linear += linear;
+                self.angular += (node.place + three(x, k)).cross(&linear) + spin;
+            }
+            k += node.dim;
+        }
+    }
+}
+
 impl Model {
     /// Energies, powers and momenta at a point in motion.
     ///
@@ -41,11 +58,13 @@ impl Model {
     /// # Errors
     /// [`SystemError`] when the point is outside a chart.
     pub fn audit(&mut self, at: Point<'_>) -> Result<Audit, SystemError> {
+        self.account(at, true)
+    }
+
+    /// The audit; without its momenta they stay zero.
+    pub(super) fn account(&mut self, at: Point<'_>, momenta: bool) -> Result<Audit, SystemError> {
         let statics = at.v.is_empty();
         self.expand(at)?;
-        self.work.r.fill(0.0);
-        self.add_elements(at.t, statics, None, false)?;
-        self.pull_back_nodes(at.t, None, false);
         let mut audit = Audit::default();
         let Energies {
             kinetic,
@@ -54,50 +73,43 @@ impl Model {
             dissipated,
         } = &mut audit.energies;
         let w = &mut self.work;
+        w.r.fill(0.0);
         for e in &self.elements {
             let local = &mut w.local;
             let n = e.element.dim();
             local.gather(e, &self.spans, &w.x);
             local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
-            local.switch(e, &self.nodes);
-            let end = if statics { 0 } else { n };
-            let motion = Motion {
-                t: at.t,
-                x: &local.x[..n],
-                v: &local.v[..end],
-                a: &local.a[..end],
-            };
+            let switched = local.switch(e, &self.nodes);
+            let motion = local.motion(e, at.t, statics);
             let energy = e.element.energy(&motion);
             if e.element.is_load() {
                 audit.load_potential += energy;
             } else {
                 *stored += energy;
             }
-            if statics {
-                continue;
+            if !statics {
+                *dissipated += e.element.dissipation(&motion);
             }
-            *dissipated += e.element.dissipation(&motion);
             local
-                .momenta(e, at.t)
+                .momenta(e, at.t, statics)
                 .map_err(|error| named(error, &e.name))?;
-            let Local { x, v, r, work, .. } = local;
-            if e.element.is_load() {
-                *supplied += dot(&r[..n], v);
-            }
-            *kinetic += 0.5 * dot(&work[..n], v);
-            let mut k = 0;
-            for node in e.nodes.iter().map(|&n| &self.nodes[n as usize]) {
-                if node.is_frame() {
-                    let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
-                    let p = three(work, k);
-                    // The covector of a spatial moment m is T m.
-                    let spin = so3::tangent_inverse(&three(x, k + 3)) * three(work, k + 3);
-                    audit.momentum.linear += p;
-                    audit.momentum.angular += (node.place + three(x, k)).cross(&p) + spin;
+            if !statics {
+                let Local { x, v, r, work, .. } = local;
+                if e.element.is_load() {
+                    *supplied += dot(&r[..n], v);
                 }
-                k += node.dim;
+                *kinetic += 0.5 * dot(&work[..n], v);
+                if momenta {
+                    audit.momentum.add(e, &self.nodes, x, work);
+                }
             }
+            if switched {
+                local.pull_back_switch(e, &self.nodes, None, statics, false);
+            }
+            local.add_residual(e, &self.spans, &mut w.r);
         }
+        self.pull_back_nodes(at.t, None, false);
+        let w = &self.work;
         if !statics {
             for p in &self.prescribed {
                 *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
@@ -106,9 +118,9 @@ impl Model {
                 let node = &self.nodes[n as usize];
                 let own = node.range();
                 if let Source::Mapped(d) = &node.source {
-                    let through = d.carried(node.dim, &self.spans, &w.v, &w.operators);
-                    let all = dot(&w.r[own.clone()], &w.v[own.clone()]);
-                    *supplied -= all - dot(&w.r[own], &through);
+                    let r = &w.r[own.clone()];
+                    let through = d.carried_power(r, &self.spans, &w.v, &w.operators);
+                    *supplied -= dot(r, &w.v[own]) - through;
                 }
             }
         }

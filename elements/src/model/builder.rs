@@ -279,6 +279,7 @@ impl ModelBuilder {
         }
         self.elements.push(Attached {
             name,
+            dead: element.is_dead(),
             element,
             nodes: nodes.iter().map(|n| n.0).collect(),
             switched: 0,

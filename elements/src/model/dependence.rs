@@ -92,27 +92,23 @@ impl Dependence {
         }
     }
 
-    /// B v of the masters: the part of a dependent node's velocity that comes through its masters
-    /// (the rest, ∂φ/∂t, is the map's own).
-    pub(super) fn carried(
+    /// r·B v of the masters: the part of the power of a force `r` at a dependent node that comes
+    /// through its masters (the rest, r·∂φ/∂t, is the map's own).
+    pub(super) fn carried_power(
         &self,
-        n: usize,
+        r: &[f64],
         spans: &[Span],
         v: &[f64],
         operators: &Operators,
-    ) -> Vec<f64> {
-        let mut out = vec![0.0; n];
-        let columns = self
-            .masters()
-            .iter()
-            .flat_map(|&m| spans[m as usize].range());
-        for (k, c) in columns.enumerate() {
-            let B = &operators.B[self.local + k * n..self.local + (k + 1) * n];
-            for (o, B) in out.iter_mut().zip(B) {
-                *o += B * v[c];
-            }
-        }
-        out
+    ) -> f64 {
+        let masters = self.masters().iter();
+        let columns = masters.flat_map(|&m| spans[m as usize].range());
+        let B = operators.B[self.local..].chunks_exact(r.len());
+        let power = |(c, B): (usize, &[f64])| {
+            let force: f64 = B.iter().zip(r).map(|(B, r)| B * r).sum();
+            force * v[c]
+        };
+        columns.zip(B).map(power).sum()
     }
 
     /// Operators with respect to the ancestors from those with respect to the masters.
@@ -194,6 +190,7 @@ pub(super) fn arrange(nodes: &mut [Node]) -> usize {
         let size = |set: &Vec<u32>| -> usize { set.iter().map(|&n| nodes[n as usize].dim).sum() };
         let sets = alternatives(nodes, &[n as u32]);
         let most = sets.iter().map(size).max().unwrap_or(0);
+        let longest = sets.iter().map(Vec::len).max().unwrap_or(0);
         let chained = d
             .segments
             .iter()
@@ -202,6 +199,7 @@ pub(super) fn arrange(nodes: &mut [Node]) -> usize {
         let dim = nodes[n].dim;
         if let Source::Mapped(d) = &mut nodes[n].source {
             (d.most, d.chained, d.local) = (most, chained, len);
+            d.ancestors = Vec::with_capacity(longest);
             len += dim * d.direct;
             d.total = d.local;
             if chained {
@@ -218,10 +216,14 @@ pub(super) fn arrange(nodes: &mut [Node]) -> usize {
 
 /// Own nodes behind the masters in use. Masters come before the nodes that follow them.
 pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
+    let Source::Mapped(d) = &mut nodes[n].source else {
+        return;
+    };
+    let mut ancestors = std::mem::take(&mut d.ancestors);
+    ancestors.clear();
     let Source::Mapped(d) = &nodes[n].source else {
         return;
     };
-    let mut ancestors = Vec::new();
     for &m in d.masters() {
         match &nodes[m as usize].source {
             Source::Own => ancestors.push(m),

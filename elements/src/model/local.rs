@@ -7,7 +7,7 @@ use super::dependence::Operators;
 use super::dependence::collect;
 use super::slots::Complement;
 use super::{Attached, Node, Span};
-use crate::element::{ElementError, Motion, Response};
+use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
 
@@ -125,6 +125,18 @@ impl Local {
         true
     }
 
+    /// The element's motion as gathered.
+    pub(super) fn motion(&self, e: &Attached, t: f64, statics: bool) -> Motion<'_> {
+        let n = e.element.dim();
+        let end = if statics { 0 } else { n };
+        Motion {
+            t,
+            x: &self.x[..n],
+            v: &self.v[..end],
+            a: &self.a[..end],
+        }
+    }
+
     pub(super) fn evaluate(
         &mut self,
         e: &Attached,
@@ -138,13 +150,6 @@ impl Local {
         let tangent = weights.is_some() || rates;
         let moving = tangent && !statics;
         self.r[..n].fill(0.0);
-        if tangent {
-            self.K[..n * n].fill(0.0);
-        }
-        if moving {
-            self.C[..n * n].fill(0.0);
-            self.M[..n * n].fill(0.0);
-        }
         if rates {
             self.r_t[..n].fill(0.0);
         }
@@ -155,46 +160,76 @@ impl Local {
             v: &self.v[..end],
             a: &self.a[..end],
         };
+        let r = &mut self.r[..n];
+        let previous = previous.then_some(&self.previous[..n]);
+        if let (Some(weights), Some(combined)) = (weights, combined(e, statics, rates)) {
+            let S = &mut self.S[..n * n];
+            S.fill(0.0);
+            return combined.evaluate_combined(previous, &at, weights, r, S);
+        }
+        if tangent {
+            self.K[..n * n].fill(0.0);
+        }
+        if moving {
+            self.C[..n * n].fill(0.0);
+            self.M[..n * n].fill(0.0);
+        }
         let mut out = Response {
-            r: &mut self.r[..n],
+            r,
             K: tangent.then_some(&mut self.K[..n * n]),
             C: moving.then_some(&mut self.C[..n * n]),
             M: moving.then_some(&mut self.M[..n * n]),
             r_t: rates.then_some(&mut self.r_t[..n]),
         };
-        if previous {
-            e.element.evaluate_from(&self.previous[..n], &at, &mut out)
-        } else {
-            e.element.evaluate(&at, &mut out)
+        match previous {
+            Some(previous) => e.element.evaluate_from(previous, &at, &mut out),
+            None => e.element.evaluate(&at, &mut out),
         }
     }
 
-    /// Residual into `r` and generalised momenta p = M ẋ into `work`.
-    pub(super) fn momenta(&mut self, e: &Attached, t: f64) -> Result<(), ElementError> {
+    /// Residual into `r` and, where there is motion, generalised momenta p = M ẋ into `work`.
+    pub(super) fn momenta(
+        &mut self,
+        e: &Attached,
+        t: f64,
+        statics: bool,
+    ) -> Result<(), ElementError> {
         let n = e.element.dim();
         self.r[..n].fill(0.0);
         self.M[..n * n].fill(0.0);
+        let end = if statics { 0 } else { n };
         let at = Motion {
             t,
             x: &self.x[..n],
-            v: &self.v[..n],
-            a: &self.a[..n],
+            v: &self.v[..end],
+            a: &self.a[..end],
         };
         let mut out = Response {
             r: &mut self.r[..n],
             K: None,
             C: None,
-            M: Some(&mut self.M[..n * n]),
+            M: (!statics).then_some(&mut self.M[..n * n]),
             r_t: None,
         };
         e.element.evaluate(&at, &mut out)?;
-        self.work[..n].fill(0.0);
-        for (k, v) in self.v[..n].iter().enumerate() {
-            for (p, M) in self.work[..n].iter_mut().zip(&self.M[k * n..(k + 1) * n]) {
+        let p = &mut self.work[..end];
+        p.fill(0.0);
+        for (v, M) in self.v.iter().zip(self.M.chunks_exact(n)).take(end) {
+            for (p, M) in p.iter_mut().zip(M) {
                 *p += M * v;
             }
         }
         Ok(())
+    }
+
+    /// Adds the residual to those of all nodes.
+    pub(super) fn add_residual(&self, e: &Attached, spans: &[Span], r: &mut [f64]) {
+        distribute(&e.nodes, spans, &self.r, r);
+    }
+
+    /// Adds ∂r/∂t to those of all nodes.
+    pub(super) fn add_load_rate(&self, e: &Attached, spans: &[Span], r_t: &mut [f64]) {
+        distribute(&e.nodes, spans, &self.r_t, r_t);
     }
 
     pub(super) fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
@@ -306,11 +341,14 @@ impl Local {
         e: &Attached,
         nodes: &[Node],
         weights: Weights,
-        statics: bool,
+        [statics, rates]: [bool; 2],
         operators: &Operators,
     ) {
         let n = e.element.dim();
         let moving = (!statics).then_some(());
+        if combined(e, statics, rates).is_some() {
+            return;
+        }
         if !e.mapped {
             if statics {
                 std::mem::swap(&mut self.K, &mut self.S);
@@ -340,5 +378,25 @@ impl Local {
             &mut self.S,
             &mut self.work,
         );
+    }
+}
+
+/// The element's own way to the combined tangent, where the parts are not needed: in motion, for
+/// nodes that are seen as they are stored and follow no others.
+fn combined(e: &Attached, statics: bool, rates: bool) -> Option<&dyn Combined> {
+    let parts = statics || rates || e.mapped || e.switched != 0;
+    if parts { None } else { e.element.combined() }
+}
+
+/// Adds the entries of some nodes, one after the other, to those of all: the reverse of `collect`.
+fn distribute(of: &[u32], spans: &[Span], local: &[f64], all: &mut [f64]) {
+    let mut rest = local;
+    for &node in of {
+        let own = &mut all[spans[node as usize].range()];
+        let (mine, others) = rest.split_at(own.len());
+        for (a, l) in own.iter_mut().zip(mine) {
+            *a += l;
+        }
+        rest = others;
     }
 }

@@ -139,6 +139,8 @@ struct Attached {
     switched: u32,
     /// Whether any node is mapped.
     mapped: bool,
+    /// Whether it has no tangents.
+    dead: bool,
     /// Number of coordinates after the pull-back to own nodes.
     pulled: usize,
     blocks: usize,

@@ -1,0 +1,140 @@
+//! A step in time allocates nothing: all buffers are made when a run begins.
+
+#![allow(non_snake_case)]
+
+use nalgebra::Matrix3;
+use pullback::elements::beam::Damping;
+use pullback::elements::body::RigidBody;
+use pullback::elements::joint::{offset, revolute, slide, spherical};
+use pullback::elements::load::CoordinateForce;
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::integrators::dynamics::{
+    Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
+};
+use pullback::prelude::*;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System as Allocator;
+
+#[global_allocator]
+static GLOBAL: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
+
+fn section() -> Section {
+    let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
+    section.with_mass(1.0, J)
+}
+
+fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: 4,
+        order: 1,
+        section,
+    };
+    b.line(name, &axis, ends, &line).unwrap().nodes
+}
+
+/// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
+/// a body on a rigid link, and a ring on the first arm, all under gravity.
+fn everything() -> Model {
+    let mut b = ModelBuilder::new();
+    let base = b.node("base", [0.0; 3]).unwrap();
+    let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
+    let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
+    let tip = b.node("tip", [6.0, 0.0, 0.0]).unwrap();
+    let first = line(&mut b, "first", [base, elbow], section());
+    let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]).unwrap();
+    let second = line(&mut b, "second", [hinge.frame, wrist], section());
+    let ball = spherical(&mut b, "ball", wrist).unwrap();
+    let damping = Damping {
+        mass: 0.01,
+        stiffness: 1e-4,
+    };
+    let damped = section().with_damping(damping).unwrap();
+    line(&mut b, "third", [ball.frame, tip], damped);
+    let link = offset(&mut b, "link", tip, [6.0, 0.5, 0.0]).unwrap();
+    let ring = slide(&mut b, "ring", &first, 0.7).unwrap();
+    for (name, node) in [("body", link), ("mass", ring.frame)] {
+        let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
+        let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+        b.element(name, body, &[node]).unwrap();
+        b.element(format!("{name} weight"), weight, &[node])
+            .unwrap();
+    }
+    for (k, nodes) in second.windows(2).enumerate() {
+        let places = [b.place(nodes[0]), b.place(nodes[1])];
+        let load = LineLoad::new(&places, [0.0, 0.0, -9.81], false, Box::new(Constant(1.0)));
+        b.element(format!("weight {k}"), load.unwrap(), nodes)
+            .unwrap();
+    }
+    // Weak enough for the ring to run over the ends of elements.
+    let law = CoordinateLaw {
+        k: 15.0,
+        c: 0.2,
+        ..CoordinateLaw::default()
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("ring spring", spring, &[ring.way]).unwrap();
+    let motor = CoordinateForce::new(Constant(5.0));
+    b.element("motor", motor, &[hinge.angle]).unwrap();
+    for dof in [Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY] {
+        b.support(base, &[dof]);
+    }
+    // Several turns, so that driven and free rotations change charts.
+    b.prescribe(base, Dof::RZ, Proportional(3.0));
+    b.build().unwrap()
+}
+
+/// Allocations of a run of so many steps, and what it did.
+fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary) {
+    let mut model = everything();
+    let n = model.pattern().dim();
+    let mut v = vec![0.0; n];
+    let turning = pullback::elements::model::RigidMotion {
+        omega: Vector3::z() * 3.0,
+        ..Default::default()
+    };
+    model.set_velocity(&vec![0.0; n], &mut v, None, &turning);
+    let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
+    let mut observer =
+        |_: &mut Model, report: &StepReport<'_>| match report.progress.summary.steps < steps {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        };
+    let region = Region::new(GLOBAL);
+    integrate(&mut model, &mut progress, options, &mut observer).unwrap();
+    let change = region.change();
+    let count = change.allocations + change.reallocations;
+    (count, progress.summary)
+}
+
+// One test in this file: another thread's allocations would be counted too.
+#[test]
+fn twice_as_many_steps_allocate_no_more() {
+    let plain = DynamicOptions {
+        scheme: Scheme::chung_hulbert(0.8).unwrap(),
+        ..DynamicOptions::new(100.0, 0.005)
+    };
+    let adaptive = DynamicOptions {
+        adaptivity: Some(Adaptivity {
+            tolerance: 1e-3,
+            max_step: 0.01,
+        }),
+        ..plain
+    };
+    for options in [plain, adaptive] {
+        let (few, short) = allocations(150, &options);
+        let (many, long) = allocations(300, &options);
+        assert_eq!([short.steps, long.steps], [150, 300]);
+        // The second half has what might allocate: changes of chart, audited energies.
+        assert!(long.chart_changes > short.chart_changes, "{long:?}");
+        assert!(long.energy.is_some());
+        assert!(few > 0, "the counter counts");
+        assert_eq!(few, many, "{short:?} {long:?}");
+    }
+}
