@@ -1,0 +1,332 @@
+//! Shared by the tests of dynamics: runs, spatial quantities, slopes, independent integration.
+
+#![allow(non_snake_case, dead_code)]
+
+use nalgebra::{Matrix3, SVector, Vector3};
+use pullback::elements::body::RigidBody;
+use pullback::elements::model::{Model, ModelBuilder, NodeId, NodeState};
+use pullback::elements::time::{Constant, Sine};
+use pullback::integrators::dynamics::{
+    DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
+};
+use pullback::manifold::so3;
+use pullback::manifold::sparse::BlockPattern;
+use pullback::manifold::system::{
+    ChartChanges, Evaluation, Kind, Point, Scales, System, SystemError,
+};
+use std::ops::ControlFlow;
+
+/// Equal steps of size `h` until `to`, equilibrium nearly to round-off.
+pub fn tight(scheme: Scheme, to: f64, h: f64) -> DynamicOptions {
+    DynamicOptions {
+        scheme,
+        newton: NewtonOptions {
+            relative: 1e-12,
+            ..NewtonOptions::default()
+        },
+        energies: false,
+        ..DynamicOptions::new(to, h)
+    }
+}
+
+/// All schemes of order 2 that the tests go through.
+pub fn second_order() -> [Scheme; 4] {
+    [
+        Scheme::newmark(0.25, 0.5).unwrap(),
+        Scheme::hht(-0.1).unwrap(),
+        Scheme::wbz(0.8).unwrap(),
+        Scheme::chung_hulbert(0.8).unwrap(),
+    ]
+}
+
+/// Something with a model inside that can be asked where its nodes are.
+pub trait Modelled: System {
+    fn model(&mut self) -> &mut Model;
+}
+
+impl Modelled for Model {
+    fn model(&mut self) -> &mut Model {
+        self
+    }
+}
+
+/// A model whose changes of chart are made here and not by itself: at chosen steps rotation
+/// vectors of own nodes are replaced by their complements, wherever they are, and never otherwise.
+pub struct Flipped {
+    pub model: Model,
+    /// Free rotation vectors: the first of their three coordinates in the model's unknowns.
+    pub rotations: Vec<usize>,
+    /// How many elements are beams between nodes of `rotations` (the first ones of the model).
+    pub beams: usize,
+    /// Whether to change charts after a step of this number.
+    pub when: Box<dyn Fn(usize) -> bool>,
+    /// Steps so far.
+    pub steps: usize,
+}
+
+impl Flipped {
+    pub fn new(
+        model: Model,
+        rotations: Vec<usize>,
+        when: impl Fn(usize) -> bool + 'static,
+    ) -> Self {
+        Self {
+            model,
+            rotations,
+            beams: 0,
+            when: Box::new(when),
+            steps: 0,
+        }
+    }
+}
+
+impl System for Flipped {
+    fn pattern(&self) -> &BlockPattern {
+        self.model.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        self.model.evaluate(at, out)
+    }
+
+    fn change_charts(
+        &mut self,
+        _: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        // The first call is that before the first step.
+        self.steps += 1;
+        if self.steps == 1 || !(self.when)(self.steps - 1) {
+            return ChartChanges::default();
+        }
+        for &k in &self.rotations {
+            let take = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
+            let put = |x: &mut [f64], y: Vector3<f64>| x[k..k + 3].copy_from_slice(y.as_slice());
+            let (psi, psi_dot) = (take(q), take(v));
+            let (B, B_dot) = (so3::B_s(&psi), so3::B_s_dot(&psi_dot, &psi));
+            for a in accelerations.iter_mut() {
+                let y = B * take(a) + B_dot * psi_dot;
+                put(a, y);
+            }
+            put(v, B * psi_dot);
+            put(q, so3::complement(&psi));
+        }
+        let mut charts = self.model.element_charts();
+        charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
+        self.model.set_element_charts(&charts);
+        ChartChanges {
+            charts: self.rotations.len(),
+            residual: false,
+        }
+    }
+
+    fn kind(&self, i: usize) -> Kind {
+        self.model.kind(i)
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.model.name(i)
+    }
+
+    fn scales(&self) -> Scales {
+        self.model.scales()
+    }
+}
+
+impl Modelled for Flipped {
+    fn model(&mut self) -> &mut Model {
+        &mut self.model
+    }
+}
+
+/// Brings the model to a state, for questions.
+pub fn configure(model: &mut Model, state: &State) {
+    let at = Point {
+        t: state.t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    };
+    model.configure(at).unwrap();
+}
+
+/// Runs a system; the observer sees it configured at each accepted step.
+pub fn observed<Y: Modelled>(
+    system: &mut Y,
+    [q, v]: [&[f64]; 2],
+    options: &DynamicOptions,
+    observe: &mut dyn FnMut(&mut Model, &StepReport<'_>),
+) -> Progress {
+    let mut progress = Progress::new(start(system, 0.0, q, v).unwrap());
+    let watch = &mut |system: &mut Y, step: &StepReport<'_>| {
+        configure(system.model(), &step.progress.state);
+        observe(system.model(), step);
+        ControlFlow::Continue(())
+    };
+    integrate(system, &mut progress, options, watch).unwrap();
+    assert_eq!(progress.summary.failed, 0, "steps were halved");
+    progress
+}
+
+/// Spatial states of `nodes` at `count` equidistant times, all of them ends of steps, and the run.
+pub fn history<Y: Modelled>(
+    system: &mut Y,
+    nodes: &[NodeId],
+    from: [&[f64]; 2],
+    options: &DynamicOptions,
+    count: usize,
+) -> (Vec<NodeState>, Progress) {
+    let steps = (options.to / options.step).round() as usize;
+    assert_eq!(steps % count, 0);
+    let mut out = Vec::new();
+    let progress = observed(system, from, options, &mut |model, step| {
+        if step.progress.summary.steps % (steps / count) == 0 {
+            out.extend(nodes.iter().map(|&n| model.node_state(n)));
+        }
+    });
+    assert_eq!(out.len(), count * nodes.len());
+    (out, progress)
+}
+
+/// What a node's state consists of, in the fixed frame: nothing here knows of charts.
+pub const QUANTITIES: [&str; 5] = [
+    "place",
+    "rotation",
+    "velocity",
+    "angular velocity",
+    "acceleration",
+];
+
+/// Root mean square distance of two histories per quantity of [`QUANTITIES`].
+pub fn distances(a: &[NodeState], b: &[NodeState]) -> [f64; 5] {
+    assert_eq!(a.len(), b.len());
+    let mut sum = [0.0; 5];
+    for (a, b) in a.iter().zip(b) {
+        for (s, d) in sum.iter_mut().zip([
+            (a.place - b.place).norm_squared(),
+            (a.R - b.R).norm_squared(),
+            (a.velocity - b.velocity).norm_squared(),
+            (a.omega - b.omega).norm_squared(),
+            (a.acceleration - b.acceleration).norm_squared(),
+        ]) {
+            *s += d;
+        }
+    }
+    sum.map(|s| (s / a.len() as f64).sqrt())
+}
+
+/// Slopes of log error over log h for errors at h, h/2, h/4, ...
+pub fn slopes(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
+}
+
+/// Asserts that every slope of every quantity is within `tolerance` of `order`.
+pub fn assert_slopes(what: &str, names: &[&str], errors: &[Vec<f64>], order: f64, tolerance: f64) {
+    for (k, name) in names.iter().enumerate() {
+        let e: Vec<f64> = errors.iter().map(|e| e[k]).collect();
+        for slope in slopes(&e) {
+            assert!(
+                (slope - order).abs() <= tolerance,
+                "{what}, {name}: errors {e:?} have the slopes {:?}",
+                slopes(&e)
+            );
+        }
+    }
+}
+
+/// Order of convergence of `history` (a function of the number of steps) against a fine solution.
+///
+/// The fine solution is Richardson's extrapolation from n and 2n steps; before it counts, the
+/// solutions with n/2, n and 2n steps have to agree to order 2 with each other.
+pub fn richardson(n: usize, history: &mut dyn FnMut(usize) -> Vec<NodeState>) -> Vec<NodeState> {
+    let [coarse, medium, fine] = [n / 2, n, 2 * n].map(history);
+    let (first, second) = (distances(&coarse, &medium), distances(&medium, &fine));
+    for k in 0..5 {
+        let slope = (first[k] / second[k]).log2();
+        assert!(
+            (slope - 2.0).abs() < 0.05,
+            "the reference itself, {}: {first:?} and {second:?}",
+            QUANTITIES[k]
+        );
+    }
+    let towards = |a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / 3.0;
+    let pairs = medium.iter().zip(&fine);
+    pairs
+        .map(|(a, b)| NodeState {
+            place: towards(&a.place, &b.place),
+            R: b.R + (b.R - a.R) / 3.0,
+            velocity: towards(&a.velocity, &b.velocity),
+            omega: towards(&a.omega, &b.omega),
+            acceleration: towards(&a.acceleration, &b.acceleration),
+            ..*b
+        })
+        .collect()
+}
+
+/// A body with three different moments of inertia, centre of mass at `center` from its node, and
+/// its weight along −e3.
+pub fn heavy_body(b: &mut ModelBuilder, name: &str, node: NodeId, mass: f64, center: [f64; 3]) {
+    let J = Matrix3::new(0.3, 0.02, 0.03, 0.02, 0.4, -0.04, 0.03, -0.04, 0.5) * mass;
+    body(
+        b,
+        name,
+        node,
+        RigidBody::new(mass, J, center.into()).unwrap(),
+    );
+}
+
+/// A rigid body and its weight of 9.81 per mass along −e3.
+pub fn body(b: &mut ModelBuilder, name: &str, node: NodeId, body: RigidBody) {
+    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+    b.element(name, body, &[node]).unwrap();
+    let name = format!("weight of {name}");
+    b.element(name, weight, &[node]).unwrap();
+}
+
+pub fn sine(amplitude: f64, omega: f64, phase: f64) -> Sine {
+    Sine {
+        amplitude,
+        omega,
+        phase,
+        offset: 0.0,
+    }
+}
+
+/// One step of the classical Runge–Kutta method for ẏ = f(t, y).
+pub fn rk4<const N: usize>(
+    f: &dyn Fn(f64, &SVector<f64, N>) -> SVector<f64, N>,
+    t: f64,
+    y: &SVector<f64, N>,
+    h: f64,
+) -> SVector<f64, N> {
+    let k1 = f(t, y);
+    let k2 = f(t + 0.5 * h, &(y + k1 * (0.5 * h)));
+    let k3 = f(t + 0.5 * h, &(y + k2 * (0.5 * h)));
+    let k4 = f(t + h, &(y + k3 * h));
+    y + (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0)
+}
+
+/// Integrates ẏ = f(t, y) from 0 to `to` in `n` steps.
+pub fn integrate_ode<const N: usize>(
+    f: &dyn Fn(f64, &SVector<f64, N>) -> SVector<f64, N>,
+    mut y: SVector<f64, N>,
+    to: f64,
+    n: usize,
+) -> SVector<f64, N> {
+    let h = to / n as f64;
+    for k in 0..n {
+        y = rk4(f, k as f64 * h, &y, h);
+    }
+    y
+}
+
+/// Complete elliptic integral K(k), modulus k, by the arithmetic-geometric mean.
+pub fn elliptic_K(k: f64) -> f64 {
+    let (mut a, mut g) = (1.0_f64, (1.0 - k * k).sqrt());
+    while (a - g).abs() > 1e-15 * a {
+        (a, g) = (0.5 * (a + g), (a * g).sqrt());
+    }
+    std::f64::consts::FRAC_PI_2 / a
+}
