@@ -51,6 +51,34 @@
 //! # }
 //! ```
 //!
+//! # A pendulum
+//!
+//! ```
+//! use pullback::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let (length, g) = (1.0, 9.81);
+//! let mut builder = ModelBuilder::new();
+//! let ground = builder.node("ground", [0.0; 3])?;
+//! builder.support(ground, &Dof::ALL);
+//! let pivot = revolute(&mut builder, "pivot", ground, [0.0, 1.0, 0.0])?;
+//! let end = offset(&mut builder, "end", pivot.frame, [0.0, 0.0, -length])?;
+//! let bob = PointMass::new(2.0)?;
+//! builder.element("bob", bob, &[end])?;
+//! builder.element("weight", bob.weight([0.0, 0.0, -g], Box::new(Constant(1.0))), &[end])?;
+//! let mut model = builder.build()?;
+//!
+//! // A small swing returns after 2π √(l/g).
+//! let period = std::f64::consts::TAU * (length / g).sqrt();
+//! let mut progress = Progress::new(start(&model, 0.0, &[0.01], &[0.0])?);
+//! let options = DynamicOptions::new(period, period / 500.0);
+//! integrate(&mut model, &mut progress, &options, &mut |_, _| ControlFlow::Continue(()))?;
+//! let angle = progress.state.q[0];
+//! assert!((angle - 0.01).abs() < 1e-6);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
 
 pub mod gallery;
@@ -66,16 +94,26 @@ pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
-    pub use nalgebra::{Unit, Vector3};
+    pub use nalgebra::{Matrix3, Unit, Vector3};
     pub use pullback_elements::beam::{Material, Section};
-    pub use pullback_elements::load::{LineLoad, NodalLoad, Which};
+    pub use pullback_elements::body::{PointMass, RigidBody};
+    pub use pullback_elements::inertia::Inertia;
+    pub use pullback_elements::joint::{offset, revolute, slide, spherical};
+    pub use pullback_elements::load::{CoordinateForce, LineLoad, NodalLoad, Which};
     pub use pullback_elements::model::{
-        Arc, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState, Straight,
+        Arc, Audit, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState,
+        RigidMotion, Straight,
     };
-    pub use pullback_elements::time::{Constant, Proportional, Sine, Table, TimeFunction};
+    pub use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
+    pub use pullback_elements::time::{
+        Constant, Proportional, Pulse, RunUp, Sine, Table, TimeFunction,
+    };
+    pub use pullback_integrators::dynamics::{
+        DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
+    };
     pub use pullback_integrators::statics::{
         ArcLengthOptions, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
     };
-    pub use pullback_manifold::system::System;
+    pub use pullback_manifold::system::{Point, System};
     pub use std::ops::ControlFlow;
 }

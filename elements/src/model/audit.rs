@@ -146,20 +146,14 @@ impl Model {
             local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
             let switched = local.switch(e, &self.nodes);
             local
-                .momenta(e, at.t)
+                .momenta(e, at.t, false)
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
             if switched {
                 local.pull_back_switch(e, &self.nodes, None, false, false);
             }
-            let mut k = 0;
-            for &node in &e.nodes {
-                for c in self.spans[node as usize].range() {
-                    w.r[c] += local.r[k];
-                    k += 1;
-                }
-            }
+            local.add_residual(e, &self.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, false);
         for (p, &c) in p.iter_mut().zip(&self.coordinates) {
