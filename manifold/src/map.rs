@@ -13,7 +13,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::jet::{Grad, Hess, Taylor};
+pub mod derived;
+
 use crate::scalar::Scalar;
 use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
@@ -106,85 +107,6 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         Self: Sized + 'static,
     {
         Box::new(Erased::<Self, D, N>(self))
-    }
-}
-
-/// What every map gets from its φ alone; also the oracle for hand-derived closed forms.
-pub mod derived {
-    use super::*;
-
-    /// x and B by one run over gradients.
-    pub fn tangent<M, const D: usize, const N: usize>(
-        map: &M,
-        t: f64,
-        q: &SVector<f64, D>,
-    ) -> Tangent<D, N>
-    where
-        M: Map<D, N> + ?Sized,
-    {
-        let q = SVector::<Grad<f64, D>, D>::from_fn(|i, _| Grad::variable(q[i], i));
-        let x = map.phi(Grad::constant(t), &q);
-        Tangent {
-            x: x.map(|x| x.v),
-            B: SMatrix::from_fn(|i, j| x[i].g[j]),
-        }
-    }
-
-    /// x, ẋ, ẍ, B, Ḃ, B̈ by one run over gradients that carry two time derivatives.
-    pub fn kinematics<M, const D: usize, const N: usize>(
-        map: &M,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-        a: &SVector<f64, D>,
-    ) -> Kinematics<D, N>
-    where
-        M: Map<D, N> + ?Sized,
-    {
-        type Jet<const D: usize> = Taylor<Grad<f64, D>>;
-        let time = Jet::<D> {
-            v: Grad::constant(t),
-            d: Grad::constant(1.0),
-            dd: Grad::constant(0.0),
-        };
-        let q = SVector::<Jet<D>, D>::from_fn(|i, _| Taylor {
-            v: Grad::variable(q[i], i),
-            d: Grad::constant(v[i]),
-            dd: Grad::constant(a[i]),
-        });
-        let x = map.phi(time, &q);
-        Kinematics {
-            x: x.map(|x| x.v.v),
-            x_dot: x.map(|x| x.d.v),
-            x_ddot: x.map(|x| x.dd.v),
-            B: SMatrix::from_fn(|i, j| x[i].v.g[j]),
-            B_dot: SMatrix::from_fn(|i, j| x[i].d.g[j]),
-            B_ddot: SMatrix::from_fn(|i, j| x[i].dd.g[j]),
-        }
-    }
-
-    /// K_σ(f), the Hessian of f·φ.
-    pub fn geometric_stiffness<M, const D: usize, const N: usize>(
-        map: &M,
-        t: f64,
-        q: &SVector<f64, D>,
-        f: &SVector<f64, N>,
-    ) -> SMatrix<f64, D, D>
-    where
-        M: Map<D, N> + ?Sized,
-    {
-        let q = SVector::<Hess<D>, D>::from_fn(|i, _| Hess::variable(q[i], i));
-        let x = map.phi(Hess::constant(t), &q);
-        let mut K = SMatrix::<f64, D, D>::zeros();
-        for (xi, &fi) in x.iter().zip(f.iter()) {
-            for i in 0..D {
-                for j in 0..=i {
-                    K[(i, j)] += fi * xi.h[i][j];
-                }
-            }
-        }
-        K.fill_upper_triangle_with_lower_triangle();
-        K
     }
 }
 

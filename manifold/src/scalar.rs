@@ -62,10 +62,10 @@ pub trait Scalar:
     #[must_use]
     fn sqrt(self) -> Self {
         let x = self.re();
-        let s = x.sqrt();
-        let d1 = 0.5 / s;
-        let d2 = -0.5 * d1 / x;
-        self.compose([s, d1, d2, -1.5 * d2 / x])
+        let (s, u) = (x.sqrt(), 1.0 / x);
+        let d1 = 0.5 * s * u;
+        let d2 = -0.5 * d1 * u;
+        self.compose([s, d1, d2, -1.5 * d2 * u])
     }
 
     /// Sine.

@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 use num_dual::{Derivative, Dual2, Dual2SVec64, Dual3, DualNum, DualSVec64};
 use num_traits::{One, Zero};
-use pullback_manifold::jet::{Grad, Hess, Taylor};
+use pullback_manifold::jet::{Grad, Hess, Moving, Taylor, Trace};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 
@@ -143,6 +143,85 @@ fn value_gradient_and_time_jets_are_those_of_num_dual() {
     }
 }
 
+/// Structure of every kind: q0 enters by a sum only, q1 with the time, q2 by its square, q3 to q6
+/// with each other; the number of variables is odd and larger than a block of the Hessian.
+struct Structured;
+
+const W: [f64; 7] = [0.4, 0.9, -0.6, 0.3, 1.2, -0.8, 0.5];
+
+impl Map<7, 4> for Structured {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> SVector<S, 4> {
+        let [x, y, z] = phi!(t, [q[3], q[4], q[5], q[6]]);
+        let one = S::one();
+        SVector::from([
+            q[0] * 2.0 - x * q[6],
+            q[1] * t - q[0] + y / (q[2] * q[2] + one),
+            z * (one * 3.0) + q[0] / (one + one),
+            (q[5] - q[3]) / (q[4] * q[6] - 3.0) - (t * t + q[2]).sin(),
+        ])
+    }
+}
+
+#[test]
+fn moving_values_are_nested_jets() {
+    let rates: [[f64; 3]; 7] =
+        std::array::from_fn(|i| [W[i], (i as f64).sin() + 0.2, 0.7 - 0.3 * i as f64]);
+    let moving = SVector::from_fn(|i, _| Moving::<7>::variable(rates[i], i));
+    let nested = SVector::from_fn(|i, _| Taylor {
+        v: Grad::<f64, 7>::variable(rates[i][0], i),
+        d: Grad::constant(rates[i][1]),
+        dd: Grad::constant(rates[i][2]),
+    });
+    let time = Taylor {
+        v: Grad::constant(T),
+        d: Grad::one(),
+        dd: Grad::zero(),
+    };
+    let found = Structured.phi(Moving::given([T, 1.0, 0.0]), &moving);
+    let expected = Structured.phi(time, &nested);
+    for (found, expected) in found.iter().zip(&expected) {
+        for (k, expected) in [expected.v, expected.d, expected.dd].iter().enumerate() {
+            close("x", found.x[k], expected.v);
+            for j in 0..7 {
+                close("g", found.g[k][j], expected.g[j]);
+            }
+        }
+    }
+}
+
+#[test]
+fn stiffness_in_blocks_is_that_of_all_variables_at_once() {
+    let f = SVector::<f64, 4>::new(0.7, -1.2, 0.4, 0.9);
+    let q = SVector::from_fn(|i, _| Hess::<7>::variable(W[i], i));
+    let x = Structured.phi(Hess::constant(T), &q);
+    let K = Structured.geometric_stiffness(T, &W.into(), &f);
+    for i in 0..7 {
+        for j in 0..=i {
+            let expected: f64 = x.iter().zip(&f).map(|(x, f)| f * x.h[i][j]).sum();
+            close("K_sigma", K[(i, j)], expected);
+            close("its transpose", K[(j, i)], expected);
+        }
+    }
+}
+
+#[test]
+fn a_trace_knows_where_a_map_bends() {
+    let q = SVector::from_fn(|i, _| Trace::variable(W[i], i));
+    let x = Structured.phi(Trace::constant(T), &q);
+    let values = Structured.phi(T, &W.into());
+    let bent = |i: usize| [0, 1, 2, 3, 4, 5, 6].map(|k| x[i].bends(k));
+    assert_eq!(bent(0), [false, false, false, true, true, true, true]);
+    assert_eq!(bent(1), [false, false, true, true, true, true, true]);
+    assert_eq!(bent(2), [false, false, false, true, true, true, true]);
+    assert_eq!(bent(3), [false, false, true, true, true, true, true]);
+    for (x, value) in x.iter().zip(&values) {
+        close("value", x.re(), *value);
+    }
+    // Variables beyond the last bit are taken for bent together.
+    let far = Trace::variable(1.0, 70) * Trace::variable(1.0, 80);
+    assert!(far.bends(70) && far.bends(90) && !far.bends(5));
+}
+
 #[test]
 fn third_derivatives_are_those_of_num_dual() {
     // Grad of Grad of Grad along one variable is the third derivative.
@@ -190,6 +269,10 @@ fn operators_obey_their_definitions() {
         Grad::<f64, 2>::variable(x, 0),
         Grad::<f64, 2>::variable(y, 1),
     );
+    let m = operators(
+        Moving::<2>::variable([x, 0.0, 0.0], 0),
+        Moving::variable([y, 0.0, 0.0], 1),
+    );
     let f = operators(x, y);
     // By hand: values, gradients, Hessians (xx, yx, yy).
     let expected = [
@@ -212,8 +295,10 @@ fn operators_obey_their_definitions() {
         close("f64", f[i], value);
         close("Hess value", h[i].v, value);
         close("Grad value", g[i].v, value);
+        close("Moving value", m[i].x[0], value);
         for (j, slope) in gradient.into_iter().enumerate() {
             close("Grad", g[i].g[j], slope);
+            close("Moving", m[i].g[0][j], slope);
             close("Hess gradient", h[i].g[j], slope);
         }
         close("h xx", h[i].h[0][0], hessian[0]);

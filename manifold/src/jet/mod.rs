@@ -1,0 +1,100 @@
+//! Exact forward derivatives: small number types over which a [`Scalar`](crate::scalar::Scalar)
+//! function is run.
+//!
+//! | type | carries | serves |
+//! |---|---|---|
+//! | [`Moving`] | value and two time derivatives, and the gradients of the three | B, Ḃ, B̈ |
+//! | [`Grad`] | value and gradient in D variables | B = D_q φ |
+//! | [`Taylor`] | value, first and second time derivative | ẋ, ẍ along a motion |
+//! | [`Hess`] | value, gradient, Hessian | K_σ(f) = D_q²(f·φ) |
+//! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
+//!
+//! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` is what `Moving<D>` is, only slower. The example
+//! `jet_speed` measures them against the num-dual crate, which is the oracle of their tests.
+
+use crate::scalar::MAX_ORDER;
+
+/// Operators that follow from those of two jets and of a jet and a number.
+macro_rules! derived_operators {
+    ([$($generics:tt)*] $type:ty) => {
+        impl<$($generics)*> std::ops::Div<f64> for $type {
+            type Output = Self;
+            #[inline]
+            fn div(self, b: f64) -> Self {
+                self * (1.0 / b)
+            }
+        }
+        impl<$($generics)*> Sub<f64> for $type {
+            type Output = Self;
+            #[inline]
+            fn sub(self, b: f64) -> Self {
+                self + (-b)
+            }
+        }
+        impl<$($generics)*> std::ops::AddAssign for $type {
+            #[inline]
+            fn add_assign(&mut self, b: Self) {
+                *self = *self + b;
+            }
+        }
+        impl<$($generics)*> std::ops::SubAssign for $type {
+            #[inline]
+            fn sub_assign(&mut self, b: Self) {
+                *self = *self - b;
+            }
+        }
+        impl<$($generics)*> std::ops::MulAssign for $type {
+            #[inline]
+            fn mul_assign(&mut self, b: Self) {
+                *self = *self * b;
+            }
+        }
+        impl<$($generics)*> num_traits::Zero for $type {
+            #[inline]
+            fn zero() -> Self {
+                Self::constant(0.0)
+            }
+            fn is_zero(&self) -> bool {
+                *self == Self::zero()
+            }
+        }
+        impl<$($generics)*> num_traits::One for $type {
+            #[inline]
+            fn one() -> Self {
+                Self::constant(1.0)
+            }
+        }
+    };
+}
+
+/// Division as a product with the reciprocal.
+macro_rules! quotient_by_reciprocal {
+    ([$($generics:tt)*] $type:ty) => {
+        impl<$($generics)*> std::ops::Div for $type {
+            type Output = Self;
+            #[inline]
+            #[allow(clippy::suspicious_arithmetic_impl, reason = "1/b has its own chain rule")]
+            fn div(self, b: Self) -> Self {
+                self * b.recip()
+            }
+        }
+    };
+}
+
+mod grad;
+mod hess;
+mod moving;
+mod taylor;
+mod trace;
+
+pub use grad::Grad;
+pub use hess::Hess;
+pub use moving::Moving;
+pub use taylor::Taylor;
+pub use trace::Trace;
+
+/// Shifts derivatives by one order: those of f′ from those of f.
+#[inline]
+fn derivative(f: [f64; MAX_ORDER + 1]) -> [f64; MAX_ORDER + 1] {
+    [f[1], f[2], f[3], 0.0]
+}
