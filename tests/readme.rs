@@ -16,8 +16,13 @@ fn the_first_program_is_the_example() {
 }
 
 #[test]
-fn the_first_model_assembles() {
-    pullback::input::assemble_text("README.md", block("```toml")).unwrap();
+fn its_models_assemble() {
+    let models: Vec<&str> = README.split("```toml\n").skip(1).collect();
+    assert_eq!(models.len(), 2);
+    for model in models {
+        let text = model.split("```").next().unwrap();
+        pullback::input::assemble_text("README.md", text).unwrap();
+    }
 }
 
 #[test]

@@ -77,6 +77,7 @@ pub struct Bushing {
     untagged,
     expecting = "expected six numbers, or six rows of six numbers"
 )]
+#[allow(clippy::large_enum_variant, reason = "there are few of them")]
 pub enum Six {
     /// Its diagonal.
     Diagonal([f64; 6]),
