@@ -274,11 +274,11 @@ fn documented_and_example_models_are_accepted() {
 }
 
 #[test]
-fn functions_of_the_load_parameter_are_documented_as_they_are() {
+fn functions_of_t_are_documented_as_they_are() {
     let reference = include_str!("../docs/model_file.md");
     let rows = reference.lines().filter_map(|l| l.strip_prefix("| `{ "));
     let functions: Vec<&str> = rows.filter_map(|l| l.split('`').next()).collect();
-    assert_eq!(functions.len(), 6);
+    assert_eq!(functions.len(), 8);
     let load = "moment = [0, 0, 3.141592653589793]";
     for function in functions {
         let text = with(load, &format!("{load}\ntime = {{ {function}"));
