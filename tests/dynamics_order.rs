@@ -14,6 +14,7 @@ use pullback::elements::model::{
 };
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
+use std::f64::consts::PI;
 
 /// A model, the nodes whose motion is compared, and its initial velocities.
 struct Problem {
@@ -137,6 +138,51 @@ fn bodies_on_joints_of_a_driven_carriage() {
     assert_eq!(first.order(), 1);
     let e = errors(320, &reference, &mut |n| run(first, n));
     assert_slopes("Newmark with gamma = 0.6", &QUANTITIES, &e, 1.0, 0.1);
+}
+
+/// A body whose reference configuration is upside down: hanging, it has turned by π, and every
+/// swing takes its rotation vector across the border of its chart.
+fn upside_down() -> (Problem, Vec<f64>) {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
+    b.prescribe(carriage, Dof::X, sine(0.05, 2.0, 0.2));
+    let ball = spherical(&mut b, "ball", carriage).unwrap();
+    heavy_body(&mut b, "body", ball.frame, 1.0, [0.0, 0.05, 0.9]);
+    let probe = offset(&mut b, "probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
+    b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
+        .unwrap();
+    let model = b.build().unwrap();
+    let k = model.unknown_at(ball.rotation, 0).unwrap();
+    let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
+    q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);
+    v[k..k + 3].copy_from_slice(&[0.3, 0.1, 0.05]);
+    let probes = vec![ball.frame, probe];
+    (Problem { model, probes, v }, q)
+}
+
+#[test]
+fn swings_about_the_border_of_a_chart() {
+    let to = 8.0;
+    let run = |scheme, n: usize| {
+        let (problem, q) = upside_down();
+        let Problem {
+            mut model,
+            probes,
+            v,
+        } = problem;
+        let options = tight(scheme, to, to / n as f64);
+        let (states, progress) = history(&mut model, &probes, [&q, &v], &options, 8);
+        // At the largest step more often than after every twelfth.
+        let changes = progress.summary.chart_changes;
+        assert!(12 * changes >= 80, "{changes} changes");
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(80, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
 }
 
 /// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.

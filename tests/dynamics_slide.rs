@@ -20,7 +20,9 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 const G: f64 = 9.81;
+const RADIUS: f64 = 1.5;
 const FRAC_PI_9: f64 = PI / 9.0;
+const START: f64 = 2.0 * FRAC_PI_9;
 
 /// A heavy point mass that slides along beam elements all of whose nodes are held.
 fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Model, SlideNodes) {
@@ -105,51 +107,76 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     assert!((progress.state.q[0] - 0.5).abs() < 1e-3);
 }
 
-#[test]
-fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
-    // 160° of a vertical circle, the lowest point in the middle; thrown down 40° before it. The mass
-    // moves all the time: from rest, or where it turns, the slope of a chord in the place of that of
-    // the circle would count more than its error in height, which falls with order 2. An element
-    // hands over at the end of the step that has left it: the mass has been up to v h on its
-    // extension, at a wrong height. This error is of order 1 in h, whatever the scheme, and so steps
-    // are quartered where elements are halved.
-    let (radius, rate) = (1.5, 2.0);
-    let (half, start_angle) = (4.0 * FRAC_PI_9, 2.0 * FRAC_PI_9);
-    let centre = Vector3::new(0.0, 0.0, radius);
-    let at = |angle: f64| centre + Vector3::new(angle.sin(), 0.0, -angle.cos()) * radius;
+/// A place on the circle, the angle from its lowest point.
+fn at(angle: f64) -> Vector3<f64> {
+    Vector3::new(angle.sin(), 0.0, 1.0 - angle.cos()) * RADIUS
+}
+
+/// A mass on 160° of a vertical circle, the lowest point in the middle; it starts 40° before that.
+fn on_circle(elements: u32) -> (Model, SlideNodes) {
+    let half = 4.0 * FRAC_PI_9;
     let arc = Arc {
         from: at(-half),
-        center: centre,
+        center: Vector3::new(0.0, 0.0, RADIUS),
         axis: Unit::new_normalize(Vector3::new(0.0, -1.0, 0.0)),
         angle: 2.0 * half,
         second: None,
     };
     assert!((arc.at(0.5).0 - at(0.0)).norm() < 1e-12);
+    // 40° from the end: a quarter of the chain.
+    let n = f64::from(elements);
+    let chord = 2.0 * RADIUS * (half / n).sin();
+    let (model, bead) = wire(&arc, elements as usize, chord * n / 4.0);
+    assert!((model.reference(bead.frame) - at(-START)).norm() < 1e-12);
+    (model, bead)
+}
+
+#[test]
+fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
+    // The mass moves all the time: from rest, or where it turns, the slope of a chord in the place
+    // of that of the circle would count more than its error in height, which falls with order 2.
+    // Handing over has an error of order 1 in h (see below), and so steps are quartered where
+    // elements are halved.
+    let rate = 2.0;
     // Until it is as far beyond the lowest point, where all meshes have a node, by Newton's method.
-    let ode = |_: f64, y: &Vector2<f64>| Vector2::new(y[1], -G / radius * y[0].sin());
+    let ode = |_: f64, y: &Vector2<f64>| Vector2::new(y[1], -G / RADIUS * y[0].sin());
     let mut to = 0.6;
     for _ in 0..6 {
-        let end = integrate_ode(&ode, Vector2::new(-start_angle, rate), to, 4000);
-        to -= (end[0] - start_angle) / end[1];
+        let end = integrate_ode(&ode, Vector2::new(-START, rate), to, 4000);
+        to -= (end[0] - START) / end[1];
     }
     let errors = [4, 8, 16].map(|elements| {
-        let chord = 2.0 * radius * (half / f64::from(elements)).sin();
-        // 40° before the lowest point is 40° from the start: a quarter of the chain.
-        let (mut model, bead) = wire(&arc, elements as usize, chord * f64::from(elements) / 4.0);
-        let place = model.reference(bead.frame);
-        assert!((place - at(-start_angle)).norm() < 1e-12);
-        let options = tight(
-            Scheme::default(),
-            to,
-            to * 1e-2 / f64::from(elements).powi(2),
-        );
-        let v = [rate * radius];
+        let (mut model, bead) = on_circle(elements);
+        let h = to * 1e-2 / f64::from(elements).powi(2);
+        let options = tight(Scheme::default(), to, h);
+        let v = [rate * RADIUS];
         let progress = observed(&mut model, [&[], &v], &options, &mut |_, _| ());
         configure(&mut model, &progress.state);
-        let s = model.node_state(bead.frame);
-        (s.place - at(start_angle)).norm()
+        (model.node_state(bead.frame).place - at(START)).norm()
     });
     for slope in slopes(&errors) {
         assert!((slope - 2.0).abs() < 0.15, "{errors:?}");
+    }
+}
+
+#[test]
+#[ignore = "an element hands over at the end of the step that has left it, when the mass has been up \
+            to v h on its extension: on a bent chain a jump in height, and energy of order 1 in h"]
+fn the_energy_of_a_mass_on_a_circle_of_wire_is_kept_to_order_two() {
+    let to = 0.56;
+    let errors = [1000.0, 4000.0, 16000.0].map(|n| {
+        let (mut model, bead) = on_circle(32);
+        let mut energies = Vec::new();
+        let options = tight(Scheme::default(), to, to / n);
+        observed(&mut model, [&[], &[3.0]], &options, &mut |model, _| {
+            let s = model.node_state(bead.frame);
+            energies.push(0.5 * s.velocity.norm_squared() + G * s.place.z);
+        });
+        let change = |e: &f64| (e - energies[0]).abs();
+        energies.iter().map(change).fold(0.0, f64::max)
+    });
+    // Steps are quartered.
+    for slope in slopes(&errors) {
+        assert!((0.5 * slope - 2.0).abs() < 0.15, "{errors:?}");
     }
 }

@@ -1,0 +1,180 @@
+//! How Newton's method converges within a step: what the pulled-back tangents promise.
+//!
+//! The tangent at an iterate takes the stresses in K_σ from the iterate before, extrapolated over
+//! the last correction (`System::evaluate_from`). What it differs by from the exact tangent is of
+//! the order of the last correction squared, so that with corrections cₖ and residuals rₖ
+//!
+//! ```text
+//! rₖ₊₁ = O(cₖ²) + O(cₖ₋₁²) cₖ,     rₖ ~ cₖ
+//! ```
+//!
+//! which is quadratic convergence as soon as cₖ₋₁² is below cₖ, that is from the second correction
+//! on. In the first iteration the iterate before is the state at the beginning of the step.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+mod dynamics_support;
+
+use dynamics_support::*;
+use nalgebra::{Matrix3, Vector3};
+use pullback::elements::beam::Section;
+use pullback::elements::joint::{offset, revolute};
+use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback::elements::time::Sine;
+use pullback::integrators::dynamics::{Predictor, Scheme};
+use pullback::manifold::sparse::BlockPattern;
+use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+use std::f64::consts::FRAC_PI_2;
+
+/// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
+/// hinge, on that a second beam with a heavy end: every frame that a joint has as master is free.
+fn thrown_beams() -> Model {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    // 1 − cos: from rest, with full acceleration.
+    for (dof, amplitude, omega) in [(Dof::X, 0.3, 6.0), (Dof::RX, 0.4, 5.0)] {
+        let from_rest = Sine {
+            offset: amplitude,
+            ..sine(-amplitude, omega, FRAC_PI_2)
+        };
+        b.prescribe(carriage, dof, from_rest);
+    }
+    let wrist = b.node("wrist", [0.0, 0.5, 0.0]).unwrap();
+    beam(&mut b, "first", [carriage, wrist], 2);
+    let arm = offset(&mut b, "arm", wrist, [0.4, 0.7, -0.3]).unwrap();
+    let hinge = revolute(&mut b, "hinge", arm, [0.2, 1.0, 0.3]).unwrap();
+    heavy_body(&mut b, "hub", hinge.frame, 1.0, [0.1, 0.0, 0.2]);
+    let tip = b.node("tip", [1.4, 0.7, -0.3]).unwrap();
+    beam(&mut b, "second", [hinge.frame, tip], 4);
+    heavy_body(&mut b, "end", tip, 2.0, [0.1, 0.1, 0.0]);
+    b.build().unwrap()
+}
+
+fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
+    let [_, EA, A_rho, _] = DATA;
+    let section = Section::diagonal(EA, [EA; 2], 10.0, [10.0; 2]).unwrap();
+    let line = Line {
+        elements,
+        order: 1,
+        section: section.with_mass(A_rho, J),
+    };
+    b.line(name, &axis, ends, &line).unwrap();
+}
+
+/// A model whose tangent is the exact one times a factor: no extrapolated stresses.
+struct Plain {
+    model: Model,
+    factor: f64,
+}
+
+impl System for Plain {
+    fn pattern(&self) -> &BlockPattern {
+        self.model.pattern()
+    }
+
+    /// `evaluate_from` comes here as well.
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let S = out.S.map(|(mut weights, S)| {
+            weights.K *= self.factor;
+            weights.C *= self.factor;
+            weights.M *= self.factor;
+            (weights, S)
+        });
+        self.model.evaluate(at, Evaluation { S, ..out })
+    }
+
+    fn kind(&self, i: usize) -> Kind {
+        self.model.kind(i)
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.model.name(i)
+    }
+
+    fn scales(&self) -> Scales {
+        self.model.scales()
+    }
+}
+
+impl Modelled for Plain {
+    fn model(&mut self) -> &mut Model {
+        &mut self.model
+    }
+}
+
+/// Length of an element, axial stiffness, mass per length and step size.
+const DATA: [f64; 4] = [0.25, 1e4, 1.0, 0.05];
+
+/// Largest residuals (N and N m) of the iterations of the first steps.
+fn residuals<Y: Modelled>(mut system: Y, scheme: Scheme, predictor: Predictor) -> Vec<Vec<f64>> {
+    let h = DATA[3];
+    let mut options = tight(scheme, 4.0 * h, h);
+    options.newton.predictor = predictor;
+    let mut steps = Vec::new();
+    observed(&mut system, [&[], &[]], &options, &mut |_, step| {
+        let all = step.residuals.iter();
+        steps.push(all.map(|i| i.residual[0].max(i.residual[1])).collect());
+    });
+    steps
+}
+
+/// Whether rₖ₊₁ ≤ C rₖ² down to the round-off of the stresses, in all pairs that have rₖ below
+/// one hundredth of the first residual.
+///
+/// A correction c leaves the second-order part of the strain energy, (EA/l) c²/2, and is itself at
+/// most r/S with the smallest dynamic stiffness S = 4m/h², m the mass of an element:
+/// C = (EA/l) / 2S².
+fn quadratic(r: &[f64]) -> bool {
+    let [l, EA, A_rho, h] = DATA;
+    let S = 4.0 * A_rho * l / (h * h);
+    let C = 0.5 * EA / l / (S * S);
+    let round_off = 1e-15 * EA / l;
+    let near = r.windows(2).filter(|p| p[0] < 1e-2 * r[0]);
+    let mut pairs = 0;
+    let holds = near
+        .inspect(|_| pairs += 1)
+        .all(|p| p[1] <= C * p[0] * p[0] + round_off);
+    assert!(
+        pairs >= 1 && r[0] > 100.0,
+        "a start far from equilibrium: {r:?}"
+    );
+    holds
+}
+
+#[test]
+fn residuals_square_from_one_iteration_to_the_next() {
+    for scheme in second_order() {
+        for predictor in [Predictor::Velocity, Predictor::Keep] {
+            let plain = |factor| Plain {
+                model: thrown_beams(),
+                factor,
+            };
+            let extrapolated = residuals(thrown_beams(), scheme, predictor);
+            let exact = residuals(plain(1.0), scheme, predictor);
+            for (with, without) in extrapolated.iter().zip(&exact) {
+                assert!(quadratic(with), "{}, {predictor:?}: {with:?}", scheme.name);
+                assert!(
+                    quadratic(without),
+                    "{}, {predictor:?}: {without:?}",
+                    scheme.name
+                );
+            }
+            // What a tangent that is wrong by one per cent would look like.
+            for wrong in residuals(plain(1.01), scheme, predictor) {
+                assert!(
+                    !quadratic(&wrong),
+                    "{}, {predictor:?}: {wrong:?}",
+                    scheme.name
+                );
+            }
+        }
+    }
+}
