@@ -7,6 +7,7 @@ use pullback::elements::beam::Damping;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{offset, revolute, slide, spherical};
 use pullback::elements::load::CoordinateForce;
+use pullback::elements::model::RigidMotion;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
@@ -41,7 +42,7 @@ fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -
 
 /// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
 /// a body on a rigid link, and a ring on the first arm, all under gravity.
-fn everything() -> Model {
+fn everything() -> (Model, NodeId) {
     let mut b = ModelBuilder::new();
     let base = b.node("base", [0.0; 3]).unwrap();
     let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
@@ -87,30 +88,38 @@ fn everything() -> Model {
     }
     // Several turns, so that driven and free rotations change charts.
     b.prescribe(base, Dof::RZ, Proportional(3.0));
-    b.build().unwrap()
+    (b.build().unwrap(), ring.way)
 }
 
-/// Allocations of a run of so many steps, and what it did.
-fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary) {
-    let mut model = everything();
+/// Allocations of a run of so many steps, what it did, and how often the ring came to another
+/// element.
+fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary, usize) {
+    let (mut model, way) = everything();
     let n = model.pattern().dim();
     let mut v = vec![0.0; n];
-    let turning = pullback::elements::model::RigidMotion {
+    let turning = RigidMotion {
         omega: Vector3::z() * 3.0,
-        ..Default::default()
+        ..RigidMotion::default()
     };
     model.set_velocity(&vec![0.0; n], &mut v, None, &turning);
     let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
-    let mut observer =
-        |_: &mut Model, report: &StepReport<'_>| match report.progress.summary.steps < steps {
+    let way = model.unknown_at(way, 0).unwrap();
+    let (mut element, mut moves) = (1.0, 0);
+    let mut observer = |_: &mut Model, report: &StepReport<'_>| {
+        // Elements of length 0.5, the ring started at 0.7.
+        let now = ((0.7 + report.progress.state.q[way]) / 0.5).floor();
+        moves += usize::from(now != element);
+        element = now;
+        match report.progress.summary.steps < steps {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
-        };
+        }
+    };
     let region = Region::new(GLOBAL);
     integrate(&mut model, &mut progress, options, &mut observer).unwrap();
     let change = region.change();
     let count = change.allocations + change.reallocations;
-    (count, progress.summary)
+    (count, progress.summary, moves)
 }
 
 // One test in this file: another thread's allocations would be counted too.
@@ -128,11 +137,12 @@ fn twice_as_many_steps_allocate_no_more() {
         ..plain
     };
     for options in [plain, adaptive] {
-        let (few, short) = allocations(150, &options);
-        let (many, long) = allocations(300, &options);
+        let (few, short, early) = allocations(150, &options);
+        let (many, long, all) = allocations(300, &options);
         assert_eq!([short.steps, long.steps], [150, 300]);
-        // The second half has what might allocate: changes of chart, audited energies.
+        // The second half has what might allocate.
         assert!(long.chart_changes > short.chart_changes, "{long:?}");
+        assert!(all > early, "the ring comes to another element");
         assert!(long.energy.is_some());
         assert!(few > 0, "the counter counts");
         assert_eq!(few, many, "{short:?} {long:?}");

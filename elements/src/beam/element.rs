@@ -93,8 +93,8 @@ pub(super) type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize> {
     points: Vec<GaussPoint<NN>>,
-    /// NN points of inertia; none where the section has no mass.
-    masses: Vec<MassPoint<NN>>,
+    /// Points of inertia, where the section has mass.
+    masses: Option<[MassPoint<NN>; NN]>,
     damping: Damping,
 }
 
@@ -175,17 +175,15 @@ impl<const NN: usize> Beam<NN> {
             .into_iter()
             .map(point)
             .collect::<Result<_, _>>()?;
-        let rule = if section.inertia.is_zero() {
-            Vec::new()
+        let masses = if section.inertia.is_zero() {
+            None
         } else {
-            gauss(NN)
-        };
-        let masses = rule
-            .into_iter()
-            .map(|at| {
+            let mass = |at: (f64, f64)| {
                 point(at).map(|p| MassPoint::new(p.N, p.weight, section.inertia.rotated(&p.R0)))
-            })
-            .collect::<Result<_, _>>()?;
+            };
+            let masses: Vec<_> = gauss(NN).into_iter().map(mass).collect::<Result<_, _>>()?;
+            masses.try_into().ok()
+        };
         Ok(Self {
             points,
             masses,
@@ -267,7 +265,7 @@ impl<const NN: usize> Beam<NN> {
             }
         }
         if !at.v.is_empty() {
-            for p in &self.masses {
+            for p in self.masses.iter().flatten() {
                 p.add(at, self.damping.mass, r, tangents);
             }
         }
@@ -331,7 +329,8 @@ impl<const NN: usize> Element for Beam<NN> {
             p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
         };
         let drag = |p: &MassPoint<NN>| p.drag_power(at, self.damping.mass);
-        self.points.iter().map(viscous).sum::<f64>() + self.masses.iter().map(drag).sum::<f64>()
+        self.points.iter().map(viscous).sum::<f64>()
+            + self.masses.iter().flatten().map(drag).sum::<f64>()
     }
 
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {

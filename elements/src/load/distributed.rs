@@ -6,7 +6,7 @@ use crate::beam::BeamError;
 use crate::beam::shape::{gauss, lagrange};
 use crate::element::{Element, ElementError, Motion, Response};
 use crate::time::TimeFunction;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;
 
@@ -18,6 +18,8 @@ pub struct LineLoad {
     /// Shape functions and weights at the integration points (one more than nodes).
     points: Vec<(Vec<f64>, f64)>,
     nodes: usize,
+    /// What each node carries of a load that keeps its direction: ∫ Nᵢ.
+    shares: Vec<f64>,
     follower: bool,
     force: Vector3<f64>,
     amplitude: Box<dyn TimeFunction>,
@@ -41,7 +43,9 @@ impl LineLoad {
             4 => integration_points::<4>(places),
             n => return Err(BeamError::Nodes(n)),
         };
+        let share = |i: usize| points.iter().map(|(N, weight)| weight * N[i]).sum();
         Ok(Self {
+            shares: (0..places.len()).map(share).collect(),
             points,
             nodes: places.len(),
             follower,
@@ -70,20 +74,27 @@ impl Element for LineLoad {
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         let n = self.dim();
         let [amplitude, rate, _] = self.amplitude.at(at.t);
-        for (N, weight) in &self.points {
-            let mut f = self.force;
-            let mut D = Matrix3::zeros();
-            if self.follower {
-                let psi: Vector3<f64> =
-                    at.x.chunks_exact(6)
-                        .zip(N)
-                        .map(|(x, n)| Vector3::new(x[3], x[4], x[5]) * *n)
-                        .sum();
-                let c = Quotients::new(psi.norm()).tangent();
-                let R = so3::R(&psi, &c);
-                f = R * self.force;
-                D = R * so3::skew(&self.force) * so3::T(&psi, &c) * -1.0;
+        if !self.follower {
+            for (i, share) in self.shares.iter().enumerate() {
+                for (k, f) in self.force.iter().enumerate() {
+                    out.r[6 * i + k] += amplitude * share * f;
+                    if let Some(r_t) = out.r_t.as_deref_mut() {
+                        r_t[6 * i + k] += rate * share * f;
+                    }
+                }
             }
+            return Ok(());
+        }
+        for (N, weight) in &self.points {
+            let psi: Vector3<f64> =
+                at.x.chunks_exact(6)
+                    .zip(N)
+                    .map(|(x, n)| Vector3::new(x[3], x[4], x[5]) * *n)
+                    .sum();
+            let c = Quotients::new(psi.norm()).tangent();
+            let R = so3::R(&psi, &c);
+            let f = R * self.force;
+            let D = R * so3::skew(&self.force) * so3::T(&psi, &c) * -1.0;
             for i in 0..self.nodes {
                 let w = weight * N[i];
                 for k in 0..3 {
@@ -92,7 +103,7 @@ impl Element for LineLoad {
                         r_t[6 * i + k] += rate * w * f[k];
                     }
                 }
-                if let (true, Some(K)) = (self.follower, out.K.as_deref_mut()) {
+                if let Some(K) = out.K.as_deref_mut() {
                     for j in 0..self.nodes {
                         for c in 0..3 {
                             for r in 0..3 {
@@ -111,17 +122,9 @@ impl Element for LineLoad {
         if self.follower {
             return 0.0;
         }
-        let work: f64 = self
-            .points
-            .iter()
-            .map(|(N, weight)| {
-                let d: Vector3<f64> =
-                    at.x.chunks_exact(6)
-                        .zip(N)
-                        .map(|(x, n)| Vector3::new(x[0], x[1], x[2]) * *n)
-                        .sum();
-                weight * self.force.dot(&d)
-            })
+        let nodes = at.x.chunks_exact(6).zip(&self.shares);
+        let work: f64 = nodes
+            .map(|(x, share)| share * self.force.dot(&Vector3::new(x[0], x[1], x[2])))
             .sum();
         -self.amplitude.at(at.t)[0] * work
     }

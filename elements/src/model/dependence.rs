@@ -240,10 +240,17 @@ pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
 pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) -> usize {
     let mut k = 0;
     for &m in of {
-        let range = spans[m as usize].range();
-        let end = k + range.len();
-        out[k..end].copy_from_slice(&x[range]);
-        k = end;
+        let from = &x[spans[m as usize].range()];
+        let to = &mut out[k..k + from.len()];
+        // Most nodes are frames: six values are moved without a call.
+        match (
+            <&mut [f64; 6]>::try_from(&mut *to),
+            <&[f64; 6]>::try_from(from),
+        ) {
+            (Ok(to), Ok(from)) => *to = *from,
+            _ => to.copy_from_slice(from),
+        }
+        k += from.len();
     }
     k
 }

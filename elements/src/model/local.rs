@@ -91,16 +91,17 @@ impl Local {
 
     /// The previous iterate in the element's chart.
     pub(super) fn gather_previous(&mut self, e: &Attached, spans: &[Span], x: &[f64]) {
+        collect(&e.nodes, spans, x, &mut self.previous);
+        if e.switched == 0 {
+            return;
+        }
         let mut k = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
-            let range = spans[node as usize].range();
-            let end = k + range.len();
-            self.previous[k..end].copy_from_slice(&x[range]);
             if e.switched & (1 << i) != 0 {
                 let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
                 self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
             }
-            k = end;
+            k += spans[node as usize].range().len();
         }
     }
 
