@@ -5,6 +5,7 @@
 mod checkpoint;
 mod directory;
 mod history;
+mod panels;
 pub mod plot;
 mod recorder;
 mod results;

@@ -3,10 +3,9 @@
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError};
 use super::history::{Row, csv};
-use super::plot::{self, Curve, Panel, Shapes};
-use super::results::{
-    Ending, FinalState, MotionResult, NAME, NodeResult, ReactionResult, Results, Statistics,
-};
+use super::panels::panels;
+use super::plot::{self, Shapes};
+use super::results::{Ending, FinalState, NAME, Results, Statistics, final_state};
 use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
@@ -352,101 +351,17 @@ impl<'a> Recorder<'a> {
             let shape = plot::deformed(title, &self.reference, &self.record.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;
-            let history = draw("history.svg", plot::panels(title, &self.panels()))?;
+            let history = draw(
+                "history.svg",
+                plot::panels(
+                    title,
+                    &panels(self.setting.plan, &self.probes, &self.record.rows),
+                ),
+            )?;
             self.directory.write("history.svg", &history)?;
         }
         self.write_results(ending)?;
         Ok(self.directory)
-    }
-
-    /// One panel per quantity, in the order of the probes; the strain energy where there are none.
-    fn panels(&self) -> Vec<Panel> {
-        // A path turns back in the load: its custom is to have the load upright.
-        let upright = matches!(self.setting.plan, Plan::Path(..));
-        let mut panels: Vec<(crate::input::Quantity, Vec<Curve>)> = Vec::new();
-        let mut column = 0;
-        for probe in &self.probes {
-            for label in probe.columns() {
-                let points = self.record.rows.iter().map(|row| {
-                    let value = row.probes[column];
-                    if upright {
-                        (value, row.t)
-                    } else {
-                        (row.t, value)
-                    }
-                });
-                let curve = Curve::new(label, points.collect());
-                let quantity = probe.quantity();
-                match panels.iter_mut().find(|(q, _)| *q == quantity) {
-                    Some((_, curves)) => curves.push(curve),
-                    None => panels.push((quantity, vec![curve])),
-                }
-                column += 1;
-            }
-        }
-        if panels.is_empty() {
-            let points = self.record.rows.iter().map(|row| {
-                if upright {
-                    (row.strain_energy, row.t)
-                } else {
-                    (row.t, row.strain_energy)
-                }
-            });
-            let curve = Curve::new("strain energy", points.collect());
-            panels.push((crate::input::Quantity::strain_energy, vec![curve]));
-        }
-        panels
-            .into_iter()
-            .map(|(quantity, curves)| {
-                let parameter = format!("{} t", self.setting.plan.parameter());
-                let (load, value) = (parameter, quantity.axis().to_owned());
-                let (x, y) = if upright {
-                    (value, load)
-                } else {
-                    (load, value)
-                };
-                Panel { x, y, curves }
-            })
-            .collect()
-    }
-}
-
-fn final_state(model: &Model, answers: &Answers, t: f64, file: &ModelFile) -> FinalState {
-    let moving = answers.is_moving();
-    let nodes = model.frames().map(|(id, name)| {
-        let state = model.node_state(id);
-        let result = NodeResult {
-            displacement: state.d.into(),
-            rotation: state.psi.into(),
-            place: state.place.into(),
-            velocity: moving.then(|| state.velocity.into()),
-            angular_velocity: moving.then(|| state.omega.into()),
-        };
-        (name.to_owned(), result)
-    });
-    let supported = |name: &String| file.supports.iter().any(|s| s.node == *name);
-    let reactions = answers.reactions().iter().filter(|r| supported(&r.node));
-    let reactions = reactions.map(|r| {
-        let result = ReactionResult {
-            force: r.force.into(),
-            moment: r.moment.into(),
-        };
-        (r.node.clone(), result)
-    });
-    FinalState {
-        t,
-        nodes: nodes.collect(),
-        reactions: reactions.collect(),
-        strain_energy: answers.strain_energy(),
-        load_potential: model.load_potential(t),
-        motion: moving.then(|| {
-            let audit = answers.audit();
-            MotionResult {
-                kinetic_energy: audit.energies.kinetic,
-                momentum: audit.momentum.linear.into(),
-                angular_momentum: audit.momentum.angular.into(),
-            }
-        }),
     }
 }
 

@@ -1,7 +1,9 @@
 //! `result.json`: settings, summary and the final state.
 
 use crate::input::ModelFile;
+use crate::probe::Answers;
 use crate::solve::Counts;
+use pullback_elements::model::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -131,4 +133,49 @@ pub struct ReactionResult {
     pub force: [f64; 3],
     /// Moment; a covector for Ψ where not all three rotations are prescribed.
     pub moment: [f64; 3],
+}
+
+/// The state that a model is in.
+pub(super) fn final_state(
+    model: &Model,
+    answers: &Answers,
+    t: f64,
+    file: &ModelFile,
+) -> FinalState {
+    let moving = answers.is_moving();
+    let nodes = model.frames().map(|(id, name)| {
+        let state = model.node_state(id);
+        let result = NodeResult {
+            displacement: state.d.into(),
+            rotation: state.psi.into(),
+            place: state.place.into(),
+            velocity: moving.then(|| state.velocity.into()),
+            angular_velocity: moving.then(|| state.omega.into()),
+        };
+        (name.to_owned(), result)
+    });
+    let supported = |name: &String| file.supports.iter().any(|s| s.node == *name);
+    let reactions = answers.reactions().iter().filter(|r| supported(&r.node));
+    let reactions = reactions.map(|r| {
+        let result = ReactionResult {
+            force: r.force.into(),
+            moment: r.moment.into(),
+        };
+        (r.node.clone(), result)
+    });
+    FinalState {
+        t,
+        nodes: nodes.collect(),
+        reactions: reactions.collect(),
+        strain_energy: answers.strain_energy(),
+        load_potential: model.load_potential(t),
+        motion: moving.then(|| {
+            let audit = answers.audit();
+            MotionResult {
+                kinetic_energy: audit.energies.kinetic,
+                momentum: audit.momentum.linear.into(),
+                angular_momentum: audit.momentum.angular.into(),
+            }
+        }),
+    }
 }

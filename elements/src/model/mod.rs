@@ -5,6 +5,7 @@
 mod assembly;
 mod audit;
 mod axis;
+mod build;
 mod builder;
 mod charts;
 mod dependence;

@@ -9,16 +9,15 @@
 
 mod error;
 mod initial;
+mod progress;
 mod run;
 mod scheme;
 mod step;
 
 pub use error::DynamicsError;
 pub use initial::start;
-pub use run::{
-    Adaptivity, DynamicOptions, EnergyBalance, Progress, StepReport, Summary, integrate,
-    integrate_with,
-};
+pub use progress::{EnergyBalance, Progress, StepReport, Summary};
+pub use run::{Adaptivity, DynamicOptions, integrate, integrate_with};
 pub use scheme::Scheme;
 pub use step::{Predictor, Tangent};
 

@@ -1,0 +1,276 @@
+//! The end of building: one check of the whole, the numbering, the pattern.
+
+use super::assembly::Workspace;
+use super::builder::{ModelBuilder, NodeId};
+use super::dependence;
+use super::placement::Placement;
+use super::{Attached, Model, ModelError, NONE, Node, Prescribed, Source, Span};
+use crate::time::TimeFunction;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Point;
+
+impl ModelBuilder {
+    /// Checks the model, numbers its unknowns and finds the pattern.
+    ///
+    /// # Errors
+    /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
+    /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
+    pub fn build(self) -> Result<Model, ModelError> {
+        let Self {
+            mut nodes,
+            mut elements,
+            prescribed,
+            ..
+        } = self;
+        if nodes.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        let mut total = 0;
+        for node in &mut nodes {
+            node.first = total;
+            total += node.dim;
+        }
+        let operators = dependence::arrange(&mut nodes);
+        check_connections(&nodes, &elements)?;
+        let prescribed = resolve_prescribed(&nodes, prescribed)?;
+
+        // Numbering: block by block, away from the supports.
+        let mut free: Vec<bool> = nodes
+            .iter()
+            .flat_map(|n| std::iter::repeat_n(n.is_own(), n.dim))
+            .collect();
+        for p in &prescribed {
+            free[p.coordinate] = false;
+        }
+        let mut unknowns = vec![NONE; total];
+        let mut coordinates = Vec::new();
+        let mut sizes = Vec::new();
+        let mut placement = Placement {
+            rows: vec![Vec::new(); nodes.len()],
+            blocks: vec![NONE; nodes.len()],
+            ..Placement::default()
+        };
+        for n in outward(&nodes, &elements, &prescribed) {
+            let node = &nodes[n];
+            let mut size = 0;
+            let rows = node
+                .range()
+                .map(|c| {
+                    if !free[c] {
+                        return NONE;
+                    }
+                    unknowns[c] = coordinates.len() as u32;
+                    coordinates.push(c);
+                    size += 1;
+                    size - 1
+                })
+                .collect();
+            placement.rows[n] = rows;
+            if size > 0 {
+                placement.blocks[n] = sizes.len() as u32;
+                sizes.push(size as usize);
+            }
+        }
+        if coordinates.is_empty() {
+            return Err(ModelError::NothingFree);
+        }
+
+        // The pattern has room for whatever an element or a joint may come to depend on.
+        let blocks_of = |set: Vec<u32>| -> Vec<u32> {
+            let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+            set.iter().filter_map(block).collect()
+        };
+        let dependent: Vec<u32> = (0..nodes.len() as u32)
+            .filter(|&n| !nodes[n as usize].is_own())
+            .collect();
+        let groups = elements.iter().map(|e| &e.nodes[..]);
+        let groups = groups.chain(dependent.iter().map(std::slice::from_ref));
+        let groups = groups.flat_map(|group| dependence::alternatives(&nodes, group));
+        let pattern = BlockPattern::new(&sizes, groups.map(blocks_of));
+        placement.locate(&nodes, &mut elements, &pattern);
+
+        let corner = |pick: fn(f64, f64) -> f64| {
+            nodes
+                .iter()
+                .filter(|n| n.is_frame())
+                .map(|n| n.place)
+                .reduce(|a, b| a.zip_map(&b, pick))
+                .unwrap_or_default()
+        };
+        let length = Some((corner(f64::max) - corner(f64::min)).norm())
+            .filter(|&l| l > 0.0)
+            .unwrap_or(1.0);
+        let driven_rotations = (0..nodes.len())
+            .filter(|&n| {
+                let first = nodes[n].first;
+                nodes[n].is_frame()
+                    && (3..6).all(|i| prescribed.iter().any(|p| p.coordinate == first + i))
+            })
+            .map(|n| (n, 0))
+            .collect();
+        let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let work = Workspace::new(&nodes, &elements, operators, length);
+        let span = |node: &Node| Span {
+            first: node.first as u32,
+            dim: node.dim as u32,
+        };
+        let spans = nodes.iter().map(span).collect();
+        let mut model = Model {
+            nodes,
+            spans,
+            dependent,
+            elements,
+            prescribed,
+            driven_rotations,
+            coordinates,
+            unknowns,
+            kinds,
+            length,
+            pattern,
+            placement,
+            work,
+        };
+        let zero = vec![0.0; model.coordinates.len()];
+        let start = Point {
+            t: 0.0,
+            q: &zero,
+            v: &[],
+            a: &[],
+        };
+        // A joint outside its domain is named when the model is first evaluated.
+        if model.expand(start).is_ok() {
+            model.choose_element_charts();
+        }
+        Ok(model)
+    }
+}
+
+/// All nodes by their distance from the supports, counted in elements.
+///
+/// Elimination takes the last first: from free ends towards supports every partial structure is
+/// held by what is still to come, and pivots keep their size. The other way round the last pivot
+/// of a cantilever would be its tip stiffness, small by the cube of the number of elements.
+fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> Vec<usize> {
+    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
+    let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
+    groups.extend(elements.iter().map(|e| indices(&e.nodes)));
+    for (n, node) in nodes.iter().enumerate() {
+        if let Source::Mapped(d) = &node.source {
+            for masters in &d.segments {
+                groups.push(indices(masters));
+                groups.last_mut().into_iter().for_each(|g| g.push(n));
+            }
+        }
+    }
+    for (g, group) in groups.iter().enumerate() {
+        for &n in group {
+            touching[n].push(g);
+        }
+    }
+    let mut coordinate_node = Vec::new();
+    for (n, node) in nodes.iter().enumerate() {
+        coordinate_node.extend(std::iter::repeat_n(n, node.dim));
+    }
+    let mut reached = vec![false; nodes.len()];
+    let mut used = vec![false; groups.len()];
+    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
+    let mut next = 0;
+    let held = prescribed.iter().map(|p| coordinate_node[p.coordinate]);
+    for n in held {
+        if !std::mem::replace(&mut reached[n], true) {
+            order.push(n);
+        }
+    }
+    for seed in 0..=nodes.len() {
+        while next < order.len() {
+            for &g in &touching[order[next]] {
+                if std::mem::replace(&mut used[g], true) {
+                    continue;
+                }
+                for &m in &groups[g] {
+                    if !std::mem::replace(&mut reached[m], true) {
+                        order.push(m);
+                    }
+                }
+            }
+            next += 1;
+        }
+        // Parts without a support follow, each from its first node.
+        if seed < nodes.len() && !reached[seed] {
+            reached[seed] = true;
+            order.push(seed);
+        }
+    }
+    order
+}
+
+/// Every own node must meet an element that is not a load, directly or through a joint; a mapped
+/// node, which has no coordinates of its own, may stand alone: a place to look at.
+fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelError> {
+    let mut connected = vec![false; nodes.len()];
+    for e in elements {
+        for &n in &e.nodes {
+            connected[n as usize] |= !e.element.is_load();
+        }
+    }
+    // The last link of a chain first.
+    for (n, node) in nodes.iter().enumerate().rev() {
+        if let Source::Mapped(d) = &node.source
+            && connected[n]
+        {
+            for &m in d.segments.iter().flatten() {
+                connected[m as usize] = true;
+            }
+        }
+    }
+    let alone = |(node, connected): (&Node, &bool)| node.is_own() && !connected;
+    match nodes.iter().zip(&connected).position(alone) {
+        None => Ok(()),
+        Some(n) => Err(ModelError::Unconnected {
+            node: nodes[n].name.clone(),
+        }),
+    }
+}
+
+fn resolve_prescribed(
+    nodes: &[Node],
+    prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+) -> Result<Vec<Prescribed>, ModelError> {
+    let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
+    let mut taken = std::collections::HashSet::new();
+    for (id, dof, function) in prescribed {
+        let Some(node) = nodes.get(id.0 as usize) else {
+            return Err(ModelError::ForeignNode {
+                what: "a support or driven motion".to_owned(),
+            });
+        };
+        if dof >= node.dim {
+            return Err(ModelError::NoCoordinate {
+                node: node.name.clone(),
+                coordinate: dof + 1,
+                dim: node.dim,
+            });
+        }
+        let coordinate = node.coordinate_name(dof);
+        if let Source::Mapped(d) = &node.source {
+            let masters: Vec<&str> = d
+                .masters()
+                .iter()
+                .map(|&m| nodes[m as usize].name.as_str())
+                .collect();
+            return Err(ModelError::PrescribedSlave {
+                coordinate,
+                masters: masters.join(", "),
+            });
+        }
+        if !taken.insert(node.first + dof) {
+            return Err(ModelError::PrescribedTwice { coordinate });
+        }
+        out.push(Prescribed {
+            coordinate: node.first + dof,
+            function,
+        });
+    }
+    Ok(out)
+}

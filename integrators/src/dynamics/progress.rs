@@ -1,0 +1,92 @@
+//! Where a run in time is, and what it has done.
+
+use super::State;
+use crate::statics::Iteration;
+use pullback_manifold::system::Energies;
+
+/// Energies along a run.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// Kinetic and stored energy at the start.
+    pub start: f64,
+    /// Energies and powers now.
+    pub now: Energies,
+    /// Work of loads, supports and dampers so far: the trapezoidal rule over the steps.
+    pub work: f64,
+    /// Largest |kinetic + stored − start − work| so far.
+    pub largest_defect: f64,
+}
+
+impl EnergyBalance {
+    /// Energy that is there without having been supplied.
+    pub fn defect(&self) -> f64 {
+        self.now.kinetic + self.now.stored - self.start - self.work
+    }
+}
+
+/// What a run did.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Attempts that did not converge.
+    pub failed: usize,
+    /// Attempts rejected by the error estimate.
+    pub inaccurate: usize,
+    /// Linear solutions in accepted steps.
+    pub iterations: usize,
+    /// Evaluations of the system.
+    pub evaluations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Changes of chart.
+    pub chart_changes: usize,
+    /// Energies, where the system knows them and they were asked for.
+    pub energy: Option<EnergyBalance>,
+    /// Whether the end was reached (an observer may stop earlier).
+    pub finished: bool,
+}
+
+/// Where a run is: everything that the next step depends on. A run that is continued from a copy
+/// gives the same numbers to the last bit.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// The state; empty accelerations are found first.
+    pub state: State,
+    /// Step size that the algorithmic accelerations belong to, 0 before the first step.
+    pub last_step: f64,
+    /// Step size to try next; 0 for that of the options.
+    pub next_step: f64,
+    /// Converged steps in a row since the last failure.
+    pub easy: usize,
+    /// Counters so far.
+    pub summary: Summary,
+}
+
+impl Progress {
+    /// The beginning of a run.
+    pub fn new(state: State) -> Self {
+        Self {
+            state,
+            ..Self::default()
+        }
+    }
+}
+
+/// An accepted step, as an observer sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct StepReport<'a> {
+    /// Where the run is now; a clone of it can be continued.
+    pub progress: &'a Progress,
+    /// Step size.
+    pub step_size: f64,
+    /// Linear solutions of this step.
+    pub iterations: usize,
+    /// History of the iterations; the last entry is the converged state.
+    pub residuals: &'a [Iteration],
+    /// Charts changed at the end of the step.
+    pub chart_changes: usize,
+}
