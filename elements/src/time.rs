@@ -12,6 +12,11 @@ pub trait TimeFunction: Send + Sync + Debug {
     /// At a kink these are the ones to the right of it.
     fn at(&self, t: f64) -> [f64; 3];
 
+    /// Whether it is known to be zero at all times.
+    fn is_zero(&self) -> bool {
+        false
+    }
+
     /// Times at which a derivative jumps: step boundaries for an integrator.
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
@@ -45,6 +50,10 @@ impl TimeFunction for Constant {
     fn at(&self, _: f64) -> [f64; 3] {
         [self.0, 0.0, 0.0]
     }
+
+    fn is_zero(&self) -> bool {
+        self.0 == 0.0
+    }
 }
 
 /// f(t) = slope · t for all t: what a load parameter does in statics.
@@ -54,6 +63,10 @@ pub struct Proportional(pub f64);
 impl TimeFunction for Proportional {
     fn at(&self, t: f64) -> [f64; 3] {
         [self.0 * t, self.0, 0.0]
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0 == 0.0
     }
 }
 
@@ -143,6 +156,10 @@ impl TimeFunction for Table {
                 [f0 + slope * (t - t0), slope, 0.0]
             }
         }
+    }
+
+    fn is_zero(&self) -> bool {
+        self.points.iter().all(|p| p[1] == 0.0)
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Beam;
 use pullback_elements::element::{Motion, Response, SectionState};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight, frame_along};
-use pullback_elements::time::Constant;
+use pullback_elements::time::{Constant, Table, TimeFunction};
 use pullback_manifold::check::Random;
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients::Quotients;
@@ -340,17 +340,17 @@ fn velocities_and_accelerations_change_with_the_chart() {
 #[test]
 fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
     // In the plane: RX and RY are held at zero, and stay so under the change.
-    let build = |held: f64| {
+    let build = |held: Box<dyn TimeFunction>| {
         let mut b = ModelBuilder::new();
         let ends = [0, 1].map(|k| b.node(format!("n{k}"), place(k).into()).unwrap());
         let frame = frame_along(&Vector3::x(), None);
         let beam = Beam::along(&[place(0), place(1)], &|_| frame, &coupled()).unwrap();
         b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
-        b.prescribe(ends[1], Dof::RX, Constant(held));
+        b.prescribe_boxed(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
         (b.build().unwrap(), ends[1])
     };
-    let (mut m, node) = build(0.0);
+    let (mut m, node) = build(Box::new(Constant(0.0)));
     let mut q = vec![0.0; m.pattern().dim()];
     let u = m.unknown(node, Dof::RZ).unwrap();
     q[u] = 3.4;
@@ -363,11 +363,16 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
         (v[u] - 0.7).abs() < 1e-15,
         "about a fixed axis the rate stays"
     );
-    let (mut m, node) = build(0.1);
-    let u = m.unknown(node, Dof::RZ).unwrap();
-    q[u] = 3.4;
-    let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
-    assert_eq!((changes.charts, q[u]), (0, 3.4));
+    // Held elsewhere, now or later.
+    let later = Table::ramp(1.0, 2.0, 0.1).unwrap();
+    let held: [Box<dyn TimeFunction>; 2] = [Box::new(Constant(0.1)), Box::new(later)];
+    for held in held {
+        let (mut m, node) = build(held);
+        let u = m.unknown(node, Dof::RZ).unwrap();
+        q[u] = 3.4;
+        let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
+        assert_eq!((changes.charts, q[u]), (0, 3.4));
+    }
 }
 
 #[test]

@@ -36,7 +36,7 @@ impl Model {
     ) -> ChartChanges {
         let mut changed = self.fold_driven_rotations(t);
         for node in 0..self.nodes.len() {
-            let Some(unknowns) = self.free_rotation(node, t) else {
+            let Some(unknowns) = self.free_rotation(node) else {
                 continue;
             };
             let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
@@ -97,8 +97,9 @@ impl Model {
     }
 
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
-    /// slave, something of the rotation is free, and what is prescribed is zero.
-    fn free_rotation(&self, node: usize, t: f64) -> Option<[Option<usize>; 3]> {
+    /// slave, something of the rotation is free, and what is prescribed is and stays zero. (A
+    /// component that is driven means another constraint in the other chart.)
+    fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
         let unknowns = std::array::from_fn(|i| {
@@ -112,7 +113,7 @@ impl Model {
         self.prescribed
             .iter()
             .filter(held)
-            .all(|p| p.function.at(t) == [0.0; 3])
+            .all(|p| p.function.is_zero())
             .then_some(unknowns)
     }
 
