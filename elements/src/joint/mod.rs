@@ -6,27 +6,51 @@
 //!
 //! | joint | released coordinates | source |
 //! |---|---|---|
-//! | [`Offset`] | none | \[M04\] 4.1.2, (197) |
+//! | [`Offset`], [`weld`] | none | \[M04\] 4.1.2, (197) |
 //! | [`Revolute`] | one unbounded angle | \[M04\] 4.1.4, (207), (212) |
 //! | [`Spherical`] | a rotation vector | \[M04\] 4.1 |
 //! | [`Slide`] | the place on a chain of beam elements | \[M04\] 4.1.3, (198) |
+//! | [`Universal`] | two angles, about crossed axes | Shabana 2013, 3.3 |
+//! | [`ConstantVelocity`] | two components of a rotation vector across the shaft | Myszka & Murray 2010 |
+//! | [`Cylindrical`] | way and angle along and about one axis | Shabana 2013, 3.3 |
+//! | [`Prismatic`] | the way along an axis | Shabana 2013, 3.3 |
+//! | [`Planar`] | two ways in a plane, the angle about its normal | Shabana 2013, 3.3 |
+//! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
+//! | [`OnCurve`] | the parameter of a space curve, and all rotations | |
+//! | [`OnSurface`] | two parameters of a surface, and all rotations | |
 
+mod constant_velocity;
+mod cylindrical;
+mod helical;
 mod offset;
+mod on_curve;
+mod on_surface;
+mod planar;
+mod prismatic;
 mod revolute;
 mod slide;
 mod spherical;
+mod universal;
 
-pub use offset::{Offset, offset};
+pub use constant_velocity::{ConstantVelocity, constant_velocity};
+pub use cylindrical::{Cylindrical, cylindrical};
+pub use helical::{Helical, helical};
+pub use offset::{Offset, offset, weld};
+pub use on_curve::{Curve, OnCurve, on_curve};
+pub use on_surface::{OnSurface, Surface, on_surface};
+pub use planar::{Planar, planar};
+pub use prismatic::{Prismatic, prismatic};
 pub use revolute::{Revolute, RevoluteNodes, revolute};
 pub use slide::{Slide, SlideNodes, slide};
 pub use spherical::{Spherical, SphericalNodes, spherical};
+pub use universal::{Universal, universal};
 
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
-use pullback_manifold::system::ChartChanges;
+use pullback_manifold::system::{ChartChanges, Kind};
 use std::f64::consts::TAU;
 
 /// Displacement and rotation of a frame from its reference, in global components.
@@ -101,13 +125,46 @@ impl Sheet {
     }
 }
 
+/// A coordinate that a joint releases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Released {
+    /// One number: its name, and what it measures.
+    Coordinate(&'static str, Kind),
+    /// A rotation vector of its own, which changes its chart like that of a frame.
+    Rotation,
+}
+
+impl Released {
+    /// An unbounded angle of a name, in radians.
+    pub const fn angle(name: &'static str) -> Self {
+        Self::Coordinate(name, Kind::Angle)
+    }
+
+    /// A length of a name.
+    pub const fn way(name: &'static str) -> Self {
+        Self::Coordinate(name, Kind::Length)
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Coordinate(name, _) => name,
+            Self::Rotation => "rotation",
+        }
+    }
+}
+
 /// A joint: the pose of the frame that hangs on it, as a function of D coordinates.
 ///
-/// The coordinates are those of the joint's masters one after the other: six of a frame,
-/// the released ones last by convention.
+/// The coordinates are those of the joint's masters one after the other (six of a frame), then the
+/// released ones.
 pub trait Joint<const D: usize>: Send + Sync {
     /// The pose, written once over any [`Scalar`].
     fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
+
+    /// The coordinates that it releases, in the order in which they end `q`.
+    fn released(&self) -> &'static [Released] {
+        const { &[] }
+    }
 
     /// Distance of q to the edge of the joint's own domain; infinite by default. That the hung
     /// frame's rotation vector stays below 2π is seen to by [`Hung`].
@@ -222,8 +279,58 @@ where
     }
 }
 
+/// The nodes that a joint makes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JointNodes {
+    /// The frame that hangs on the joint.
+    pub frame: NodeId,
+    /// A node for each of the coordinates that it releases, in their order.
+    pub released: Vec<NodeId>,
+}
+
+/// The unit vector along an axis of any length; refused where it has no direction.
+fn direction(joint: &str, axis: [f64; 3]) -> Result<Vector3<f64>, ModelError> {
+    let vector = Vector3::from(axis);
+    let largest = vector.amax();
+    if largest > 0.0 && largest.is_finite() {
+        Ok((vector / largest).normalize())
+    } else {
+        let joint = joint.to_owned();
+        Err(ModelError::Axis { joint, axis })
+    }
+}
+
 impl ModelBuilder {
-    /// Adds a frame node that hangs on a joint.
+    /// Adds a joint: a node for each coordinate that it releases, named `name` and what it is
+    /// called, and the frame node `name` that hangs on it, at `place` in the reference
+    /// configuration. The masters are the nodes that the joint reads before those.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn join<J, const D: usize>(
+        &mut self,
+        name: &str,
+        place: [f64; 3],
+        joint: J,
+        masters: &[NodeId],
+    ) -> Result<JointNodes, ModelError>
+    where
+        J: Joint<D> + 'static,
+    {
+        let mut released = Vec::new();
+        for &coordinate in joint.released() {
+            let name = format!("{name} {}", coordinate.name());
+            released.push(match coordinate {
+                Released::Coordinate(_, kind) => self.coordinates(name, &[kind])?,
+                Released::Rotation => self.rotation(name)?,
+            });
+        }
+        let all: Vec<NodeId> = masters.iter().chain(&released).copied().collect();
+        let frame = self.hang(name, place, joint, &all)?;
+        Ok(JointNodes { frame, released })
+    }
+
+    /// Adds a frame node that hangs on a joint, with nodes for all of its coordinates given.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].

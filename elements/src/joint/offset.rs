@@ -60,3 +60,12 @@ pub fn offset(
     let c = Vector3::from(place) - b.place(master);
     b.hang(name, place, Offset { c }, &[master])
 }
+
+/// Adds a frame node `name` welded to `master`, at its place.
+///
+/// # Errors
+/// As [`ModelBuilder::mapped_node`].
+pub fn weld(b: &mut ModelBuilder, name: &str, master: NodeId) -> Result<NodeId, ModelError> {
+    let place = b.place(master).into();
+    offset(b, name, master, place)
+}

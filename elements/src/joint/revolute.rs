@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Joint, Pose, Sheet};
+use super::{Joint, JointNodes, Pose, Released, Sheet, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::jet::Taylor;
@@ -10,7 +10,6 @@ use pullback_manifold::map::Kinematics;
 use pullback_manifold::quotients::{InverseQuotients, Quotients};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
-use pullback_manifold::system::Kind;
 
 /// d_s = d_m, R_s = R_m R(φ e): masters (frame, angle φ); \[M04\] 4.1.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,11 +21,8 @@ impl Revolute {
     /// The joint about an axis of any length, in global components of the reference
     /// configuration; `None` for an axis without a direction.
     pub fn new(axis: [f64; 3]) -> Option<Self> {
-        let axis = Vector3::from(axis);
-        let largest = axis.amax();
-        (largest > 0.0 && largest.is_finite()).then(|| Self {
-            axis: (axis / largest).normalize(),
-        })
+        let axis = direction("", axis).ok()?;
+        Some(Self { axis })
     }
 
     fn turn<S: Scalar>(&self, psi: &Vector3<S>, angle: S) -> Quaternion<S> {
@@ -56,6 +52,10 @@ impl Joint<7> for Revolute {
             d: Vector3::new(q[0], q[1], q[2]),
             turn: self.turn(&Vector3::new(q[3], q[4], q[5]), q[6]),
         }
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
     }
 
     /// T_s B = [R_jᵀT_m, e] (\[M04\] (207)) and its two time derivatives, solved for B, Ḃ and B̈.
@@ -168,12 +168,9 @@ pub fn revolute(
     master: NodeId,
     axis: [f64; 3],
 ) -> Result<RevoluteNodes, ModelError> {
-    let joint = Revolute::new(axis).ok_or_else(|| ModelError::Axis {
-        joint: name.to_owned(),
-        axis,
-    })?;
-    let angle = b.coordinates(format!("{name} angle"), &[Kind::Angle])?;
+    let axis = direction(name, axis)?;
     let place = b.place(master).into();
-    let frame = b.hang(name, place, joint, &[master, angle])?;
+    let JointNodes { frame, released } = b.join(name, place, Revolute { axis }, &[master])?;
+    let angle = released[0];
     Ok(RevoluteNodes { frame, angle })
 }

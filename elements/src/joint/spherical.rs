@@ -1,6 +1,6 @@
 //! The spherical joint: two frames share a place and turn freely against each other.
 
-use super::{Joint, Pose};
+use super::{Joint, JointNodes, Pose, Released};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -19,6 +19,10 @@ impl Joint<9> for Spherical {
             d: Vector3::new(q[0], q[1], q[2]),
             turn: quaternion(&Vector3::new(q[6], q[7], q[8])),
         }
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::Rotation] }
     }
 }
 
@@ -41,8 +45,8 @@ pub fn spherical(
     name: &str,
     master: NodeId,
 ) -> Result<SphericalNodes, ModelError> {
-    let rotation = b.rotation(format!("{name} rotation"))?;
     let place = b.place(master).into();
-    let frame = b.hang(name, place, Spherical, &[master, rotation])?;
+    let JointNodes { frame, released } = b.join(name, place, Spherical, &[master])?;
+    let rotation = released[0];
     Ok(SphericalNodes { frame, rotation })
 }

@@ -77,6 +77,8 @@ pub enum ModelError {
         "joint {joint}: its axis {axis:?} has no direction; give a finite vector that is not zero"
     )]
     Axis { joint: String, axis: [f64; 3] },
+    #[error("joint {joint}: its two axes are parallel; give two directions")]
+    Parallel { joint: String },
     #[error(
         "joint {joint} cannot slide: it needs at least two nodes at different places (got {nodes}) \
          and a start between 0 and the length of the chain (got {start})"

@@ -1,0 +1,46 @@
+//! The cylindrical joint: a way along an axis and a turn about it.
+
+use super::{Joint, JointNodes, Pose, Released, direction};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
+
+/// d_s = d_m + R_m u e, R_s = R_m R(φ e): masters (frame, way u, angle φ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylindrical {
+    axis: Vector3<f64>,
+}
+
+impl Joint<8> for Cylindrical {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        Pose::of(q, 0)
+            .moved(&(self.axis.map(S::constant) * q[6]))
+            .turned(&Quaternion::about(&self.axis, q[7]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way"), Released::angle("angle")] }
+    }
+}
+
+/// Adds a frame node `name` at the place of `master` that slides along and turns about `axis`
+/// (global components of the reference configuration, carried by the master), and the nodes
+/// `name way` and `name angle`.
+///
+/// # Errors
+/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
+pub fn cylindrical(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    axis: [f64; 3],
+) -> Result<JointNodes, ModelError> {
+    let axis = direction(name, axis)?;
+    b.join(
+        name,
+        b.place(master).into(),
+        Cylindrical { axis },
+        &[master],
+    )
+}

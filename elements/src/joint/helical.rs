@@ -1,0 +1,50 @@
+//! The helical joint: a screw, whose turn moves it along its axis.
+
+use super::{Joint, JointNodes, Pose, Released, direction};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
+use std::f64::consts::TAU;
+
+/// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): masters (frame, angle φ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Helical {
+    axis: Vector3<f64>,
+    pitch: f64,
+}
+
+impl Joint<7> for Helical {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        let way = q[6] * (self.pitch / TAU);
+        Pose::of(q, 0)
+            .moved(&(self.axis.map(S::constant) * way))
+            .turned(&Quaternion::about(&self.axis, q[6]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
+    }
+}
+
+/// Adds a frame node `name` at the place of `master` on a screw along `axis` (global components of
+/// the reference configuration, carried by the master) that moves by `pitch` in a turn, and the
+/// node `name angle`.
+///
+/// # Errors
+/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
+pub fn helical(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    axis: [f64; 3],
+    pitch: f64,
+) -> Result<JointNodes, ModelError> {
+    let axis = direction(name, axis)?;
+    b.join(
+        name,
+        b.place(master).into(),
+        Helical { axis, pitch },
+        &[master],
+    )
+}

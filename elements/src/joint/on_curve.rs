@@ -1,0 +1,66 @@
+//! A point on a space curve that its master carries.
+
+use super::{Joint, JointNodes, Pose, Released};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::quaternion;
+use pullback_manifold::system::Kind;
+
+/// A space curve, written once over any [`Scalar`].
+pub trait Curve: Send + Sync {
+    /// The point of a parameter, as seen from the master's node in the reference configuration
+    /// (global components).
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S>;
+
+    /// Distance of a parameter to the end of the curve; infinite by default.
+    fn margin(&self, s: f64) -> f64 {
+        let _ = s;
+        f64::INFINITY
+    }
+}
+
+/// d_s = d_m + R_m x(s) − x(0), Ψ_s of its own: masters (frame, parameter s, rotation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnCurve<C> {
+    curve: C,
+}
+
+impl<C: Curve> Joint<10> for OnCurve<C> {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 10>) -> Pose<S> {
+        let start = self.curve.at(0.0).map(S::constant);
+        let carried = Pose::of(q, 0).moved(&self.curve.at(q[6]));
+        Pose {
+            d: carried.d - start,
+            turn: quaternion(&Vector3::new(q[7], q[8], q[9])),
+        }
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const {
+            &[
+                Released::Coordinate("parameter", Kind::Other),
+                Released::Rotation,
+            ]
+        }
+    }
+
+    fn margin(&self, _t: f64, q: &SVector<f64, 10>) -> f64 {
+        self.curve.margin(q[6])
+    }
+}
+
+/// Adds a frame node `name` that runs along a curve carried by `master`, from its parameter 0, and
+/// turns freely; and the nodes `name parameter` and `name rotation`.
+///
+/// # Errors
+/// As [`ModelBuilder::mapped_node`].
+pub fn on_curve<C: Curve + 'static>(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    curve: C,
+) -> Result<JointNodes, ModelError> {
+    let place = b.place(master) + curve.at(0.0);
+    b.join(name, place.into(), OnCurve { curve }, &[master])
+}

@@ -1,0 +1,68 @@
+//! A point on a surface that its master carries.
+
+use super::{Joint, JointNodes, Pose, Released};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::quaternion;
+use pullback_manifold::system::Kind;
+
+/// A surface, written once over any [`Scalar`].
+pub trait Surface: Send + Sync {
+    /// The point of two parameters, as seen from the master's node in the reference configuration
+    /// (global components).
+    fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S>;
+
+    /// Distance of the parameters to the edge of the surface; infinite by default.
+    fn margin(&self, u: f64, v: f64) -> f64 {
+        let _ = (u, v);
+        f64::INFINITY
+    }
+}
+
+/// d_s = d_m + R_m x(u, v) − x(0, 0), Ψ_s of its own: masters (frame, parameter u, parameter v,
+/// rotation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnSurface<F> {
+    surface: F,
+}
+
+impl<F: Surface> Joint<11> for OnSurface<F> {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 11>) -> Pose<S> {
+        let start = self.surface.at(0.0, 0.0).map(S::constant);
+        let carried = Pose::of(q, 0).moved(&self.surface.at(q[6], q[7]));
+        Pose {
+            d: carried.d - start,
+            turn: quaternion(&Vector3::new(q[8], q[9], q[10])),
+        }
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const {
+            &[
+                Released::Coordinate("parameter 1", Kind::Other),
+                Released::Coordinate("parameter 2", Kind::Other),
+                Released::Rotation,
+            ]
+        }
+    }
+
+    fn margin(&self, _t: f64, q: &SVector<f64, 11>) -> f64 {
+        self.surface.margin(q[6], q[7])
+    }
+}
+
+/// Adds a frame node `name` that runs on a surface carried by `master`, from its parameters (0, 0),
+/// and turns freely; and the nodes `name parameter 1`, `name parameter 2` and `name rotation`.
+///
+/// # Errors
+/// As [`ModelBuilder::mapped_node`].
+pub fn on_surface<F: Surface + 'static>(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    surface: F,
+) -> Result<JointNodes, ModelError> {
+    let place = b.place(master) + surface.at(0.0, 0.0);
+    b.join(name, place.into(), OnSurface { surface }, &[master])
+}

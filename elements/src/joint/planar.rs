@@ -1,0 +1,64 @@
+//! The planar joint: two ways in a plane and the turn about its normal.
+
+use super::{Joint, JointNodes, Pose, Released, direction};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
+
+/// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): masters (frame, way u, way v, angle φ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planar {
+    across: [Vector3<f64>; 2],
+    normal: Vector3<f64>,
+}
+
+impl Joint<9> for Planar {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
+        let [a, b] = self.across.map(|e| e.map(S::constant));
+        Pose::of(q, 0)
+            .moved(&(a * q[6] + b * q[7]))
+            .turned(&Quaternion::about(&self.normal, q[8]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const {
+            &[
+                Released::way("way 1"),
+                Released::way("way 2"),
+                Released::angle("angle"),
+            ]
+        }
+    }
+}
+
+/// Adds a frame node `name` at the place of `master` that slides in the plane with `normal` and
+/// turns about it. The first way goes along `first`, of which the part in the plane counts (both
+/// in global components of the reference configuration, carried by the master). The nodes of the
+/// coordinates are `name way 1`, `name way 2` and `name angle`.
+///
+/// # Errors
+/// [`ModelError::Axis`] for axes without a direction, [`ModelError::Parallel`] for a first
+/// direction along the normal; as [`ModelBuilder::mapped_node`].
+pub fn planar(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    normal: [f64; 3],
+    first: [f64; 3],
+) -> Result<JointNodes, ModelError> {
+    let (normal, first) = (direction(name, normal)?, direction(name, first)?);
+    let second = normal.cross(&first);
+    if second.norm() < 1e-6 {
+        let joint = name.to_owned();
+        return Err(ModelError::Parallel { joint });
+    }
+    let second = second.normalize();
+    let across = [second.cross(&normal), second];
+    b.join(
+        name,
+        b.place(master).into(),
+        Planar { across, normal },
+        &[master],
+    )
+}

@@ -1,0 +1,37 @@
+//! The prismatic joint: a way along an axis, no turn.
+
+use super::{Joint, JointNodes, Pose, Released, direction};
+use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::scalar::Scalar;
+
+/// d_s = d_m + R_m u e, R_s = R_m: masters (frame, way u).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prismatic {
+    axis: Vector3<f64>,
+}
+
+impl Joint<7> for Prismatic {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        Pose::of(q, 0).moved(&(self.axis.map(S::constant) * q[6]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way")] }
+    }
+}
+
+/// Adds a frame node `name` at the place of `master` that slides along `axis` (global components
+/// of the reference configuration, carried by the master), and the node `name way`.
+///
+/// # Errors
+/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
+pub fn prismatic(
+    b: &mut ModelBuilder,
+    name: &str,
+    master: NodeId,
+    axis: [f64; 3],
+) -> Result<JointNodes, ModelError> {
+    let axis = direction(name, axis)?;
+    b.join(name, b.place(master).into(), Prismatic { axis }, &[master])
+}
