@@ -7,13 +7,15 @@
 
 #![allow(non_snake_case, missing_docs)]
 
+mod models;
+
 use criterion::{Criterion, criterion_group, criterion_main};
+use models::{falling, flying, robot_arm};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
 use pullback::elements::beam::{Beam, Damping};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
-use pullback::elements::joint::{Hung, Revolute, spherical};
-use pullback::elements::model::LineNodes;
+use pullback::elements::joint::{Hung, Revolute};
 use pullback::integrators::dynamics::{
     DynamicOptions, Progress, StepReport, Summary, integrate, start,
 };
@@ -209,98 +211,6 @@ fn revolute_joint(c: &mut Criterion) {
     let both = [products(stiffness), products(jets_stiffness)];
     let both = row("geometric stiffness", both);
     row("both", both);
-}
-
-/// A model with a beam between two nodes, and the nodes.
-fn beam(elements: usize, [from, to]: [[f64; 3]; 2], section: Section) -> (ModelBuilder, LineNodes) {
-    let mut builder = ModelBuilder::new();
-    let from = builder.node("from", from).expect("a new name");
-    let to = builder.node("to", to).expect("a new name");
-    let line = line(&mut builder, "beam", [from, to], elements, section);
-    (builder, line)
-}
-
-fn line(
-    b: &mut ModelBuilder,
-    name: &str,
-    ends: [NodeId; 2],
-    elements: usize,
-    section: Section,
-) -> LineNodes {
-    let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
-        second: None,
-        twist: 0.0,
-    };
-    let line = Line {
-        elements,
-        order: 1,
-        section,
-    };
-    b.line(name, &axis, ends, &line).expect("a straight line")
-}
-
-fn load(b: &mut ModelBuilder, name: &str, which: Which, value: [f64; 3], node: NodeId) {
-    let load = NodalLoad::new(which, value, Constant(1.0));
-    b.element(name, load, &[node]).expect("one node");
-}
-
-/// The free beam of Simo & Vu-Quoc 1986 while a force and a moment at its
-/// lower end throw it.
-fn flying(elements: usize) -> Model {
-    let section = Section::diagonal(1e4, [1e4, 1e4], 100.0, [100.0, 100.0]).expect("positive");
-    let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(20.0, 10.0, 10.0)));
-    let ends = [[6.0, 0.0, 0.0], [0.0, 0.0, 8.0]];
-    let (mut b, line) = beam(elements, ends, section);
-    let lower = line.nodes[0];
-    load(&mut b, "force", Which::DeadForce, [8.0, 0.0, 0.0], lower);
-    load(
-        &mut b,
-        "moment",
-        Which::SpatialMoment,
-        [0.0, 80.0, 0.0],
-        lower,
-    );
-    b.build().expect("a valid model")
-}
-
-/// A cantilever let go in the horizontal: steel, ten metres of a rod two centimetres thick.
-fn falling(elements: usize) -> Model {
-    let steel = Material {
-        E: 2.1e11,
-        nu: 0.3,
-        rho: 7850.0,
-    };
-    let section = Section::circle(steel, 0.01).expect("positive");
-    let (mut b, line) = beam(elements, [[0.0; 3], [10.0, 0.0, 0.0]], section);
-    b.support(line.nodes[0], &Dof::ALL);
-    let weight = [0.0, 0.0, -9.81 * section.inertia.mass];
-    for (k, nodes) in line.nodes.windows(2).enumerate() {
-        let places = [b.place(nodes[0]), b.place(nodes[1])];
-        let load = LineLoad::new(&places, weight, false, Box::new(Constant(1.0)));
-        let load = load.expect("two places");
-        b.element(format!("weight {k}"), load, nodes)
-            .expect("two nodes");
-    }
-    b.build().expect("a valid model")
-}
-
-/// The robot arm of \[M04\] 4.2, case 6: driven base, two arms, a spherical joint between them.
-fn robot_arm(elements: usize) -> Model {
-    let section = Section::diagonal(1e6, [1e6, 1e6], 1e5, [1e5, 1e5]).expect("positive");
-    let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)));
-    let ends = [[0.0; 3], [5.0, 0.0, 0.0]];
-    let (mut b, first) = beam(elements / 2, ends, section);
-    let (base, elbow) = (first.nodes[0], first.nodes[elements / 2]);
-    let start = spherical(&mut b, "start", elbow).expect("a new name").frame;
-    let tip = b.node("tip", [10.0, 0.0, 0.0]).expect("a new name");
-    line(&mut b, "second", [start, tip], elements / 2, section);
-    b.support(base, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
-    let ramp = |end: f64| Table::ramp(0.0, 0.5, end).expect("increasing");
-    b.prescribe(base, Dof::RZ, ramp(1.5));
-    b.prescribe(base, Dof::Z, ramp(3.0));
-    b.build().expect("a valid model")
 }
 
 /// Seconds of a whole run, everything included, and what it did.
