@@ -16,6 +16,16 @@ pub struct ConstantVelocity {
     across: [Vector3<f64>; 2],
 }
 
+impl ConstantVelocity {
+    /// The coupling of shafts along an axis of any length; `None` for one without a direction.
+    pub fn new(axis: [f64; 3]) -> Option<Self> {
+        let axis = direction("", axis).ok()?;
+        let first = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
+        let across = [first, axis.cross(&first)];
+        Some(Self { across })
+    }
+}
+
 impl Joint<8> for ConstantVelocity {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         let [a, b] = self.across.map(|e| e.map(S::constant));
@@ -43,9 +53,11 @@ pub fn constant_velocity(
     master: NodeId,
     axis: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
-    let axis = direction(name, axis)?;
-    let first = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
-    let across = [first, axis.cross(&first)];
-    let joint = ConstantVelocity { across };
+    direction(name, axis)?;
+    let joint = ConstantVelocity::new(axis);
+    let joint = joint.ok_or_else(|| ModelError::Axis {
+        joint: name.to_owned(),
+        axis,
+    })?;
     b.join(name, b.place(master).into(), joint, &[master])
 }

@@ -12,6 +12,15 @@ pub struct Cylindrical {
     axis: Vector3<f64>,
 }
 
+impl Cylindrical {
+    /// The joint along an axis of any length, in global components of the reference configuration;
+    /// `None` for one without a direction.
+    pub fn new(axis: [f64; 3]) -> Option<Self> {
+        let axis = direction("", axis).ok()?;
+        Some(Self { axis })
+    }
+}
+
 impl Joint<8> for Cylindrical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         Pose::of(q, 0)

@@ -14,6 +14,15 @@ pub struct Helical {
     pitch: f64,
 }
 
+impl Helical {
+    /// The joint along an axis of any length, in global components of the reference configuration;
+    /// `None` for one without a direction.
+    pub fn new(axis: [f64; 3], pitch: f64) -> Option<Self> {
+        let axis = direction("", axis).ok()?;
+        Some(Self { axis, pitch })
+    }
+}
+
 impl Joint<7> for Helical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         let way = q[6] * (self.pitch / TAU);

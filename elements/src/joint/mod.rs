@@ -288,11 +288,14 @@ pub struct JointNodes {
     pub released: Vec<NodeId>,
 }
 
+/// Sine of the angle between two axes below which they count as parallel.
+const PARALLEL: f64 = 1e-6;
+
 /// The unit vector along an axis of any length; refused where it has no direction.
 fn direction(joint: &str, axis: [f64; 3]) -> Result<Vector3<f64>, ModelError> {
     let vector = Vector3::from(axis);
     let largest = vector.amax();
-    if largest > 0.0 && largest.is_finite() {
+    if largest > 0.0 && axis.iter().all(|x| x.is_finite()) {
         Ok((vector / largest).normalize())
     } else {
         let joint = joint.to_owned();

@@ -26,6 +26,13 @@ pub struct OnCurve<C> {
     curve: C,
 }
 
+impl<C> OnCurve<C> {
+    /// The joint of a curve.
+    pub fn new(curve: C) -> Self {
+        Self { curve }
+    }
+}
+
 impl<C: Curve> Joint<10> for OnCurve<C> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 10>) -> Pose<S> {
         let start = self.curve.at(0.0).map(S::constant);

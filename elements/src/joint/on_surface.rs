@@ -27,6 +27,13 @@ pub struct OnSurface<F> {
     surface: F,
 }
 
+impl<F> OnSurface<F> {
+    /// The joint of a surface.
+    pub fn new(surface: F) -> Self {
+        Self { surface }
+    }
+}
+
 impl<F: Surface> Joint<11> for OnSurface<F> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 11>) -> Pose<S> {
         let start = self.surface.at(0.0, 0.0).map(S::constant);

@@ -1,6 +1,6 @@
 //! The planar joint: two ways in a plane and the turn about its normal.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -11,6 +11,20 @@ use pullback_manifold::so3::Quaternion;
 pub struct Planar {
     across: [Vector3<f64>; 2],
     normal: Vector3<f64>,
+}
+
+impl Planar {
+    /// The joint in the plane with a normal, its first way along the part of `first` in that
+    /// plane; `None` for axes without a direction or along each other.
+    pub fn new(normal: [f64; 3], first: [f64; 3]) -> Option<Self> {
+        let (normal, first) = (direction("", normal).ok()?, direction("", first).ok()?);
+        let second = normal.cross(&first);
+        (second.norm() > PARALLEL).then(|| {
+            let second = second.normalize();
+            let across = [second.cross(&normal), second];
+            Self { across, normal }
+        })
+    }
 }
 
 impl Joint<9> for Planar {
@@ -47,18 +61,12 @@ pub fn planar(
     normal: [f64; 3],
     first: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
-    let (normal, first) = (direction(name, normal)?, direction(name, first)?);
-    let second = normal.cross(&first);
-    if second.norm() < 1e-6 {
-        let joint = name.to_owned();
-        return Err(ModelError::Parallel { joint });
+    for axis in [normal, first] {
+        direction(name, axis)?;
     }
-    let second = second.normalize();
-    let across = [second.cross(&normal), second];
-    b.join(
-        name,
-        b.place(master).into(),
-        Planar { across, normal },
-        &[master],
-    )
+    let parallel = || ModelError::Parallel {
+        joint: name.to_owned(),
+    };
+    let joint = Planar::new(normal, first).ok_or_else(parallel)?;
+    b.join(name, b.place(master).into(), joint, &[master])
 }

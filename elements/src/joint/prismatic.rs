@@ -11,6 +11,15 @@ pub struct Prismatic {
     axis: Vector3<f64>,
 }
 
+impl Prismatic {
+    /// The joint along an axis of any length, in global components of the reference configuration;
+    /// `None` for one without a direction.
+    pub fn new(axis: [f64; 3]) -> Option<Self> {
+        let axis = direction("", axis).ok()?;
+        Some(Self { axis })
+    }
+}
+
 impl Joint<7> for Prismatic {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         Pose::of(q, 0).moved(&(self.axis.map(S::constant) * q[6]))

@@ -1,6 +1,6 @@
 //! The universal (Hooke's, Cardan) joint: two turns about crossed axes.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -14,6 +14,15 @@ use pullback_manifold::so3::Quaternion;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     axes: [Vector3<f64>; 2],
+}
+
+impl Universal {
+    /// The joint with two axes of any length, in global components of the reference configuration;
+    /// `None` for axes without a direction or along each other.
+    pub fn new(axes: [[f64; 3]; 2]) -> Option<Self> {
+        let [a, b] = [direction("", axes[0]).ok()?, direction("", axes[1]).ok()?];
+        (a.cross(&b).norm() > PARALLEL).then_some(Self { axes: [a, b] })
+    }
 }
 
 impl Joint<8> for Universal {
@@ -40,11 +49,12 @@ pub fn universal(
     master: NodeId,
     axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
-    let [first, second] = [direction(name, axes[0])?, direction(name, axes[1])?];
-    if first.cross(&second).norm() < 1e-6 {
-        let joint = name.to_owned();
-        return Err(ModelError::Parallel { joint });
+    for axis in axes {
+        direction(name, axis)?;
     }
-    let axes = [first, second];
-    b.join(name, b.place(master).into(), Universal { axes }, &[master])
+    let parallel = || ModelError::Parallel {
+        joint: name.to_owned(),
+    };
+    let joint = Universal::new(axes).ok_or_else(parallel)?;
+    b.join(name, b.place(master).into(), joint, &[master])
 }

@@ -1,0 +1,194 @@
+//! The joint library: every law of the maps, and poses against what the joints mean.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::{SVector, Vector3};
+use pullback_elements::joint::{
+    self, Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
+    helical, on_curve, on_surface, planar, prismatic, universal, weld,
+};
+use pullback_elements::model::{ModelBuilder, ModelError};
+use pullback_manifold::check;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3;
+use std::f64::consts::TAU;
+
+/// A helix of radius 1 and rise 0.3 per radian.
+struct Helix;
+
+impl Curve for Helix {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        Vector3::new(s.cos(), s.sin(), s * 0.3)
+    }
+}
+
+/// A saddle.
+struct Saddle;
+
+impl Surface for Saddle {
+    fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S> {
+        Vector3::new(u, v, u * u - v * v * 0.5)
+    }
+}
+
+fn six(d: [f64; 3], psi: [f64; 3]) -> Vec<f64> {
+    [d, psi].concat()
+}
+
+fn pose<J: Joint<D>, const D: usize>(joint: &J, master: &[f64], own: &[f64]) -> Pose<f64> {
+    let q = [master, own].concat();
+    joint.pose(0.0, &SVector::<f64, D>::from_column_slice(&q))
+}
+
+#[test]
+fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
+    let axis = [1.0, -2.0, 0.5];
+    check::map(&Hung::new(
+        joint::Universal::new([axis, [0.3, 1.0, 0.0]]).unwrap(),
+    ))
+    .assert();
+    check::map(&Hung::new(joint::ConstantVelocity::new(axis).unwrap())).assert();
+    check::map(&Hung::new(joint::Cylindrical::new(axis).unwrap())).assert();
+    check::map(&Hung::new(joint::Prismatic::new(axis).unwrap())).assert();
+    check::map(&Hung::new(
+        joint::Planar::new(axis, [1.0, 1.0, 1.0]).unwrap(),
+    ))
+    .assert();
+    check::map(&Hung::new(joint::Helical::new(axis, 0.7).unwrap())).assert();
+    check::map(&Hung::new(joint::OnCurve::new(Helix))).assert();
+    check::map(&Hung::new(joint::OnSurface::new(Saddle))).assert();
+}
+
+#[test]
+fn poses_are_what_the_joints_mean() {
+    let (d, psi) = ([0.3, -0.2, 0.5], [0.4, 0.9, -0.7]);
+    let master = six(d, psi);
+    let R = so3::rotation(&Vector3::from(psi));
+    let axis = Vector3::new(1.0, -2.0, 0.5).normalize();
+    let turn = |angle: f64| so3::rotation(&(axis * angle));
+    let rotation = |p: &Pose<f64>| so3::rotation(&so3::log_quaternion(&p.turn));
+    let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-14, "{a} {b}");
+
+    let screw = joint::Helical::new(axis.into(), 0.7).unwrap();
+    // Three and a quarter turns.
+    let p = pose(&screw, &master, &[3.25 * TAU]);
+    close(p.d, Vector3::from(d) + R * axis * (3.25 * 0.7));
+    assert!((rotation(&p) - R * turn(3.25 * TAU)).norm() < 1e-13);
+
+    let both = joint::Cylindrical::new(axis.into()).unwrap();
+    let p = pose(&both, &master, &[0.6, 1.9]);
+    close(p.d, Vector3::from(d) + R * axis * 0.6);
+    assert!((rotation(&p) - R * turn(1.9)).norm() < 1e-14);
+
+    let slide = joint::Prismatic::new(axis.into()).unwrap();
+    let p = pose(&slide, &master, &[0.6]);
+    close(p.d, Vector3::from(d) + R * axis * 0.6);
+    assert!((rotation(&p) - R).norm() < 1e-14);
+
+    let plane = joint::Planar::new(axis.into(), [1.0, 0.0, 0.0]).unwrap();
+    let p = pose(&plane, &master, &[0.6, -0.4, 1.2]);
+    let moved = R.transpose() * (p.d - Vector3::from(d));
+    assert!(moved.dot(&axis).abs() < 1e-15, "it leaves the plane");
+    assert!((moved.norm() - 0.6_f64.hypot(0.4)).abs() < 1e-15);
+    let first = (Vector3::x() - axis * axis.x).normalize();
+    assert!((moved.dot(&first) - 0.6).abs() < 1e-15);
+
+    // Tilted shafts meet in a plane that mirrors one into the other: the relative rotation takes
+    // the axis a to b, and its vector is along a × b.
+    let coupling = joint::ConstantVelocity::new(axis.into()).unwrap();
+    let p = pose(&coupling, &master, &[0.5, -0.8]);
+    let relative = so3::log_rotation(&(R.transpose() * rotation(&p)), &Vector3::zeros());
+    assert!(relative.dot(&axis).abs() < 1e-14);
+    assert!((relative.norm() - 0.5_f64.hypot(0.8)).abs() < 1e-14);
+
+    let cross = joint::Universal::new([axis.into(), [0.0, 0.0, 1.0]]).unwrap();
+    let p = pose(&cross, &master, &[0.7, -2.0]);
+    let second = so3::rotation(&(Vector3::z() * -2.0));
+    assert!((rotation(&p) - R * turn(0.7) * second).norm() < 1e-14);
+
+    let on = joint::OnCurve::new(Helix);
+    let own = [2.0, 0.1, 0.2, 0.3];
+    let p = pose(&on, &master, &own);
+    let at = |s: f64| Vector3::new(s.cos(), s.sin(), 0.3 * s);
+    close(p.d, Vector3::from(d) + R * at(2.0) - at(0.0));
+    assert!((rotation(&p) - so3::rotation(&Vector3::new(0.1, 0.2, 0.3))).norm() < 1e-14);
+}
+
+#[test]
+fn released_coordinates_are_nodes_with_names() {
+    let mut b = ModelBuilder::new();
+    let A = b.node("A", [1.0, 2.0, 3.0]).unwrap();
+    let z = [0.0, 0.0, 2.0];
+    let names = |b: &ModelBuilder, made: &JointNodes| -> Vec<String> {
+        let names = made.released.iter().map(|&n| b.node_name(n).to_owned());
+        names.collect()
+    };
+    let made = universal(&mut b, "u", A, [z, [1.0, 0.0, 0.0]]).unwrap();
+    assert_eq!(names(&b, &made), ["u angle 1", "u angle 2"]);
+    let made = cylindrical(&mut b, "c", made.frame, z).unwrap();
+    assert_eq!(names(&b, &made), ["c way", "c angle"]);
+    let made = prismatic(&mut b, "p", made.frame, z).unwrap();
+    assert_eq!(names(&b, &made), ["p way"]);
+    let made = planar(&mut b, "q", made.frame, z, [1.0, 0.0, 0.0]).unwrap();
+    assert_eq!(names(&b, &made), ["q way 1", "q way 2", "q angle"]);
+    let made = helical(&mut b, "h", made.frame, z, 1.0).unwrap();
+    assert_eq!(names(&b, &made), ["h angle"]);
+    let made = constant_velocity(&mut b, "v", made.frame, z).unwrap();
+    assert_eq!(names(&b, &made), ["v tilt 1", "v tilt 2"]);
+    let made = on_curve(&mut b, "o", made.frame, Helix).unwrap();
+    assert_eq!(names(&b, &made), ["o parameter", "o rotation"]);
+    assert_eq!(b.place(made.frame), Vector3::new(2.0, 2.0, 3.0));
+    let made = on_surface(&mut b, "s", made.frame, Saddle).unwrap();
+    assert_eq!(
+        names(&b, &made),
+        ["s parameter 1", "s parameter 2", "s rotation"]
+    );
+    let welded = weld(&mut b, "w", made.frame).unwrap();
+    assert_eq!(b.place(welded), b.place(made.frame));
+}
+
+#[test]
+fn axes_without_a_direction_or_along_each_other_are_refused() {
+    let mut b = ModelBuilder::new();
+    let A = b.node("A", [0.0; 3]).unwrap();
+    let z = [0.0, 0.0, 1.0];
+    let error = prismatic(&mut b, "p", A, [0.0; 3]).unwrap_err();
+    assert!(matches!(error, ModelError::Axis { .. }), "{error}");
+    let error = helical(&mut b, "h", A, [f64::NAN, 0.0, 1.0], 1.0).unwrap_err();
+    assert!(matches!(error, ModelError::Axis { .. }), "{error}");
+    let error = universal(&mut b, "u", A, [z, [0.0, 0.0, -3.0]]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("joint u: its two axes are parallel"),
+        "{error}"
+    );
+    let error = planar(&mut b, "q", A, z, z).unwrap_err();
+    assert!(matches!(error, ModelError::Parallel { .. }), "{error}");
+    // Nothing is left behind by a refusal.
+    assert!(b.find("u angle 1").is_err());
+}
+
+/// A joint that says it releases less than its map takes.
+struct Wrong;
+
+impl Joint<8> for Wrong {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        Pose::of(q, 0)
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
+    }
+}
+
+#[test]
+fn a_joint_that_forgets_a_coordinate_is_told_so() {
+    let mut b = ModelBuilder::new();
+    let A = b.node("A", [0.0; 3]).unwrap();
+    let error = b.join("w", [0.0; 3], Wrong, &[A]).unwrap_err();
+    assert!(
+        matches!(error, ModelError::JointDimension { .. }),
+        "{error}"
+    );
+}
