@@ -79,7 +79,7 @@ fn a_pendulum_records_its_angle_its_forces_and_its_energy() {
     // About 200 grids, with velocities.
     let series = read(out.join("steps.pvd")).matches("<DataSet").count();
     assert!((190..=210).contains(&series), "{series}");
-    let grid = read(out.join("step_0000.vtu"));
+    let grid = read(out.join("step_000000.vtu"));
     assert!(grid.contains("Name=\"velocity\"") && grid.contains("Name=\"angular_velocity\""));
     for figure in ["history.svg", "deformed.svg"] {
         roxmltree::Document::parse(&read(out.join(figure))).unwrap();

@@ -328,6 +328,7 @@ impl System for Skittish {
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         if (at.q[0] - self.1).abs() > 0.2 {
             return Err(SystemError::OutsideChart {
+                edge: pullback_manifold::system::CHART_EDGE,
                 what: "the pendulum".to_owned(),
                 margin: 0.2 - (at.q[0] - self.1).abs(),
             });

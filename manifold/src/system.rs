@@ -158,12 +158,17 @@ pub struct Energies {
     pub dissipated: f64,
 }
 
+/// What coordinates leave when a step is too large for their chart.
+pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
+
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left the domain of its chart (margin {margin:.3e}); take smaller steps")]
+    #[error("{what} left {edge} (by {:.3e})", -margin)]
     OutsideChart {
+        /// What it left, and what to do about it.
+        edge: &'static str,
         /// The node or joint.
         what: String,
         /// Distance to the edge of validity, ≤ 0.

@@ -19,7 +19,7 @@ pub struct Start {
 
 pub(super) fn start(
     source: &Text<'_>,
-    model: &Model,
+    model: &mut Model,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
@@ -76,15 +76,22 @@ pub(super) fn start(
             || initial.angular_velocity.is_some()
             || initial.body_angular_velocity.is_some();
         if moves {
+            if let Some(node) = node {
+                movable(source, &path, model, node, initial)?;
+            }
             model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+            // Where a map cannot be evaluated at the start, the analysis says so.
+            model.fit_rates(&q, &mut v, chosen.as_deref(), &motion).ok();
         }
     }
     for (k, joint) in file.joints.iter().enumerate() {
-        let Some(rate) = joint.rate else { continue };
         let index = k.to_string();
-        let at = ["joints", index.as_str(), "rate"];
-        let coordinate = released.find(source, &at, &joint.name)?;
-        model.set(&mut v, coordinate, 0, rate);
+        for (key, given, vector) in [("value", joint.value, &mut q), ("rate", joint.rate, &mut v)] {
+            let Some(given) = given else { continue };
+            let at = ["joints", index.as_str(), key];
+            let coordinate = released.find(source, &at, &joint.name)?;
+            model.set(vector, coordinate, 0, given);
+        }
     }
     Ok(Start { q, v })
 }
@@ -154,6 +161,23 @@ fn hangs<'a>(
             let node = initial.node.clone().unwrap_or_default();
             return Err(source.key(&path(key), Problem::InitialHung { node, key }));
         }
+    }
+    Ok(())
+}
+
+/// Refuses a velocity of a node along a coordinate that is held or driven.
+fn movable<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    model: &Model,
+    node: NodeId,
+    initial: &Initial,
+) -> Result<(), InputError> {
+    let velocity = initial.velocity.unwrap_or_default();
+    let held = (0..3).any(|k| velocity[k] != 0.0 && model.unknown_at(node, k).is_none());
+    if held && model.is_own(node) {
+        let (node, key) = (initial.node.clone().unwrap_or_default(), "velocity");
+        return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
     }
     Ok(())
 }

@@ -107,13 +107,18 @@ fn check_keys<'a>(
         ("spring", joint.spring.is_some()),
         ("motor", joint.motor.is_some()),
         ("driven", joint.driven.is_some()),
+        ("value", joint.value.is_some()),
         ("rate", joint.rate.is_some()),
     ];
     let useful: &[&str] = match joint.kind {
         JointKind::Offset => &["master", "place"],
-        JointKind::Revolute => &["master", "axis", "spring", "motor", "driven", "rate"],
+        JointKind::Revolute => &[
+            "master", "axis", "spring", "motor", "driven", "value", "rate",
+        ],
         JointKind::Spherical => &["master"],
-        JointKind::Slide => &["lines", "start", "spring", "motor", "driven", "rate"],
+        JointKind::Slide => &[
+            "lines", "start", "spring", "motor", "driven", "value", "rate",
+        ],
     };
     if joint.kind != JointKind::Slide && joint.master.is_none() {
         return Err(missing(source, whole, joint, "master"));
@@ -135,6 +140,7 @@ fn check_keys<'a>(
         for (key, given) in [
             ("spring", joint.spring.is_some()),
             ("motor", joint.motor.is_some()),
+            ("value", joint.value.is_some()),
             ("rate", joint.rate.is_some()),
         ] {
             if given {

@@ -79,7 +79,9 @@ pub enum ResumeError {
         part: String,
     },
     /// The run has passed the end that is asked for.
-    #[error("the checkpoint is at time {t}, behind `to` = {to}: there is nothing left to compute")]
+    #[error(
+        "the checkpoint is at time {t}, not before `to` = {to}: there is nothing left to compute"
+    )]
     Passed {
         /// Time reached.
         t: f64,

@@ -240,7 +240,10 @@ impl<'a> Recorder<'a> {
         if self.grid_every > 0 {
             let frame = Frame {
                 t: row.t,
-                file: format!("step_{number:04}.vtu"),
+                file: match self.setting.plan {
+                    Plan::Dynamic(_) => format!("step_{number:06}.vtu"),
+                    _ => format!("step_{number:04}.vtu"),
+                },
             };
             let text = grid(model, self.setting.geometry, &answers);
             self.pending = Some((frame, text));

@@ -9,7 +9,8 @@ use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
+    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError,
+    Weights,
 };
 
 /// Most nodes one element may have.
@@ -193,10 +194,12 @@ impl Model {
 pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
             what: name.to_owned(),
             margin: std::f64::consts::TAU - psi,
         },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
             what: format!("{name}, whose ends coincide,"),
             margin: 0.0,
         },

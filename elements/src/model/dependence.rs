@@ -271,6 +271,7 @@ impl Model {
             let margin = d.map.margin(t, &local.q[..k]);
             if margin.is_nan() || margin <= 0.0 {
                 return Err(SystemError::OutsideChart {
+                    edge: d.map.edge(),
                     what: format!("joint at node {}", node.name),
                     margin,
                 });

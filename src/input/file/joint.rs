@@ -39,6 +39,10 @@ pub struct Joint {
     /// The angle or way itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Time>,
+    /// Angle or way at the start (dynamics); what hangs on the joint moves along, but not nodes of
+    /// their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
     /// Rate of the angle or way at the start (dynamics).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
