@@ -93,7 +93,8 @@ pub fn resume(
         return Err(ResumeError::Statics.into());
     };
     let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let checkpoint = Checkpoint::read(&directory, &settings)?;
+    let columns = job.probes.iter().map(|p| p.columns().len()).sum();
+    let checkpoint = Checkpoint::read(&directory, &settings, &job.model, columns)?;
     let (t, to) = (checkpoint.progress().state.t, plan.options.to);
     if t >= to {
         return Err(ResumeError::Passed { t, to }.into());

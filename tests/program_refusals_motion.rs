@@ -152,7 +152,7 @@ fn joints() {
             "start at a node",
         ),
         (with("start = 0.25", "axis = [0, 0, 1]"), "axis", "axis", ""),
-        (with("start = 0.25", "start = 9"), "[\"rod\"]", "ring", ""),
+        (with("start = 0.25", "start = 9"), "9", "ring", ""),
         (
             with("lines = [\"rod\"]", "lines = [\"rope\"]"),
             "\"rope\"",

@@ -165,7 +165,7 @@ pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left {edge} (by {:.3e})", -margin)]
+    #[error("{what} left {edge} (margin {margin:.3e})")]
     OutsideChart {
         /// What it left, and what to do about it.
         edge: &'static str,
@@ -252,6 +252,13 @@ pub trait System {
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         let _ = (at, p);
         Ok(false)
+    }
+
+    /// The momentum that the last change of charts has to keep, into `p`, where it has handed a map
+    /// over whose values stay and whose operator jumps; false where it has not.
+    fn kept_momentum(&self, p: &mut [f64]) -> bool {
+        let _ = p;
+        false
     }
 
     /// Whether the tangents are symmetric (conservative loads).

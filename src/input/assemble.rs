@@ -161,6 +161,10 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
             return Err(InputError::whole(Problem::Missing { what }));
         }
     }
+    if let Some(title) = file.title.as_ref().filter(|t| t.contains(char::is_control)) {
+        let (what, name) = ("title", title.clone());
+        return Err(source.value(&["title"], Problem::Name { what, name }));
+    }
     let mut made = BTreeMap::new();
     for (name, described) in &file.sections {
         made.insert(name.clone(), sections::section(source, name, described)?);
@@ -216,7 +220,10 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     if !dynamic && !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));
     }
-    let moving = |j: &super::file::Joint| j.rate.is_some() || j.value.is_some();
+    let moving = |j: &super::file::Joint| {
+        let mut acts = j.all_acts();
+        acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
+    };
     if let Some(k) = file.joints.iter().position(moving).filter(|_| !dynamic) {
         let path = ["joints", &k.to_string(), "name"];
         return Err(source.value(&path, Problem::InitialStatics));

@@ -5,7 +5,7 @@ use super::file::{Probe as Described, Quantity};
 use super::{InputError, Problem, Text};
 use crate::output::{COLUMNS, DYNAMIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};
-use pullback_elements::model::{Dof, ElementId, Model, NodeId};
+use pullback_elements::model::{ElementId, Model, NodeId};
 use std::collections::HashSet;
 
 pub(super) fn resolve(
@@ -32,6 +32,7 @@ pub(super) fn resolve(
         nodes,
         released,
         elements: &elements,
+        supports: &geometry.supports,
     };
     let mut columns: HashSet<String> = (COLUMNS.iter().chain(&DYNAMIC_COLUMNS))
         .map(|&column| column.to_owned())
@@ -55,6 +56,7 @@ struct Known<'a> {
     nodes: &'a Names<NodeId>,
     released: &'a Names<NodeId>,
     elements: &'a Names<ElementId>,
+    supports: &'a [NodeId],
 }
 
 fn one(
@@ -83,7 +85,7 @@ fn one(
                 quantity,
                 Quantity::reaction_force | Quantity::reaction_moment
             );
-            if reaction && !Dof::ALL.iter().any(|&dof| model.is_prescribed(node, dof)) {
+            if reaction && !names.supports.contains(&node) {
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }

@@ -37,6 +37,9 @@ pub(super) struct Workspace {
     /// Kinematic operators of nodes that follow others.
     pub operators: Operators,
     pub local: Local,
+    /// Momentum before maps were handed over, and whether one was.
+    pub kept: Vec<f64>,
+    pub handed_over: bool,
     /// Per node, for the choice of charts.
     pub sheets: Vec<Sheet>,
     scales: Scales,
@@ -79,6 +82,8 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             local: Local::new(n, masters),
+            kept: Vec::new(),
+            handed_over: false,
             sheets: Vec::with_capacity(nodes.len()),
             scales,
         }
@@ -276,6 +281,13 @@ impl System for Model {
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         self.generalised_momentum(at, p)
+    }
+
+    fn kept_momentum(&self, p: &mut [f64]) -> bool {
+        if self.work.handed_over {
+            p.copy_from_slice(&self.work.kept);
+        }
+        self.work.handed_over
     }
 
     fn is_symmetric(&self) -> bool {

@@ -379,6 +379,7 @@ impl Model {
                 continue;
             }
             if d.map.segment() != before {
+                self.work.handed_over = true;
                 for n in 0..self.nodes.len() {
                     find_ancestors(&mut self.nodes, n);
                 }
