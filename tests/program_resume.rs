@@ -262,7 +262,7 @@ fn a_checkpoint_that_was_tampered_with_is_refused() {
     run(&model, None, &mut until_step(20)).unwrap();
     let path = directory.join("model.out/checkpoint.json");
     let whole: Value = serde_json::from_str(&read(&path)).unwrap();
-    let edits: [(&str, fn(&mut Value)); 5] = [
+    let edits: [(&str, Edit); 5] = [
         ("another length", |c| {
             c["progress"]["state"]["a"].as_array_mut().unwrap().pop();
         }),
@@ -329,6 +329,9 @@ step = 0.01
     let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
     assert!(error.contains("the order of nodes"), "{error}");
 }
+
+/// A change of a checkpoint.
+type Edit = fn(&mut Value);
 
 fn until_step(stop: usize) -> impl FnMut(&pullback::solve::Advance<'_>) -> ControlFlow<()> {
     move |step| match step.number >= stop {
