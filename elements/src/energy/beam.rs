@@ -7,6 +7,7 @@ use crate::beam::{BeamError, Damping, Section, oriented};
 use crate::element::ElementError;
 use crate::inertia::Inertia;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
+use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -62,8 +63,9 @@ fn triple<S: Scalar, const N: usize>(y: &SVector<S, N>, i: usize) -> Vector3<S> 
 impl<M: StrainMeasure> SectionEnergy<M> {
     fn strains<S: Scalar>(&self, y: &SVector<S, 9>) -> SVector<S, 6> {
         let [x_prime, psi_prime, psi] = [0, 3, 6].map(|i| triple(y, i));
-        let g = so3::rotation(&psi).tr_mul(&x_prime);
-        self.measure.strains(&g, &(so3::tangent(&psi) * psi_prime))
+        let c = TangentQuotients::new(psi.dot(&psi));
+        let g = so3::turned(&-psi, &x_prime, &c);
+        self.measure.strains(&g, &so3::spun(&psi, &psi_prime, &c))
     }
 
     /// ½ e·Ce, terms that are absent from C left out.
@@ -111,7 +113,8 @@ impl Energies<6> for FrameInertia {
     fn kinetic<S: Scalar>(&self, y: &SVector<S, 6>, y_dot: &SVector<S, 6>) -> S {
         let Inertia { mass, S: first, J } = &self.inertia;
         let (psi, x_dot) = (triple(y, 3), triple(y_dot, 0));
-        let Omega = so3::tangent(&psi) * triple(y_dot, 3);
+        let c = TangentQuotients::new(psi.dot(&psi));
+        let Omega = so3::spun(&psi, &triple(y_dot, 3), &c);
         let mut double = x_dot.dot(&x_dot) * *mass;
         for i in 0..3 {
             let mut momentum = Omega[i] * J[(i, i)];
@@ -122,7 +125,7 @@ impl Energies<6> for FrameInertia {
         }
         if *first != Vector3::zeros() {
             let around = Omega.cross(&first.map(S::constant));
-            double += x_dot.dot(&(so3::rotation(&psi) * around)) * 2.0;
+            double += x_dot.dot(&so3::turned(&psi, &around, &c)) * 2.0;
         }
         double * 0.5
     }

@@ -25,6 +25,8 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
     pub value: S,
     /// Which threes of x and of v the value depends on, one bit each.
     seen: [u32; 2],
+    /// Whether it is not affine: may `xx`, `vx`, `vv` be different from zero?
+    bent: bool,
     /// Gradient in x.
     pub x: [S; X],
     /// Gradient in v.
@@ -40,30 +42,84 @@ pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: u
 /// Variables that one bit stands for.
 const GROUP: usize = 3;
 
-/// Runs over the marked variables of `0..n`.
+/// Number of threes in n variables, the last of which may be smaller.
+const fn groups(n: usize) -> usize {
+    n.div_ceil(GROUP)
+}
+
+/// Whether a three is marked.
 #[inline(always)]
-fn each(n: usize, marks: u32, mut f: impl FnMut(usize)) {
-    for b in 0..n / GROUP {
-        if marks & (1 << b) != 0 {
-            let i = GROUP * b;
-            f(i);
-            f(i + 1);
-            f(i + 2);
+fn has(marks: u32, group: usize) -> bool {
+    marks & (1 << group) != 0
+}
+
+/// Runs over the variables of a three.
+#[inline(always)]
+fn three<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
+    let i = GROUP * group;
+    if i + GROUP <= N {
+        f(i);
+        f(i + 1);
+        f(i + 2);
+    } else {
+        (i..N).for_each(f);
+    }
+}
+
+/// Runs over the marked variables.
+#[inline(always)]
+fn each<const N: usize>(marks: u32, mut f: impl FnMut(usize)) {
+    for a in 0..groups(N) {
+        if has(marks, a) {
+            three::<N>(a, &mut f);
         }
     }
-    if !n.is_multiple_of(GROUP) && marks & (1 << (n / GROUP)) != 0 {
-        for i in n - n % GROUP..n {
-            f(i);
+}
+
+/// Runs over all pairs of variables of two threes.
+#[inline(always)]
+fn block<const N: usize, const M: usize>(a: usize, b: usize, mut f: impl FnMut(usize, usize)) {
+    three::<N>(a, |i| three::<M>(b, |j| f(i, j)));
+}
+
+/// Runs over the marked pairs (i, j).
+#[inline(always)]
+fn pairs<const N: usize, const M: usize>(marks: [u32; 2], mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        for b in 0..groups(M) {
+            if has(marks[0], a) && has(marks[1], b) {
+                block::<N, M>(a, b, &mut f);
+            }
         }
     }
 }
 
 /// Runs over the marked pairs (i, j) with the three of j not above that of i.
 #[inline(always)]
-fn lower(n: usize, marks: u32, mut f: impl FnMut(usize, usize)) {
-    each(n, marks, |i| {
-        each((i / GROUP * GROUP + GROUP).min(n), marks, |j| f(i, j));
-    });
+fn lower<const N: usize>(marks: u32, mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        if has(marks, a) {
+            for b in 0..=a {
+                if has(marks, b) {
+                    block::<N, N>(a, b, &mut f);
+                }
+            }
+        }
+    }
+}
+
+/// Runs over the pairs as [`lower`], i in the first marks and j in the second.
+#[inline(always)]
+fn lower_across<const N: usize>(rows: u32, columns: u32, mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        if has(rows, a) {
+            for b in 0..=a {
+                if has(columns, b) {
+                    block::<N, N>(a, b, &mut f);
+                }
+            }
+        }
+    }
 }
 
 impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize>
@@ -79,6 +135,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         Self {
             value,
             seen: [0; 2],
+            bent: false,
             x: [S::zero(); X],
             v: [S::zero(); V],
             xx: [[0.0; HX]; HX],
@@ -111,42 +168,28 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         self.seen == [0; 2]
     }
 
-    /// From rules for the entries, which are given the part of the Hessian as well.
+    /// Adds the second derivatives of another value times a factor.
     #[inline(always)]
-    fn filled(
-        value: S,
-        seen: [u32; 2],
-        x: impl Fn(usize) -> S,
-        v: impl Fn(usize) -> S,
-        xx: impl Fn(usize, usize) -> f64,
-        vx: impl Fn(usize, usize) -> S,
-        vv: impl Fn(usize, usize) -> S,
-    ) -> Self {
-        let mut out = Self::given(value);
-        out.seen = seen;
-        each(X, seen[0], |i| out.x[i] = x(i));
-        each(V, seen[1], |i| out.v[i] = v(i));
-        lower(HX, seen[0], |i, j| out.xx[i][j] = xx(i, j));
-        each(HV, seen[1], |i| {
-            each(HX, seen[0], |j| out.vx[i][j] = vx(i, j));
-        });
-        lower(HV, seen[1], |i, j| out.vv[i][j] = vv(i, j));
-        out
+    fn bend_by(&mut self, b: &Self, factor: S) {
+        if !b.bent {
+            return;
+        }
+        let real = factor.re();
+        let [x, v] = b.seen;
+        lower::<HX>(x, |i, j| self.xx[i][j] += b.xx[i][j] * real);
+        pairs::<HV, HX>([v, x], |i, j| self.vx[i][j] += b.vx[i][j] * factor);
+        lower::<HV>(v, |i, j| self.vv[i][j] += b.vv[i][j] * factor);
     }
 
     /// All entries times a number without variables.
     #[inline(always)]
     fn scaled(&self, b: S) -> Self {
-        let real = b.re();
-        Self::filled(
-            self.value * b,
-            self.seen,
-            |i| self.x[i] * b,
-            |i| self.v[i] * b,
-            |i, j| self.xx[i][j] * real,
-            |i, j| self.vx[i][j] * b,
-            |i, j| self.vv[i][j] * b,
-        )
+        let mut out = Self::given(self.value * b);
+        (out.seen, out.bent) = (self.seen, self.bent);
+        each::<X>(self.seen[0], |i| out.x[i] = self.x[i] * b);
+        each::<V>(self.seen[1], |i| out.v[i] = self.v[i] * b);
+        out.bend_by(self, b);
+        out
     }
 }
 
@@ -180,17 +223,22 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         } else {
             S::zero()
         };
-        let (slope_re, bend_re) = (slope.re(), bend.re());
         let (x, v) = (&self.x, &self.v);
-        Self::filled(
-            self.value.compose(f),
-            self.seen,
-            |i| slope * x[i],
-            |i| slope * v[i],
-            |i, j| slope_re * self.xx[i][j] + bend_re * x[i].re() * x[j].re(),
-            |i, j| slope * self.vx[i][j] + bend * (v[i] * x[j]),
-            |i, j| slope * self.vv[i][j] + bend * (v[i] * v[j]),
-        )
+        let [x_seen, v_seen] = self.seen;
+        let mut out = Self::given(self.value.compose(f));
+        (out.seen, out.bent) = (self.seen, true);
+        each::<X>(x_seen, |i| out.x[i] = slope * x[i]);
+        each::<V>(v_seen, |i| out.v[i] = slope * v[i]);
+        let bend_re = bend.re();
+        lower::<HX>(x_seen, |i, j| {
+            out.xx[i][j] = bend_re * x[i].re() * x[j].re();
+        });
+        pairs::<HV, HX>([v_seen, x_seen], |i, j| {
+            out.vx[i][j] = bend * (v[i] * x[j]);
+        });
+        lower::<HV>(v_seen, |i, j| out.vv[i][j] = bend * (v[i] * v[j]));
+        out.bend_by(&self, slope);
+        out
     }
 }
 
@@ -207,24 +255,23 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
             return b.scaled(self.value);
         }
         let (p, q) = (self.value, b.value);
-        let (p_re, q_re) = (p.re(), q.re());
-        let seen = [self.seen[0] | b.seen[0], self.seen[1] | b.seen[1]];
-        Self::filled(
-            p * q,
-            seen,
-            |i| self.x[i] * q + p * b.x[i],
-            |i| self.v[i] * q + p * b.v[i],
-            |i, j| {
-                (self.xx[i][j] * q_re + p_re * b.xx[i][j])
-                    + (self.x[i].re() * b.x[j].re() + b.x[i].re() * self.x[j].re())
-            },
-            |i, j| {
-                (self.vx[i][j] * q + p * b.vx[i][j]) + (self.v[i] * b.x[j] + b.v[i] * self.x[j])
-            },
-            |i, j| {
-                (self.vv[i][j] * q + p * b.vv[i][j]) + (self.v[i] * b.v[j] + b.v[i] * self.v[j])
-            },
-        )
+        let ([ax, av], [bx, bv]) = (self.seen, b.seen);
+        let mut out = Self::given(p * q);
+        (out.seen, out.bent) = ([ax | bx, av | bv], true);
+        each::<X>(ax | bx, |i| out.x[i] = self.x[i] * q + p * b.x[i]);
+        each::<V>(av | bv, |i| out.v[i] = self.v[i] * q + p * b.v[i]);
+        // Gradient by gradient, both ways.
+        for (f, g) in [(&self, &b), (&b, &self)] {
+            let ([fx, fv], [gx, gv]) = (f.seen, g.seen);
+            lower_across::<HX>(fx, gx, |i, j| {
+                out.xx[i][j] += f.x[i].re() * g.x[j].re();
+            });
+            pairs::<HV, HX>([fv, gx], |i, j| out.vx[i][j] += f.v[i] * g.x[j]);
+            lower_across::<HV>(fv, gv, |i, j| out.vv[i][j] += f.v[i] * g.v[j]);
+        }
+        out.bend_by(&self, q);
+        out.bend_by(&b, p);
+        out
     }
 }
 
@@ -235,13 +282,15 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     #[inline(always)]
     fn changed(mut self, b: &Self, f: impl Fn(&mut S, S), real: impl Fn(&mut f64, f64)) -> Self {
         f(&mut self.value, b.value);
-        each(X, b.seen[0], |i| f(&mut self.x[i], b.x[i]));
-        each(V, b.seen[1], |i| f(&mut self.v[i], b.v[i]));
-        lower(HX, b.seen[0], |i, j| real(&mut self.xx[i][j], b.xx[i][j]));
-        each(HV, b.seen[1], |i| {
-            each(HX, b.seen[0], |j| f(&mut self.vx[i][j], b.vx[i][j]));
-        });
-        lower(HV, b.seen[1], |i, j| f(&mut self.vv[i][j], b.vv[i][j]));
+        let [x, v] = b.seen;
+        each::<X>(x, |i| f(&mut self.x[i], b.x[i]));
+        each::<V>(v, |i| f(&mut self.v[i], b.v[i]));
+        if b.bent {
+            lower::<HX>(x, |i, j| real(&mut self.xx[i][j], b.xx[i][j]));
+            pairs::<HV, HX>([v, x], |i, j| f(&mut self.vx[i][j], b.vx[i][j]));
+            lower::<HV>(v, |i, j| f(&mut self.vv[i][j], b.vv[i][j]));
+            self.bent = true;
+        }
         self.seen = [self.seen[0] | b.seen[0], self.seen[1] | b.seen[1]];
         self
     }
@@ -273,15 +322,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     type Output = Self;
     #[inline]
     fn mul(self, b: f64) -> Self {
-        Self::filled(
-            self.value * b,
-            self.seen,
-            |i| self.x[i] * b,
-            |i| self.v[i] * b,
-            |i, j| self.xx[i][j] * b,
-            |i, j| self.vx[i][j] * b,
-            |i, j| self.vv[i][j] * b,
-        )
+        self.scaled(S::constant(b))
     }
 }
 
