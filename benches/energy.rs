@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Matrix6, SVector};
 use pullback::elements::beam::Beam;
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::energy::{
-    Energies, FrameInertia, PolynomialSpring, Reissner, inside_chart, rate, strain_beam,
+    Energies, FrameInertia, Gravity, PolynomialSpring, Reissner, inside_chart, rate, strain_beam,
 };
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3;
@@ -92,7 +92,10 @@ fn compare(name: &str, by_energy: &dyn Element, by_hand: &dyn Element, jobs: &[(
             || run(by_hand, *job, &motion, &mut one),
             || run(by_energy, *job, &motion, &mut other),
         );
-        println!("{name:14} {what:22} {hand:9.0} {energy:11.0} {:7.1}", energy / hand);
+        println!(
+            "{name:14} {what:22} {hand:9.0} {energy:11.0} {:7.1}",
+            energy / hand
+        );
     }
 }
 
@@ -116,6 +119,8 @@ impl ElasticJoint {
 }
 
 impl Energies<12> for ElasticJoint {
+    const KINETIC: bool = false;
+
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
         let y = self.relative(x);
         y.dot(&y) * (0.5 * self.K)
@@ -167,11 +172,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         c: 0.7,
     };
     compare("axial spring", &spring.into_element(), &hand, &ALL[..3]);
-    let elastic = PolynomialSpring { c: 0.0, ..spring };
     let [at_rest, moving] = {
-        let element = elastic.into_element();
-        let motion = [0.1, 0.7, 1.9].map(|p: f64| (0..12).map(|i| (i as f64 + p).sin()).collect());
-        let buffers = || [12, 144, 144, 144].map(|n| vec![0.0; n]);
+        let element = Gravity {
+            place: places[1],
+            center: Vector3::zeros(),
+            mu: 3.0,
+            mass: 2.0,
+        }
+        .into_element();
+        let motion = [0.1, 0.7, 1.9].map(|p: f64| (0..6).map(|i| (i as f64 + p).sin()).collect());
+        let buffers = || [6, 36, 36, 36].map(|n| vec![0.0; n]);
         let (mut one, mut other) = (buffers(), buffers());
         race(
             || run(&element, Job::Static, &motion, &mut one),
@@ -187,7 +197,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     compare("bushing", &joint.into_element(), &hand, &ALL[..3]);
     println!(
-        "a spring without T and D, in motion over at rest: {:.2}",
+        "a potential without T and D, in motion over at rest: {:.2}",
         moving / at_rest
     );
     Ok(())

@@ -73,7 +73,11 @@ pub fn same(found: &dyn Element, expected: &dyn Element) -> Report {
         let pair = [found, expected].map(|e| (e, evaluate(e, s, Ask::All)));
         let [(_, Some(f)), (_, Some(e))] = &pair else {
             if pair[0].1.is_some() != pair[1].1.is_some() {
-                report.impossible("domain", at, "inside that of one, outside that of the other");
+                report.impossible(
+                    "domain",
+                    at,
+                    "inside that of one, outside that of the other",
+                );
             }
             continue;
         };

@@ -181,6 +181,8 @@ impl ElasticJoint {
 }
 
 impl Energies<12> for ElasticJoint {
+    const KINETIC: bool = false;
+
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
         let y = self.relative(x);
         y.dot(&(self.K.map(S::constant) * y)) * 0.5

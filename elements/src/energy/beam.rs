@@ -83,6 +83,8 @@ impl<M: StrainMeasure> SectionEnergy<M> {
 }
 
 impl<M: StrainMeasure> Energies<9> for SectionEnergy<M> {
+    const KINETIC: bool = false;
+
     fn potential<S: Scalar>(&self, _t: S, y: &SVector<S, 9>) -> S {
         self.quadratic(&self.strains(y))
     }
@@ -184,7 +186,8 @@ pub fn strain_beam<M: StrainMeasure + Copy>(
     put(&mut A, &R0, 3, 3, slopes);
     put(&mut A, &R0, 6, 3, values(0.0));
     let mut y0 = SVector::<f64, 9>::zeros();
-    y0.fixed_rows_mut::<3>(0).copy_from(&R0.tr_mul(&X_prime));
+    // R₀ᵀX′ is the first axis.
+    y0[0] = 1.0;
     let strained = Sample::new(energies, length, y0, &A);
     let inertia = FrameInertia {
         inertia: section.inertia,

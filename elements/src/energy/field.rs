@@ -22,6 +22,9 @@ pub struct Gravity {
 }
 
 impl Energies<6> for Gravity {
+    const KINETIC: bool = false;
+    const DISSIPATION: bool = false;
+
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 6>) -> S {
         let reference = self.place - self.center;
         let r = Vector3::from_fn(|i, _| x[i] + reference[i]);

@@ -60,13 +60,30 @@ impl<const N: usize> Local<N> {
         moving: Option<&(SVector<f64, N>, SVector<f64, N>)>,
     ) {
         self.add_potential(&potential::<f64, E, N, H>(e, t, x));
-        if let Some((v, a)) = moving {
+        let Some((v, a)) = moving else {
+            return;
+        };
+        if E::KINETIC {
             let x_moving = SVector::<Dual, N>::from_fn(|i, _| dual(x[i], v[i]));
             let v_moving = SVector::<Dual, N>::from_fn(|i, _| dual(v[i], a[i]));
-            let (x_jets, v_jets) = variables::<Dual, N, H>(&x_moving, &v_moving);
-            self.add_kinetic(&e.kinetic(&x_jets, &v_jets));
-            let (x_jets, v_jets) = variables::<f64, N, H>(x, v);
-            self.add_dissipation(&e.dissipation(&x_jets, &v_jets));
+            let (x, v) = variables::<Dual, N, H>(&x_moving, &v_moving);
+            self.add_kinetic(&e.kinetic(&x, &v));
+        } else {
+            debug_assert_eq!(
+                e.kinetic(x, v),
+                0.0,
+                "an element without kinetic energy has some"
+            );
+        }
+        if E::DISSIPATION {
+            let (x, v) = variables::<f64, N, H>(x, v);
+            self.add_dissipation(&e.dissipation(&x, &v));
+        } else {
+            debug_assert_eq!(
+                e.dissipation(x, v),
+                0.0,
+                "an element without dissipation has some"
+            );
         }
     }
 

@@ -49,7 +49,7 @@ use pullback_manifold::system::Weights;
 
 /// What an element of N coordinates x is, written once for every number type.
 ///
-/// Whatever is not written is zero, and costs nothing. Coordinates are those of the element's nodes
+/// Whatever is not written is zero; say so by the constants and it costs nothing. Coordinates are those of the element's nodes
 /// one after the other, six for a frame node: (d, Ψ).
 ///
 /// ```
@@ -68,13 +68,19 @@ use pullback_manifold::system::Weights;
 ///         v[0] * v[0] * 0.5
 ///     }
 ///     fn dissipation<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
-///         v[0].powi(4) * 0.1
+///         v[0].powi(2) * (v[0].powi(2) * 0.1 + 0.3)
 ///     }
 /// }
 ///
 /// check::element(&Pendulum.into_element()).assert();
 /// ```
 pub trait Energies<const N: usize>: Send + Sync {
+    /// Whether [`Energies::kinetic`] is anything but zero; `false` saves its evaluation.
+    const KINETIC: bool = true;
+
+    /// Whether [`Energies::dissipation`] is anything but zero; `false` saves its evaluation.
+    const DISSIPATION: bool = true;
+
     /// Potential energy U(t, x), unit F L.
     fn potential<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> S {
         let _ = (t, x);
@@ -219,7 +225,7 @@ impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        if at.v.is_empty() {
+        if at.v.is_empty() || !E::DISSIPATION {
             return 0.0;
         }
         local::power(&self.0, &vector(at.x), &vector(at.v))

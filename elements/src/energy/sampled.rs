@@ -107,8 +107,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Sampled<E, D, N> {
         for p in &self.points {
             let y = p.place(at.x);
             p.energies.domain(&y)?;
-            let moving =
-                (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
+            let moving = (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
             let local = Local::new(&p.energies, at.t, &y, moving.as_ref(), wanted);
             p.spread(&local.r, r);
             for (weights, out) in tangents.iter_mut().flatten() {
@@ -145,7 +144,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
-        if at.v.is_empty() {
+        if at.v.is_empty() || !E::DISSIPATION {
             return 0.0;
         }
         let of = |p: &Sample<E, D, N>| {

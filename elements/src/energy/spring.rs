@@ -32,6 +32,8 @@ impl<const P: usize> PolynomialSpring<P> {
 }
 
 impl<const P: usize> Energies<12> for PolynomialSpring<P> {
+    const KINETIC: bool = false;
+
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
         let u = self.between(x);
         let e = u.dot(&u).sqrt() - self.rest_length;
@@ -50,7 +52,10 @@ impl<const P: usize> Energies<12> for PolynomialSpring<P> {
     }
 
     fn domain(&self, x: &SVector<f64, 12>) -> Result<(), ElementError> {
-        let (length, size) = (self.between(x).norm(), (self.places[1] - self.places[0]).norm());
+        let (length, size) = (
+            self.between(x).norm(),
+            (self.places[1] - self.places[0]).norm(),
+        );
         // Below this the direction is that of round-off.
         if length > 1e-12 * size {
             Ok(())

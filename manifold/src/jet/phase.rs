@@ -129,7 +129,10 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
     #[inline]
     pub fn given(value: S) -> Self {
         const {
-            assert!(HX == X && HV == V || HX == 0 && HV == 0, "all of the Hessian or none");
+            assert!(
+                HX == X && HV == V || HX == 0 && HV == 0,
+                "all of the Hessian or none"
+            );
             assert!(X <= 96 && V <= 96, "one bit marks three variables");
         }
         Self {
@@ -198,7 +201,10 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
 {
     const ORDER: usize = {
         let own = if HX + HV > 0 { 2 } else { 1 };
-        assert!(S::ORDER + own <= MAX_ORDER, "jets nest to total order three");
+        assert!(
+            S::ORDER + own <= MAX_ORDER,
+            "jets nest to total order three"
+        );
         S::ORDER + own
     };
 

@@ -95,11 +95,7 @@ pub fn T_inverse(Psi: &Vector3<f64>, a: &InverseQuotients) -> Matrix3<f64> {
 /// Rᵀ a is `turned` by −Ψ.
 #[inline]
 #[must_use]
-pub fn turned<S: Scalar>(
-    Psi: &Vector3<S>,
-    a: &Vector3<S>,
-    c: &TangentQuotients<S>,
-) -> Vector3<S> {
+pub fn turned<S: Scalar>(Psi: &Vector3<S>, a: &Vector3<S>, c: &TangentQuotients<S>) -> Vector3<S> {
     let once = Psi.cross(a);
     let twice = Psi.cross(&once);
     Vector3::from_fn(|i, _| a[i] + c.sinc * once[i] + c.one_minus_cos * twice[i])
