@@ -32,8 +32,8 @@ impl StrainMeasure for Reissner {
     }
 }
 
-/// The strains of Green and Lagrange on the centre line: ½(x′·x′ − 1) and x′·Re₂, x′·Re₃, with the
-/// curvature K = TΨ′ divided by nothing.
+/// The elongation of Green and Lagrange on the centre line, ½(x′·x′ − 1), with Reissner's shears and
+/// curvatures.
 ///
 /// A bar with ½EA of the square of this strain carries EA ½(λ² − 1) λ at the stretch λ, where
 /// Reissner's carries EA (λ − 1).

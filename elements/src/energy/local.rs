@@ -142,7 +142,6 @@ impl<const N: usize> Local<N> {
 
 /// x and v as independent variables.
 #[inline]
-#[expect(clippy::type_complexity, reason = "two vectors of one jet")]
 fn variables<S: Scalar, const N: usize, const H: usize>(
     x: &SVector<S, N>,
     v: &SVector<S, N>,
