@@ -16,7 +16,7 @@
 //! so second derivatives, and third ones along one direction, are all there is to it:
 //! [`Phase`](pullback_manifold::jet::Phase).
 //!
-//! - [`Energies`] is what its author writes, [`ByEnergy`] the [`Element`](crate::element::Element);
+//! - [`Energies`] is what its author writes, [`ByEnergy`] the [`Element`];
 //! - [`Sampled`] adds up energies at integration points in interpolated variables, which is how a
 //!   finite element is written, and much faster than in the coordinates themselves;
 //! - [`Together`] adds two elements on the same nodes;
