@@ -196,10 +196,19 @@ impl Model {
     }
 }
 
+/// What a geodesic beam element leaves whose nodes turn too far against each other.
+const TURNED_APART: &str = "the range of relative rotation of its nodes, less than one turn: take \
+                            more elements, or a revolute joint for what turns freely";
+
 pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
             edge: CHART_EDGE,
+            what: name.to_owned(),
+            margin: std::f64::consts::TAU - psi,
+        },
+        ElementError::RelativeRotation { psi } => SystemError::OutsideChart {
+            edge: TURNED_APART,
             what: name.to_owned(),
             margin: std::f64::consts::TAU - psi,
         },

@@ -1,0 +1,438 @@
+//! Geodesic interpolation: rotations relative to a node of the element.
+//!
+//! With E_i = R_rᵀ R_i of the nodes relative to the reference node r,
+//!
+//! ```text
+//! z_i = R_rᵀ (x_i − x_r),   θ_i = log E_i,   R(ξ) = R_r exp(Σ N_i(ξ) θ_i)
+//! ```
+//!
+//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i θ_i:
+//! functions of relative quantities alone, hence invariant (Crisfield & Jelenić 1999). Their kernel
+//! runs in (z, θ); this file is the map from the nodes' coordinates to these, and its pull-back in
+//! closed form. With material variations δΘ = T δΨ,
+//!
+//! ```text
+//! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δθ_i = T⁻¹(θ_i) δΘ_i − T⁻ᵀ(θ_i) δΘ_r
+//! ```
+
+#![allow(non_snake_case)]
+
+use super::element::Tangents;
+use super::interpolation::{Rotations, Seen};
+use super::mass::MassPoint;
+use super::nodal::NodalInertia;
+use crate::element::{EDGE, ElementError, Motion};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::{InverseQuotients, Quotients};
+use pullback_manifold::so3::{self, skew};
+use pullback_manifold::system::Weights;
+
+/// The geodesic interpolation; see [`Interpolation::Geodesic`](super::Interpolation::Geodesic).
+///
+/// The reference node is the first of two, the middle one of three, and the second of four.
+#[derive(Clone, Debug)]
+pub struct Geodesic<const NN: usize> {
+    /// Reference places seen from the reference node.
+    arms: [Vector3<f64>; NN],
+    inertia: Option<NodalInertia<NN>>,
+}
+
+/// Three entries of a slice.
+pub(super) fn three(x: &[f64], at: usize) -> Vector3<f64> {
+    Vector3::new(x[at], x[at + 1], x[at + 2])
+}
+
+/// Adds a 3×3 block to an n×n matrix that stands column by column.
+#[inline]
+pub(super) fn add_block(out: &mut [f64], n: usize, row: usize, column: usize, A: &Matrix3<f64>) {
+    for c in 0..3 {
+        let start = row + (column + c) * n;
+        for (o, a) in out[start..start + 3].iter_mut().zip(A.column(c).iter()) {
+            *o += a;
+        }
+    }
+}
+
+/// A rotation vector and what follows from it.
+struct Turn {
+    psi: Vector3<f64>,
+    quotients: Quotients,
+    T: Matrix3<f64>,
+}
+
+impl Turn {
+    fn new(psi: Vector3<f64>) -> Self {
+        let quotients = Quotients::new(psi.norm());
+        let T = so3::T(&psi, &quotients.tangent());
+        Self { psi, quotients, T }
+    }
+}
+
+/// Columns of the kinematic operator of one node: δz = ρ (δd − δd_r) + ζ δΨ_r,
+/// δθ = α δΨ − α_r δΨ_r.
+struct Operator {
+    rho: Matrix3<f64>,
+    zeta: Matrix3<f64>,
+    alpha: Matrix3<f64>,
+    alpha_r: Matrix3<f64>,
+}
+
+/// A node as the reference node sees it.
+struct Relative {
+    z: Vector3<f64>,
+    theta: Vector3<f64>,
+}
+
+/// A node other than the reference, for the pull-back.
+struct Node {
+    turn: Turn,
+    seen: Relative,
+    inverse: InverseQuotients,
+    B: Operator,
+}
+
+impl<const NN: usize> Geodesic<NN> {
+    /// The reference node.
+    const R: usize = (NN - 1) / 2;
+
+    /// z and θ of node i, on the sheet that the two rotation vectors tell.
+    fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
+        let (r, i) = (6 * Self::R, 6 * i);
+        let apart = self.arms[i / 6] + three(x, i) - three(x, r);
+        let from = so3::quaternion(&three(x, r + 3)).conjugate();
+        let turned = from.product(&so3::quaternion(&three(x, i + 3)));
+        Relative {
+            z: R_t * apart,
+            theta: so3::log_quaternion(&turned),
+        }
+    }
+
+    /// Indices of the nodes that are not the reference.
+    fn others() -> impl Iterator<Item = usize> {
+        (0..NN).filter(|&i| i != Self::R)
+    }
+
+    /// x̂ alone.
+    fn coordinates(&self, x: &[f64]) -> [[f64; 6]; NN] {
+        let R_t = so3::rotation(&-three(x, 6 * Self::R + 3));
+        let mut out = [[0.0; 6]; NN];
+        for i in Self::others() {
+            out[i] = self.local(i, &self.relative(x, i, &R_t));
+        }
+        out
+    }
+
+    /// Coordinates (d̂, Ψ̂) of node i.
+    fn local(&self, i: usize, seen: &Relative) -> [f64; 6] {
+        let d = seen.z - self.arms[i];
+        let psi = seen.theta;
+        [d.x, d.y, d.z, psi.x, psi.y, psi.z]
+    }
+}
+
+impl Node {
+    fn new(turn: Turn, seen: Relative, reference: &Turn, R_t: &Matrix3<f64>) -> Self {
+        let inverse = InverseQuotients::new(seen.theta.norm());
+        let T_inverse = so3::T_inverse(&seen.theta, &inverse);
+        let B = Operator {
+            rho: *R_t,
+            zeta: skew(&seen.z) * reference.T,
+            alpha: T_inverse * turn.T,
+            alpha_r: T_inverse.transpose() * reference.T,
+        };
+        Self {
+            turn,
+            seen,
+            inverse,
+            B,
+        }
+    }
+
+    /// ẑ and θ̇ at the velocities of this node and the reference node.
+    fn rates(&self, v: &[f64], v_r: &[f64]) -> Relative {
+        let B = &self.B;
+        Relative {
+            z: B.rho * (three(v, 0) - three(v_r, 0)) + B.zeta * three(v_r, 3),
+            theta: B.alpha * three(v, 3) - B.alpha_r * three(v_r, 3),
+        }
+    }
+
+    /// The time derivative of the operator.
+    fn B_dot(&self, reference: &Turn, v: &[f64], v_r: &[f64]) -> Operator {
+        let rates = self.rates(v, v_r);
+        let [spin, spin_r] = [(&self.turn, v), (reference, v_r)].map(|(turn, v)| {
+            let Turn { psi, quotients, T } = turn;
+            (T * three(v, 3), so3::T_dot(&three(v, 3), psi, quotients))
+        });
+        let theta = &self.seen.theta;
+        let T_inverse = so3::T_inverse(theta, &self.inverse);
+        // d/dt T⁻¹ = −T⁻¹ Ṫ T⁻¹.
+        let c = Quotients::new(theta.norm());
+        let T_inverse_dot = -T_inverse * so3::T_dot(&rates.theta, theta, &c) * T_inverse;
+        Operator {
+            rho: -skew(&spin_r.0) * self.B.rho,
+            zeta: skew(&rates.z) * reference.T + skew(&self.seen.z) * spin_r.1,
+            alpha: T_inverse_dot * self.turn.T + T_inverse * spin.1,
+            alpha_r: T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * spin_r.1,
+        }
+    }
+}
+
+/// Rows (z, θ) of three columns.
+type Columns = [Matrix3<f64>; 2];
+
+impl Operator {
+    /// A 6×6 block over (z, θ), times this operator: columns δd, δΨ and δΨ_r; those of δd_r are the
+    /// negative of those of δd.
+    #[inline]
+    fn columns(&self, [[zz, zt], [tz, tt]]: &[[Matrix3<f64>; 2]; 2]) -> [Columns; 3] {
+        [
+            [zz * self.rho, tz * self.rho],
+            [zt * self.alpha, tt * self.alpha],
+            [
+                zz * self.zeta - zt * self.alpha_r,
+                tz * self.zeta - tt * self.alpha_r,
+            ],
+        ]
+    }
+
+    /// The transposed operator times three columns: rows d, Ψ and Ψ_r; those of d_r are the negative
+    /// of those of d.
+    #[inline]
+    fn rows(&self, [z, t]: &Columns) -> [Matrix3<f64>; 3] {
+        [
+            self.rho.tr_mul(z),
+            self.alpha.tr_mul(t),
+            self.zeta.tr_mul(z) - self.alpha_r.tr_mul(t),
+        ]
+    }
+}
+
+/// The 3×3 blocks of nodes i and j of a matrix in x̂, times a factor.
+#[inline]
+fn blocks(K: &[f64], n: usize, i: usize, j: usize, factor: f64) -> [[Matrix3<f64>; 2]; 2] {
+    [0, 3].map(|r| {
+        [0, 3].map(|c| Matrix3::from_fn(|a, b| factor * K[6 * i + r + a + (6 * j + c + b) * n]))
+    })
+}
+
+impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
+    fn new(places: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self {
+        Self {
+            arms: places.map(|p| p - places[Self::R]),
+            inertia: masses.map(|m| NodalInertia::new(&m)),
+        }
+    }
+
+    fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN> {
+        let reference = Turn::new(three(x, 6 * Self::R + 3));
+        let R_t = so3::rotation(&-reference.psi);
+        let mut out = Seen {
+            R: R_t.transpose(),
+            x: self.coordinates(x),
+            v: [[0.0; 6]; NN],
+        };
+        if !v.is_empty() {
+            let v_r = &v[6 * Self::R..];
+            for i in Self::others() {
+                let turn = Turn::new(three(x, 6 * i + 3));
+                let node = Node::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
+                let Relative { z, theta } = node.rates(&v[6 * i..], v_r);
+                out.v[i] = [z.x, z.y, z.z, theta.x, theta.y, theta.z];
+            }
+        }
+        out
+    }
+
+    fn pull_back<F>(
+        &self,
+        viscous: bool,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+        kernel: F,
+    ) -> Result<(), ElementError>
+    where
+        F: Fn(
+            Option<&[f64]>,
+            &Motion<'_>,
+            &mut [f64],
+            &mut Tangents<'_>,
+        ) -> Result<(), ElementError>,
+    {
+        let n = 6 * NN;
+        for i in 0..NN {
+            let psi = three(at.x, 6 * i + 3).norm();
+            if psi > EDGE {
+                return Err(ElementError::OutsideChart { psi });
+            }
+        }
+        let reference = Turn::new(three(at.x, 6 * Self::R + 3));
+        let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
+        let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
+        let mut nodes: [Option<Node>; NN] = std::array::from_fn(|_| None);
+        for i in Self::others() {
+            let seen = self.relative(at.x, i, &R_t);
+            let angle = seen.theta.norm();
+            if angle.is_nan() || angle > EDGE {
+                return Err(ElementError::RelativeRotation { psi: angle });
+            }
+            x[i] = self.local(i, &seen);
+            let node = Node::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
+            if viscous {
+                let Relative { z, theta } = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]);
+                v[i] = [z.x, z.y, z.z, theta.x, theta.y, theta.z];
+            }
+            nodes[i] = Some(node);
+        }
+        let moving = if viscous { v.as_flattened() } else { &[] };
+        let there = Motion {
+            t: at.t,
+            x: x.as_flattened(),
+            v: moving,
+            a: &[],
+        };
+        let previous = previous.map(|x| self.coordinates(x));
+        let previous = previous.as_ref().map(|x| x.as_flattened());
+        let mut force = [[0.0; 6]; NN];
+        let (mut K, mut C) = ([[[[0.0; 6]; NN]; 6]; NN], [[[[0.0; 6]; NN]; 6]; NN]);
+        let wanted = tangents.iter().flatten().any(|t| t.0.K != 0.0)
+            || viscous && tangents.iter().flatten().any(|t| t.0.C != 0.0);
+        let one = |K, C| Weights { K, C, M: 0.0 };
+        let K_hat = K.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+        let C_hat = C.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+        let mut parts: Tangents<'_> = match (wanted, viscous) {
+            (false, _) => [None, None, None],
+            (true, false) => [Some((one(1.0, 0.0), &mut *K_hat)), None, None],
+            (true, true) => [
+                Some((one(1.0, 0.0), &mut *K_hat)),
+                Some((one(0.0, 1.0), &mut *C_hat)),
+                None,
+            ],
+        };
+        kernel(previous, &there, force.as_flattened_mut(), &mut parts)?;
+        let nodes = &nodes;
+        let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
+        for (i, node) in others() {
+            let f = [three(&force[i], 0), three(&force[i], 3)];
+            let d = node.B.rho.tr_mul(&f[0]);
+            let own = node.B.alpha.tr_mul(&f[1]);
+            let turn = node.B.zeta.tr_mul(&f[0]) - node.B.alpha_r.tr_mul(&f[1]);
+            for k in 0..3 {
+                r[6 * i + k] += d[k];
+                r[6 * i + 3 + k] += own[k];
+                r[6 * Self::R + k] -= d[k];
+                r[6 * Self::R + 3 + k] += turn[k];
+            }
+        }
+        if !wanted {
+            return Ok(());
+        }
+        for (weights, out) in tangents.iter_mut().flatten() {
+            let Weights { K: k, C: c, .. } = *weights;
+            if k == 0.0 && (c == 0.0 || !viscous) {
+                continue;
+            }
+            for (j, right) in others() {
+                // The columns of K B + C Ḃ with their weights.
+                let B_dot =
+                    viscous.then(|| right.B_dot(&reference, &at.v[6 * j..], &at.v[6 * Self::R..]));
+                for (i, left) in others() {
+                    let mut columns = right.B.columns(&if viscous {
+                        let K = blocks(K_hat, n, i, j, k);
+                        let C = blocks(C_hat, n, i, j, c);
+                        [0, 1].map(|r| [0, 1].map(|c| K[r][c] + C[r][c]))
+                    } else {
+                        blocks(K_hat, n, i, j, k)
+                    });
+                    if let Some(B_dot) = &B_dot {
+                        let more = B_dot.columns(&blocks(C_hat, n, i, j, k));
+                        for (columns, more) in columns.iter_mut().zip(&more) {
+                            columns[0] += more[0];
+                            columns[1] += more[1];
+                        }
+                    }
+                    Self::spread(out, i, j, &columns.map(|c| left.B.rows(&c)));
+                }
+            }
+            if k != 0.0 {
+                self.geometric(&reference, others(), &force, -k, out);
+            }
+        }
+        Ok(())
+    }
+
+    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>) {
+        if let Some(inertia) = &self.inertia {
+            inertia.add(at, alpha, r, tangents);
+        }
+    }
+}
+
+impl<const NN: usize> Geodesic<NN> {
+    /// Adds the block of nodes i and j: `parts[c][r]` with columns (d_j, Ψ_j, Ψ_r) and rows
+    /// (d_i, Ψ_i, Ψ_r); rows and columns of d_r are the negative of those of d.
+    #[inline]
+    fn spread(out: &mut [f64], i: usize, j: usize, parts: &[[Matrix3<f64>; 3]; 3]) {
+        let (n, r) = (6 * NN, 6 * Self::R);
+        for (column, rows) in [6 * j, 6 * j + 3, r + 3].into_iter().zip(parts) {
+            for (row, block) in [6 * i, 6 * i + 3, r + 3].into_iter().zip(rows) {
+                add_block(out, n, row, column, block);
+            }
+            add_block(out, n, r, column, &-rows[0]);
+        }
+        for (row, block) in [6 * i, 6 * i + 3, r + 3].into_iter().zip(&parts[0]) {
+            add_block(out, n, row, r, &-block);
+        }
+        add_block(out, n, r, r, &parts[0][0]);
+    }
+
+    /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and θ fixed.
+    fn geometric<'a>(
+        &self,
+        reference: &Turn,
+        others: impl Iterator<Item = (usize, &'a Node)>,
+        force: &[[f64; 6]; NN],
+        factor: f64,
+        out: &mut [f64],
+    ) {
+        let (size, r) = (6 * NN, 6 * Self::R);
+        let T_r = &reference.T;
+        let mut h = Vector3::zeros();
+        for (
+            i,
+            Node {
+                turn,
+                seen,
+                inverse,
+                B,
+            },
+        ) in others
+        {
+            let (n, m) = (three(&force[i], 0) * factor, three(&force[i], 3) * factor);
+            let T_inverse = so3::T_inverse(&seen.theta, inverse);
+            // Force of δΘ_i and, negative, of δΘ_r.
+            let own = T_inverse.tr_mul(&m);
+            h -= seen.z.cross(&n) + T_inverse * m;
+            // D_θ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + θ~, that of T⁻¹ m is C₆ − m~.
+            let C6 = so3::C6(&m, &seen.theta, inverse);
+            let left = turn.T.tr_mul(&C6);
+            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * B.alpha;
+            let mixed = -left * B.alpha_r;
+            let at_r = T_r.tr_mul(&(skew(&n) * B.zeta + (C6 - skew(&m)) * B.alpha_r));
+            // −R_r n~ T_r.
+            let d = -B.rho.tr_mul(&(skew(&n) * T_r));
+            add_block(out, size, 6 * i + 3, 6 * i + 3, &own);
+            add_block(out, size, 6 * i + 3, r + 3, &mixed);
+            add_block(out, size, r + 3, 6 * i + 3, &mixed.transpose());
+            add_block(out, size, r + 3, r + 3, &at_r);
+            add_block(out, size, 6 * i, r + 3, &d);
+            add_block(out, size, r + 3, 6 * i, &d.transpose());
+            add_block(out, size, r, r + 3, &-d);
+            add_block(out, size, r + 3, r, &-d.transpose());
+        }
+        let h = so3::C2(&h, &reference.psi, &reference.quotients);
+        add_block(out, size, r + 3, r + 3, &h);
+    }
+}
