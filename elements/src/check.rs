@@ -5,8 +5,9 @@
 //! check::element(&NodalLoad::new(Which::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
 //! ```
 //!
-//! Places, slopes and reports are those of [`pullback_manifold::check`]. Objectivity is no law: the
-//! interpolation of total rotation vectors has it only in the limit of small elements.
+//! Places, slopes and reports are those of [`pullback_manifold::check`]. Objectivity is no law: of
+//! the interpolations of rotations the geodesic one has it, that of total rotation vectors only in
+//! the limit of small elements.
 
 #![allow(non_snake_case)]
 

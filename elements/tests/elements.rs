@@ -114,7 +114,11 @@ fn line_loads() {
         for follower in [false, true] {
             let amplitude = Box::new(sine());
             let load = LineLoad::new(&helix(nodes), [0.8, -1.4, 2.2], follower, amplitude);
-            check::element(&load.unwrap()).assert();
+            let mut load = load.unwrap();
+            for interpolation in INTERPOLATIONS {
+                load = load.with_interpolation(interpolation);
+                check::element(&load).assert();
+            }
         }
     }
 }

@@ -3,16 +3,16 @@
 //! With E_i = R_rᵀ R_i of the nodes relative to the reference node r,
 //!
 //! ```text
-//! z_i = R_rᵀ (x_i − x_r),   θ_i = log E_i,   R(ξ) = R_r exp(Σ N_i(ξ) θ_i)
+//! z_i = R_rᵀ (x_i − x_r),   ϑ_i = log E_i,   R(ξ) = R_r exp(Σ N_i(ξ) ϑ_i)
 //! ```
 //!
-//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i θ_i:
+//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i ϑ_i:
 //! functions of relative quantities alone, hence invariant (Crisfield & Jelenić 1999). Their kernel
-//! runs in (z, θ); this file is the map from the nodes' coordinates to these, and its pull-back in
+//! runs in (z, ϑ); this file is the map from the nodes' coordinates to these, and its pull-back in
 //! closed form. With material variations δΘ = T δΨ,
 //!
 //! ```text
-//! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δθ_i = T⁻¹(θ_i) δΘ_i − T⁻ᵀ(θ_i) δΘ_r
+//! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δϑ_i = T⁻¹(ϑ_i) δΘ_i − T⁻ᵀ(ϑ_i) δΘ_r
 //! ```
 
 #![allow(non_snake_case)]
@@ -23,7 +23,7 @@ use super::mass::MassPoint;
 use super::nodal::NodalInertia;
 use crate::element::{EDGE, ElementError, Motion};
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::quotients::{InverseQuotients, Quotients};
+use pullback_manifold::quotients::{InverseQuotients, Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
 
@@ -68,13 +68,13 @@ impl Turn {
     }
 }
 
-/// Columns of the kinematic operator of one node: δz = ρ (δd − δd_r) + ζ δΨ_r,
-/// δθ = α δΨ − α_r δΨ_r.
+/// Columns of the kinematic operator of one node: δz = z_d (δd − δd_r) + z_r δΨ_r,
+/// δϑ = ϑ_Ψ δΨ − ϑ_r δΨ_r.
 struct Operator {
-    rho: Matrix3<f64>,
-    zeta: Matrix3<f64>,
-    alpha: Matrix3<f64>,
-    alpha_r: Matrix3<f64>,
+    z_d: Matrix3<f64>,
+    z_r: Matrix3<f64>,
+    theta_psi: Matrix3<f64>,
+    theta_r: Matrix3<f64>,
 }
 
 /// A node as the reference node sees it.
@@ -95,16 +95,19 @@ impl<const NN: usize> Geodesic<NN> {
     /// The reference node.
     const R: usize = (NN - 1) / 2;
 
-    /// z and θ of node i, on the sheet that the two rotation vectors tell.
+    /// z and ϑ of node i; the two rotation vectors tell on which sheet ϑ is.
     fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
-        let (r, i) = (6 * Self::R, 6 * i);
-        let apart = self.arms[i / 6] + three(x, i) - three(x, r);
-        let from = so3::quaternion(&three(x, r + 3)).conjugate();
-        let turned = from.product(&so3::quaternion(&three(x, i + 3)));
+        let apart = self.arms[i] + three(x, 6 * i) - three(x, 6 * Self::R);
         Relative {
             z: R_t * apart,
-            theta: so3::log_quaternion(&turned),
+            theta: Self::turn_between(x, i),
         }
+    }
+
+    /// ϑ_i of node i, less than a whole turn.
+    fn turn_between(x: &[f64], i: usize) -> Vector3<f64> {
+        let from = so3::quaternion(&three(x, 6 * Self::R + 3)).conjugate();
+        so3::log_quaternion(&from.product(&so3::quaternion(&three(x, 6 * i + 3))))
     }
 
     /// Indices of the nodes that are not the reference.
@@ -135,10 +138,10 @@ impl Node {
         let inverse = InverseQuotients::new(seen.theta.norm());
         let T_inverse = so3::T_inverse(&seen.theta, &inverse);
         let B = Operator {
-            rho: *R_t,
-            zeta: skew(&seen.z) * reference.T,
-            alpha: T_inverse * turn.T,
-            alpha_r: T_inverse.transpose() * reference.T,
+            z_d: *R_t,
+            z_r: skew(&seen.z) * reference.T,
+            theta_psi: T_inverse * turn.T,
+            theta_r: T_inverse.transpose() * reference.T,
         };
         Self {
             turn,
@@ -148,12 +151,12 @@ impl Node {
         }
     }
 
-    /// ẑ and θ̇ at the velocities of this node and the reference node.
+    /// ẑ and ϑ̇ at the velocities of this node and the reference node.
     fn rates(&self, v: &[f64], v_r: &[f64]) -> Relative {
         let B = &self.B;
         Relative {
-            z: B.rho * (three(v, 0) - three(v_r, 0)) + B.zeta * three(v_r, 3),
-            theta: B.alpha * three(v, 3) - B.alpha_r * three(v_r, 3),
+            z: B.z_d * (three(v, 0) - three(v_r, 0)) + B.z_r * three(v_r, 3),
+            theta: B.theta_psi * three(v, 3) - B.theta_r * three(v_r, 3),
         }
     }
 
@@ -170,28 +173,28 @@ impl Node {
         let c = Quotients::new(theta.norm());
         let T_inverse_dot = -T_inverse * so3::T_dot(&rates.theta, theta, &c) * T_inverse;
         Operator {
-            rho: -skew(&spin_r.0) * self.B.rho,
-            zeta: skew(&rates.z) * reference.T + skew(&self.seen.z) * spin_r.1,
-            alpha: T_inverse_dot * self.turn.T + T_inverse * spin.1,
-            alpha_r: T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * spin_r.1,
+            z_d: -skew(&spin_r.0) * self.B.z_d,
+            z_r: skew(&rates.z) * reference.T + skew(&self.seen.z) * spin_r.1,
+            theta_psi: T_inverse_dot * self.turn.T + T_inverse * spin.1,
+            theta_r: T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * spin_r.1,
         }
     }
 }
 
-/// Rows (z, θ) of three columns.
+/// Rows (z, ϑ) of three columns.
 type Columns = [Matrix3<f64>; 2];
 
 impl Operator {
-    /// A 6×6 block over (z, θ), times this operator: columns δd, δΨ and δΨ_r; those of δd_r are the
+    /// A 6×6 block over (z, ϑ), times this operator: columns δd, δΨ and δΨ_r; those of δd_r are the
     /// negative of those of δd.
     #[inline]
     fn columns(&self, [[zz, zt], [tz, tt]]: &[[Matrix3<f64>; 2]; 2]) -> [Columns; 3] {
         [
-            [zz * self.rho, tz * self.rho],
-            [zt * self.alpha, tt * self.alpha],
+            [zz * self.z_d, tz * self.z_d],
+            [zt * self.theta_psi, tt * self.theta_psi],
             [
-                zz * self.zeta - zt * self.alpha_r,
-                tz * self.zeta - tt * self.alpha_r,
+                zz * self.z_r - zt * self.theta_r,
+                tz * self.z_r - tt * self.theta_r,
             ],
         ]
     }
@@ -201,9 +204,9 @@ impl Operator {
     #[inline]
     fn rows(&self, [z, t]: &Columns) -> [Matrix3<f64>; 3] {
         [
-            self.rho.tr_mul(z),
-            self.alpha.tr_mul(t),
-            self.zeta.tr_mul(z) - self.alpha_r.tr_mul(t),
+            self.z_d.tr_mul(z),
+            self.theta_psi.tr_mul(t),
+            self.z_r.tr_mul(z) - self.theta_r.tr_mul(t),
         ]
     }
 }
@@ -242,6 +245,26 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             }
         }
         out
+    }
+
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]) {
+        let reference = Turn::new(three(x, 6 * Self::R + 3));
+        let R = so3::R(&reference.psi, &reference.quotients.tangent());
+        // R = R_r E(ϑ), ϑ = Σ N_i ϑ_i: δΘ = Eᵀ δΘ_r + T(ϑ) Σ N_i δϑ_i.
+        let mut theta = Vector3::zeros();
+        let mut Theta_psi = [Matrix3::zeros(); NN];
+        for i in Self::others() {
+            let own = Self::turn_between(x, i);
+            theta += own * N[i];
+            let T_inverse = so3::tangent_inverse(&own) * N[i];
+            Theta_psi[i] = T_inverse * Turn::new(three(x, 6 * i + 3)).T;
+            Theta_psi[Self::R] -= T_inverse.transpose() * reference.T;
+        }
+        let c = TangentQuotients::new(theta.norm_squared());
+        let (E, T) = (so3::R(&theta, &c), so3::T(&theta, &c));
+        let mut Theta_psi = Theta_psi.map(|Theta_psi| T * Theta_psi);
+        Theta_psi[Self::R] += E.tr_mul(&reference.T);
+        (R * E, Theta_psi)
     }
 
     fn pull_back<F>(
@@ -316,9 +339,9 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
         for (i, node) in others() {
             let f = [three(&force[i], 0), three(&force[i], 3)];
-            let d = node.B.rho.tr_mul(&f[0]);
-            let own = node.B.alpha.tr_mul(&f[1]);
-            let turn = node.B.zeta.tr_mul(&f[0]) - node.B.alpha_r.tr_mul(&f[1]);
+            let d = node.B.z_d.tr_mul(&f[0]);
+            let own = node.B.theta_psi.tr_mul(&f[1]);
+            let turn = node.B.z_r.tr_mul(&f[0]) - node.B.theta_r.tr_mul(&f[1]);
             for k in 0..3 {
                 r[6 * i + k] += d[k];
                 r[6 * i + 3 + k] += own[k];
@@ -388,7 +411,7 @@ impl<const NN: usize> Geodesic<NN> {
         add_block(out, n, r, r, &parts[0][0]);
     }
 
-    /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and θ fixed.
+    /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and ϑ fixed.
     fn geometric<'a>(
         &self,
         reference: &Turn,
@@ -415,14 +438,14 @@ impl<const NN: usize> Geodesic<NN> {
             // Force of δΘ_i and, negative, of δΘ_r.
             let own = T_inverse.tr_mul(&m);
             h -= seen.z.cross(&n) + T_inverse * m;
-            // D_θ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + θ~, that of T⁻¹ m is C₆ − m~.
+            // D_ϑ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + ϑ~, that of T⁻¹ m is C₆ − m~.
             let C6 = so3::C6(&m, &seen.theta, inverse);
             let left = turn.T.tr_mul(&C6);
-            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * B.alpha;
-            let mixed = -left * B.alpha_r;
-            let at_r = T_r.tr_mul(&(skew(&n) * B.zeta + (C6 - skew(&m)) * B.alpha_r));
+            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * B.theta_psi;
+            let mixed = -left * B.theta_r;
+            let at_r = T_r.tr_mul(&(skew(&n) * B.z_r + (C6 - skew(&m)) * B.theta_r));
             // −R_r n~ T_r.
-            let d = -B.rho.tr_mul(&(skew(&n) * T_r));
+            let d = -B.z_d.tr_mul(&(skew(&n) * T_r));
             add_block(out, size, 6 * i + 3, 6 * i + 3, &own);
             add_block(out, size, 6 * i + 3, r + 3, &mixed);
             add_block(out, size, r + 3, 6 * i + 3, &mixed.transpose());

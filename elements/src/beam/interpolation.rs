@@ -3,9 +3,12 @@
 #![allow(non_snake_case)]
 
 use super::element::Tangents;
+use super::geodesic::three;
 use super::mass::MassPoint;
 use crate::element::{ElementError, Motion};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::TangentQuotients;
+use pullback_manifold::so3;
 use std::fmt::Debug;
 
 /// Which interpolation of rotations a beam element has.
@@ -39,6 +42,10 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     /// The nodes as the strains see them, at coordinates x and velocities v (6·NN each; v empty at
     /// rest).
     fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN>;
+
+    /// The section where the shape functions are `N`: its rotation R (3×3) and the operators Θ_Ψᵢ
+    /// (3×3) of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
     /// Adds what `kernel` adds in x̂, pulled back: `kernel` is given the previous iterate, the motion,
     /// the residual and the tangents there. It reads velocities, and adds to C, only when the beam is
@@ -102,6 +109,14 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
             x: nodes(x),
             v: nodes(v),
         }
+    }
+
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]) {
+        let nodes = x.chunks_exact(6).zip(N);
+        let psi: Vector3<f64> = nodes.map(|(x, N)| three(x, 3) * *N).sum();
+        let c = TangentQuotients::new(psi.norm_squared());
+        let T = so3::T(&psi, &c);
+        (so3::R(&psi, &c), N.map(|N| T * N))
     }
 
     #[inline]
