@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
 
-/// The helical beam with 100 and 200 elements.
+/// The helical beam with 100 and 200 elements, and with 100 geodesic ones.
 pub const CASE: Case = Case { name: "helix", run };
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola
@@ -116,6 +116,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         let exact = exact_tips(&loads);
         let squares = records.iter().zip(&exact);
         let squares = squares.map(|(r, tip)| (r.state.d.z - tip.z).powi(2));
+        // Root mean square over the steps.
         distances.push((squares.sum::<f64>() / exact.len() as f64).sqrt());
         let points = std::iter::once((0.0, 0.0))
             .chain(records.iter().map(|r| (r.t, r.state.d.z)))
@@ -129,7 +130,23 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         0.5,
         "published: about 2.5 (description of the figure)",
     );
-    eprintln!("{drifts:?} {distances:?}");
+    const EXACT: &str = "exact curve: shooting from the tip's equilibrium";
+    let quantity = "mean distance of the tip along e3 from the exact curve";
+    for (k, name, tolerance) in [
+        (0, "100 elements", 0.2),
+        (1, "200 elements", 0.05),
+        (2, "100 geodesic elements", 0.01),
+    ] {
+        let quantity = format!("{quantity}, {name}");
+        context.compare(quantity, distances[k], 0.0, tolerance, EXACT);
+    }
+    context.compare(
+        format!("{quantity}, 100 geodesic over 200 elements"),
+        distances[2] / distances[1],
+        0.0,
+        0.5,
+        EXACT,
+    );
     context.figure(
         "Helical beam",
         ["load factor", "tip displacement along e3"],
