@@ -89,7 +89,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
 
     /// Changes the meaning of the coordinates q where other ones are better, and tells what they
     /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
-    /// state (also to remember it), and never between. Nothing to do by default; a map that does
+    /// state, and never between. Nothing to do by default; a map that does
     /// it says so by [`Map::rewrites`].
     fn rewrite(
         &mut self,
@@ -185,9 +185,16 @@ pub trait Parametrization: Send + Sync {
     /// See [`Map::change_charts`].
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
 
-    /// See [`Map::rewrite`]: the coordinates, the velocities (zero if empty) and any number of
-    /// accelerations are changed in place; whether they were.
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [&mut [f64]]) -> bool;
+    /// See [`Map::rewrite`]: the coordinates, which stand from `first` on, their velocities (zero
+    /// if empty) and any number of accelerations are changed in place; whether they were.
+    fn rewrite(
+        &mut self,
+        t: f64,
+        first: usize,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [&mut [f64]],
+    ) -> bool;
 
     /// See [`Map::rewrites`].
     fn rewrites(&self) -> bool;
@@ -230,22 +237,31 @@ where
         self.0.change_charts(t, &SVector::from_column_slice(q))
     }
 
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [&mut [f64]]) -> bool {
+    fn rewrite(
+        &mut self,
+        t: f64,
+        first: usize,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [&mut [f64]],
+    ) -> bool {
+        let own = first..first + D;
+        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(&x[own.clone()]);
         let velocity = if v.is_empty() {
             SVector::zeros()
         } else {
-            SVector::from_column_slice(v)
+            take(v)
         };
-        let Some(new) = self.0.rewrite(t, &SVector::from_column_slice(q), &velocity) else {
+        let Some(new) = self.0.rewrite(t, &take(q), &velocity) else {
             return false;
         };
-        q.copy_from_slice(new.q.as_slice());
+        q[own.clone()].copy_from_slice(new.q.as_slice());
         if !v.is_empty() {
-            v.copy_from_slice(new.v.as_slice());
+            v[own.clone()].copy_from_slice(new.v.as_slice());
         }
         for a in a {
-            let accelerations = new.B * SVector::<f64, D>::from_column_slice(a) + new.c;
-            a.copy_from_slice(accelerations.as_slice());
+            let accelerations = new.B * take(a) + new.c;
+            a[own.clone()].copy_from_slice(accelerations.as_slice());
         }
         true
     }

@@ -1,7 +1,7 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
 use super::slots::Complement;
-use super::{Form, Model};
+use super::{Form, Model, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::ChartChanges;
@@ -83,6 +83,7 @@ impl Model {
                 put(v, &first);
             }
         }
+        changed += self.rewrite_coordinates(t, q, v, accelerations);
         // Where a map cannot be evaluated, the next evaluation says so.
         let Ok(maps) = self.update_maps(t, q) else {
             return ChartChanges {
@@ -94,6 +95,28 @@ impl Model {
             charts: changed + maps.charts,
             residual: self.choose_element_charts() || maps.residual,
         }
+    }
+
+    /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
+    /// coordinates of one own node, which nobody else uses: seen to when the model is built.
+    fn rewrite_coordinates(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = 0;
+        for &n in &self.dependent {
+            if let Source::Mapped(d) = &mut self.nodes[n as usize].source
+                && d.map.rewrites()
+            {
+                let coordinate = self.spans[d.masters()[0] as usize].first as usize;
+                let first = self.unknowns[coordinate] as usize;
+                changed += usize::from(d.map.rewrite(t, first, q, v, accelerations));
+            }
+        }
+        changed
     }
 
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 /// Residual of the equations, over the size of their derivatives and coordinates.
 const RESIDUAL: f64 = 1e-12;
 /// Charts with a larger condition number lose digits that are not theirs.
-const REGULAR: f64 = 1e3;
+const REGULAR: f64 = 100.0;
 /// Largest distance of the places from q = 0, relative to the sizes of the coordinates.
 const REACH: f64 = 0.1;
 
@@ -53,7 +53,7 @@ where
             let mut probe = map.clone();
             let zero = SVector::zeros();
             let possible = probe.switch(t, &q, &zero, independent);
-            if !possible.is_some_and(|new| probe.condition(t, &new.q) < REGULAR) {
+            if !possible.is_some_and(|new| roomy(&probe, t, &new.q)) {
                 continue;
             }
             let to = |m: &mut Solved<H, D, X, M>, q: &_, v: &_| m.switch(t, q, v, independent);
@@ -179,13 +179,28 @@ where
             .map_or(1.0, |k| map.constraint().size(k[j]));
     }
     for _ in 0..20 {
-        let margin = map.margin(t, &q);
-        // Steps of 0.3 times the margin are made from here.
-        let clear = margin > 0.0 && map.margin(t, &(q * 1.1)) > 0.0;
-        if clear {
+        if roomy(map, t, &q) {
             return Some(q);
         }
         q *= 0.5;
     }
     None
+}
+
+/// Whether a place is well inside the domain: the steps of the laws stay there too.
+fn roomy<H, const D: usize, const X: usize, const M: usize>(
+    map: &Solved<H, D, X, M>,
+    t: f64,
+    q: &SVector<f64, D>,
+) -> bool
+where
+    H: Implicit<X, M>,
+{
+    let margin = map.margin(t, q);
+    let step = |j: usize, sign: f64| {
+        let mut q = *q;
+        q[j] += sign * 0.4 * margin.min(0.3);
+        map.margin(t, &q) > 0.0
+    };
+    margin * REGULAR > 1.0 && (0..D).all(|j| step(j, 1.0) && step(j, -1.0))
 }

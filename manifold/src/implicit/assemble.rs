@@ -81,6 +81,14 @@ where
     let at = derived::tangent(&Residual(constraint), t, &x);
     let J: SMatrix<f64, M, X> = at.B;
     let rank = pivoted(&scaled(constraint, &J).transpose()).rank(RANK);
+    if rank > X - D {
+        return Err(ImplicitError::TooManyEquations {
+            rank,
+            left: X - rank,
+            coordinates: X,
+            expected: D,
+        });
+    }
     for i in 0..M {
         if at.x[i].abs() > CONSISTENT * row_size(constraint, &J, i) {
             return Err(ImplicitError::Inconsistent {
@@ -89,14 +97,6 @@ where
                 residual: at.x[i],
             });
         }
-    }
-    if rank > X - D {
-        return Err(ImplicitError::TooManyEquations {
-            rank,
-            left: X - rank,
-            coordinates: X,
-            expected: D,
-        });
     }
     Ok(x)
 }

@@ -6,6 +6,7 @@ use super::{Implicit, Residual, Solved};
 use crate::jet::Taylor;
 use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
 use crate::scalar::Scalar;
+use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
 
 impl<H, const D: usize, const X: usize, const M: usize> Map<D, X> for Solved<H, D, X, M>
@@ -50,6 +51,12 @@ where
 
     fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
         self.solve(t, q).err().map(|trouble| trouble.to_string())
+    }
+
+    /// The charts of x are what they are; the state is where Newton's method starts from next.
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
+        self.remember(t, q);
+        ChartChanges::default()
     }
 
     fn rewrites(&self) -> bool {

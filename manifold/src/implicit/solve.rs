@@ -205,6 +205,13 @@ where
         }
     }
 
+    /// Makes a converged state the one that Newton's method starts from.
+    pub(super) fn remember(&mut self, t: f64, q: &SVector<f64, D>) -> Option<Solution<D, X, M>> {
+        let now = self.solve(t, q).ok()?;
+        (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
+        Some(now)
+    }
+
     /// Changes the chart where that is due at a converged state, and starts from there from now on.
     pub(super) fn settle(
         &mut self,
@@ -212,8 +219,7 @@ where
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
     ) -> Option<Rewritten<D>> {
-        let now = self.solve(t, q).ok()?;
-        (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
+        let now = self.remember(t, q)?;
         if self.choice == Choice::Fixed {
             return None;
         }
@@ -234,8 +240,7 @@ where
         v: &SVector<f64, D>,
         independent: Option<[usize; D]>,
     ) -> Option<Rewritten<D>> {
-        let now = self.solve(t, q).ok()?;
-        (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
+        let now = self.remember(t, q)?;
         let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
         let used = self.chart.used;
         let chart = match independent {
