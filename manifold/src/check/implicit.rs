@@ -199,7 +199,8 @@ where
     let margin = map.margin(t, q);
     let step = |j: usize, sign: f64| {
         let mut q = *q;
-        q[j] += sign * 0.4 * margin.min(0.3);
+        // Steps go in all directions at once, and the motion is bent.
+        q[j] += sign * 0.6 * margin.min(0.3) * (D as f64).sqrt();
         map.margin(t, &q) > 0.0
     };
     margin * REGULAR > 1.0 && (0..D).all(|j| step(j, 1.0) && step(j, -1.0))

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::chart::{RANK, row_size, scaled};
+use super::chart::{RANK, row_size, scaled, sizes};
 use super::factor::pivoted;
 use super::solve::{CONSISTENT, CONVERGED, ROUNDING};
 use super::{Implicit, ImplicitError, Residual, names};
@@ -34,7 +34,8 @@ where
                 equation: constraint.equation(i),
             });
         }
-        let rows = scaled(constraint, &at.B);
+        let sizes = sizes(constraint, &at.B, &[0.0; M]);
+        let rows = scaled(constraint, &at.B, &sizes);
         let found = pivoted(&rows.transpose());
         let count = found.rank(RANK).min(X - D);
         // With the basis Q of their gradients the equations are triangular in y, ξ = Q y.
@@ -42,7 +43,7 @@ where
         for k in 0..count {
             let i = found.order[k];
             let row = rows.row(i);
-            let h = at.x[i] / row_size(constraint, &at.B, i);
+            let h = at.x[i] / sizes[i];
             let direction = found.basis.column(k);
             let y = -(h + row.transpose().dot(&step)) / row.transpose().dot(&direction);
             step += direction * y;
@@ -80,9 +81,12 @@ where
 {
     let at = derived::tangent(&Residual(constraint), t, &x);
     let J: SMatrix<f64, M, X> = at.B;
-    let rank = pivoted(&scaled(constraint, &J).transpose()).rank(RANK);
+    let sizes = sizes(constraint, &J, &[0.0; M]);
+    let found = pivoted(&scaled(constraint, &J, &sizes).transpose());
+    let rank = found.rank(RANK);
     if rank > X - D {
         return Err(ImplicitError::TooManyEquations {
+            equation: constraint.equation(found.order[rank - 1]),
             rank,
             left: X - rank,
             coordinates: X,
@@ -90,10 +94,10 @@ where
         });
     }
     for i in 0..M {
-        if at.x[i].abs() > CONSISTENT * row_size(constraint, &J, i) {
+        if at.x[i].abs() > CONSISTENT * sizes[i] {
             return Err(ImplicitError::Inconsistent {
                 equation: constraint.equation(i),
-                others: names::others(constraint, &J, i),
+                others: names::others(constraint, &J, &sizes, i),
                 residual: at.x[i],
             });
         }

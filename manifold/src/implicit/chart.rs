@@ -61,19 +61,32 @@ where
     squares.sum::<f64>().sqrt()
 }
 
-/// h_x with rows of unit length and coordinates over their sizes; rows that vanish stay zero.
+/// What counts as one for each equation: the length of its row, or what it was before if that is
+/// more. A row that shrinks is a sign of a singular configuration, which no scaling may hide; one
+/// that vanishes among the others has no size of its own.
+pub(super) fn sizes<H, const X: usize, const M: usize>(
+    constraint: &H,
+    J: &SMatrix<f64, M, X>,
+    before: &[f64; M],
+) -> [f64; M]
+where
+    H: Implicit<X, M>,
+{
+    let now: [f64; M] = std::array::from_fn(|i| row_size(constraint, J, i).max(before[i]));
+    let largest = now.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    now.map(|size| if size > RANK * largest { size } else { largest })
+}
+
+/// h_x with equations and coordinates over their sizes.
 pub(super) fn scaled<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
 ) -> SMatrix<f64, M, X>
 where
     H: Implicit<X, M>,
 {
-    let sizes: [f64; M] = std::array::from_fn(|i| row_size(constraint, J, i));
-    SMatrix::from_fn(|i, k| match sizes[i] {
-        0.0 => 0.0,
-        size => J[(i, k)] * constraint.size(k) / size,
-    })
+    SMatrix::from_fn(|i, k| J[(i, k)] * constraint.size(k) / sizes[i])
 }
 
 /// A⁻¹ in a chart; `None` where A is singular.
@@ -81,6 +94,7 @@ pub(super) fn invert<H, const D: usize, const X: usize, const M: usize>(
     constraint: &H,
     chart: &Chart<D, X, M>,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
 ) -> Option<Inverse<D, X, M>>
 where
     H: Implicit<X, M>,
@@ -94,18 +108,20 @@ where
     for (row, i) in used.clone().enumerate() {
         A.set_row(D + row, &J.row(i));
     }
+    for row in 0..D {
+        let squares = (0..X).map(|k| (A[(row, k)] * constraint.size(k)).powi(2));
+        length[row] = squares.sum::<f64>().sqrt();
+    }
+    for (row, i) in used.clone().enumerate() {
+        length[D + row] = sizes[i];
+    }
     for row in 0..X {
         for k in 0..X {
-            A[(row, k)] *= constraint.size(k);
-        }
-        length[row] = A.row(row).norm();
-        for k in 0..X {
-            A[(row, k)] /= length[row];
+            A[(row, k)] *= constraint.size(k) / length[row];
         }
     }
     let mut out = inverse(&A)?;
-    // Rows of A have length one.
-    let condition = (X as f64).sqrt() * out.norm();
+    let condition = A.norm() * out.norm();
     for k in 0..X {
         for row in 0..X {
             out[(k, row)] *= constraint.size(k) / length[row];
@@ -126,12 +142,13 @@ where
 pub(super) fn best<H, const D: usize, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
     choice: Choice,
 ) -> Option<(Chart<D, X, M>, Inverse<D, X, M>)>
 where
     H: Implicit<X, M>,
 {
-    let rows = scaled(constraint, J);
+    let rows = scaled(constraint, J, sizes);
     let equations = pivoted(&rows.transpose());
     let mut used = [false; M];
     for &i in &equations.order[..X - D] {
@@ -153,7 +170,7 @@ where
             used,
         },
     };
-    let inverse = invert(constraint, &chart, J)?;
+    let inverse = invert(constraint, &chart, J, sizes)?;
     (inverse.condition * RANK < 1.0).then_some((chart, inverse))
 }
 
@@ -177,12 +194,13 @@ where
 pub(super) fn singular<H, const D: usize, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
 ) -> ImplicitError
 where
     H: Implicit<X, M>,
 {
-    let rank = pivoted(&scaled(constraint, J).transpose()).rank(RANK);
-    let (equations, coordinates) = names::dependences(constraint, J, X - D);
+    let rank = pivoted(&scaled(constraint, J, sizes).transpose()).rank(RANK);
+    let (equations, coordinates) = names::dependences(constraint, J, sizes, X - D);
     ImplicitError::Singular {
         equations,
         coordinates,

@@ -35,9 +35,11 @@ pub enum ImplicitError {
     /// More independent equations than the number of coordinates q allows.
     #[error(
         "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \
-         {expected}"
+         {expected}: {equation} does not follow from the others; if it should, lengths do not fit"
     )]
     TooManyEquations {
+        /// The one that adds least to the others.
+        equation: String,
         /// Rank of h_x.
         rank: usize,
         /// Coordinates left free.

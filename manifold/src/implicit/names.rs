@@ -23,12 +23,13 @@ fn list(names: &[String]) -> String {
 pub(super) fn others<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
     i: usize,
 ) -> String
 where
     H: Implicit<X, M>,
 {
-    let rows = scaled(constraint, J);
+    let rows = scaled(constraint, J, sizes);
     // The gradient of i in terms of the others: triangular elimination along their basis.
     let found = pivoted(&SMatrix::<f64, X, M>::from_fn(|k, j| {
         if j == i { 0.0 } else { rows[(j, k)] }
@@ -60,12 +61,13 @@ where
 pub(super) fn dependences<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
+    sizes: &[f64; M],
     expected: usize,
 ) -> (String, String)
 where
     H: Implicit<X, M>,
 {
-    let rows = scaled(constraint, J);
+    let rows = scaled(constraint, J, sizes);
     let equations = pivoted(&rows.transpose());
     let rank = equations.rank(RANK);
     let mut weak: Vec<usize> = equations.order[rank.min(M - 1)..].to_vec();
@@ -73,7 +75,7 @@ where
     let dependent: Vec<String> = weak
         .iter()
         .map(|&i| {
-            let others = others(constraint, J, i);
+            let others = others(constraint, J, sizes, i);
             format!("{} depends on {others}", constraint.equation(i))
         })
         .collect();

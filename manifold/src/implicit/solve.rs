@@ -1,7 +1,7 @@
 //! Newton's method on h(t, x) = 0, and the choice of the coordinates q.
 
 use super::assemble::assemble;
-use super::chart::{Chart, Inverse, RANK, best, invert, row_size, singular, split};
+use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
 use super::{Choice, GAIN, Implicit, ImplicitError, Residual, Trouble, names};
 use crate::map::{Map, Rewritten, derived};
 use nalgebra::{SMatrix, SVector};
@@ -35,6 +35,8 @@ pub struct Solved<H, const D: usize, const X: usize, const M: usize> {
     /// The last converged x and B there: Newton's method starts from it.
     anchor: SVector<f64, X>,
     anchor_B: SMatrix<f64, X, D>,
+    /// Largest length of each row of h_x so far.
+    sizes: [f64; M],
     pub(super) chart: Chart<D, X, M>,
 }
 
@@ -69,14 +71,16 @@ where
         }
         let x = assemble::<H, D, X, M>(&constraint, t, guess.into())?;
         let J = derived::tangent(&Residual(&constraint), t, &x).B;
-        let (chart, inverse) =
-            best(&constraint, &J, choice).ok_or_else(|| singular::<H, D, X, M>(&constraint, &J))?;
+        let sizes = sizes(&constraint, &J, &[0.0; M]);
+        let (chart, inverse) = best(&constraint, &J, &sizes, choice)
+            .ok_or_else(|| singular::<H, D, X, M>(&constraint, &J, &sizes))?;
         Ok(Self {
             constraint,
             choice,
             reference: x,
             anchor: x,
             anchor_B: inverse.B,
+            sizes,
             chart,
         })
     }
@@ -140,7 +144,7 @@ where
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let at = derived::tangent(&residual, t, &x);
-            let inverse = invert(&self.constraint, &self.chart, &at.B);
+            let inverse = invert(&self.constraint, &self.chart, &at.B, &self.sizes);
             let Some(inverse) = inverse.filter(|i| i.condition * RANK < 1.0) else {
                 return Err(self.singular(&at.B));
             };
@@ -152,7 +156,7 @@ where
             let rounding = ROUNDING.max(f64::EPSILON * 10.0 * inverse.condition);
             let stalled = size <= rounding && size > 0.5 * before;
             if size <= CONVERGED || stalled {
-                self.check_unused(&at.x, &at.B)?;
+                self.check_unused(&at.x)?;
                 return Ok(Solution { x, inverse });
             }
             if size.is_nan() || size > 0.5 * before || size > 1.0 {
@@ -173,9 +177,9 @@ where
             .fold(0.0, |a, b| if a > b { a } else { b + 0.0 * a })
     }
 
-    fn check_unused(&self, h: &SVector<f64, M>, J: &SMatrix<f64, M, X>) -> Result<(), Trouble> {
+    fn check_unused(&self, h: &SVector<f64, M>) -> Result<(), Trouble> {
         for i in (0..M).filter(|&i| !self.chart.used[i]) {
-            let allowed = CONSISTENT * row_size(&self.constraint, J, i);
+            let allowed = CONSISTENT * self.sizes[i];
             if h[i].is_nan() || h[i].abs() > allowed {
                 return Err(Trouble::Inconsistent {
                     equation: self.constraint.equation(i),
@@ -195,9 +199,9 @@ where
     }
 
     fn singular(&self, J: &SMatrix<f64, M, X>) -> Trouble {
-        let condition =
-            invert(&self.constraint, &self.chart, J).map_or(f64::INFINITY, |i| i.condition);
-        let (equations, coordinates) = names::dependences(&self.constraint, J, X - D);
+        let condition = invert(&self.constraint, &self.chart, J, &self.sizes)
+            .map_or(f64::INFINITY, |i| i.condition);
+        let (equations, coordinates) = names::dependences(&self.constraint, J, &self.sizes, X - D);
         Trouble::Singular {
             condition,
             equations,
@@ -209,6 +213,8 @@ where
     pub(super) fn remember(&mut self, t: f64, q: &SVector<f64, D>) -> Option<Solution<D, X, M>> {
         let now = self.solve(t, q).ok()?;
         (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
+        let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
+        self.sizes = sizes(&self.constraint, &J, &self.sizes);
         Some(now)
     }
 
@@ -224,7 +230,7 @@ where
             return None;
         }
         let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
-        let (chart, inverse) = best::<H, D, X, M>(&self.constraint, &J, self.choice)?;
+        let (chart, inverse) = best::<H, D, X, M>(&self.constraint, &J, &self.sizes, self.choice)?;
         if now.inverse.condition <= GAIN * inverse.condition {
             return None;
         }
@@ -247,10 +253,10 @@ where
             Some(independent) => split(independent, used)?,
             None => Chart {
                 used,
-                ..best(&self.constraint, &J, Choice::Tangent)?.0
+                ..best(&self.constraint, &J, &self.sizes, Choice::Tangent)?.0
             },
         };
-        let inverse = invert(&self.constraint, &chart, &J)?;
+        let inverse = invert(&self.constraint, &chart, &J, &self.sizes)?;
         (inverse.condition * RANK < 1.0).then(|| self.rewrite(t, q, v, chart, inverse.B))
     }
 
