@@ -8,8 +8,9 @@ mod loops_support;
 
 use dynamics_support::*;
 use loops_support::*;
-use nalgebra::{SMatrix, SVector, Vector2};
-use pullback::elements::model::ModelBuilder;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
+use pullback::elements::beam::Section;
+use pullback::elements::model::{Line, ModelBuilder, Straight};
 use pullback::manifold::check;
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
@@ -201,6 +202,48 @@ fn a_redundant_crank_is_named_and_carried_along() {
     assert!(gap(&run.end, &exact) < 1e-4, "{:?}", run.end);
     assert!(run.residual < 1e-14);
     assert!(run.notes[0].1.contains("redundant: "), "{:?}", run.notes);
+}
+
+#[test]
+fn a_beam_is_carried_by_a_loop() {
+    // A cantilever along e1 on the first crank: a beam on a frame that follows a coordinate picked
+    // from those of a loop. No load but weights: the energy is constant but for the scheme's error.
+    let start = -1.0_f64;
+    let to = 0.5;
+    let drifts = [1000, 2000, 4000].map(|n| {
+        let guess = [start, start, start, 0.0];
+        let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
+        let mut b = ModelBuilder::new();
+        let ground = ground(&mut b);
+        let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+        let kinds = [Kind::Angle; 4];
+        let x = b
+            .mapped_coordinates("x", &kinds, map.boxed(), &[q])
+            .unwrap();
+        let angles = [0, 1].map(|k| pick::<4>(&mut b, x, k, Kind::Angle));
+        let crank = bar(&mut b, ground, [0.0; 3], angles[0], 1.0, 1.0);
+        bar(&mut b, ground, [2.0, 0.0, 0.0], angles[1], 1.0, 2.0);
+        let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
+        let axis = Straight {
+            from: b.place(crank),
+            to: b.place(tip),
+            second: None,
+            twist: 0.0,
+        };
+        let section = Section::diagonal(1e4, [1e4; 2], 10.0, [10.0; 2]).unwrap();
+        let line = Line {
+            elements: 2,
+            order: 1,
+            section: section.with_mass(1.0, Matrix3::identity() * 1e-2),
+        };
+        b.line("beam", &axis, [crank, tip], &line).unwrap();
+        let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
+        let run = run(b.build().unwrap(), x, &[], &h, [to, to / f64::from(n)]);
+        assert!(run.residual < 1e-14, "{:e}", run.residual);
+        vec![run.drift]
+    });
+    println!("beam on a loop: energy {drifts:?}");
+    assert_slopes("beam on a loop", &["energy"], &drifts, 2.0, 0.2);
 }
 
 #[test]

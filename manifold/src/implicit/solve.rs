@@ -100,7 +100,7 @@ where
         self.reference
     }
 
-    /// q of a configuration x, and q̇ of its velocity in the same way from x_ref = 0.
+    /// q of a configuration x.
     pub fn coordinates(&self, x: &SVector<f64, X>) -> SVector<f64, D> {
         self.chart.L.tr_mul(&(x - self.reference))
     }
