@@ -133,6 +133,9 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
         &"time" => "; --resume goes on from there",
         _ => "",
     };
+    for warning in &outcome.warnings {
+        eprintln!("warning: {warning}");
+    }
     let kept = format!("{reached} are kept in {directory}, marked incomplete{again}");
     match &outcome.ending {
         Ending::Complete if quiet => 0,

@@ -1,6 +1,6 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, Plan};
+use crate::input::{self, InputError, Job, ModelFile, Plan, Time};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
 };
@@ -48,6 +48,8 @@ pub struct Outcome {
     pub t: f64,
     /// What that is, in words.
     pub parameter: &'static str,
+    /// What looks doubtful about it.
+    pub warnings: Vec<String>,
     /// Where the results are.
     pub directory: PathBuf,
     /// Names of the files.
@@ -91,7 +93,8 @@ pub fn resume(
         return Err(ResumeError::Statics.into());
     };
     let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let checkpoint = Checkpoint::read(&directory, &settings)?;
+    let columns = job.probes.iter().map(|p| p.columns().len()).sum();
+    let checkpoint = Checkpoint::read(&directory, &settings, &job.model, columns)?;
     let (t, to) = (checkpoint.progress().state.t, plan.options.to);
     if t >= to {
         return Err(ResumeError::Passed { t, to }.into());
@@ -137,34 +140,34 @@ fn execute(
         geometry: &geometry,
         output,
     };
+    // Whatever refuses to begin leaves the directory as it is.
+    let mut progress = Progress::default();
+    let mut every = 0;
+    if let Plan::Dynamic(plan) = &plan {
+        every = plan.checkpoint_every;
+        progress = match &checkpoint {
+            Some(checkpoint) => {
+                model.set_element_charts(checkpoint.element_charts());
+                checkpoint.progress().clone()
+            }
+            None => Progress::new(start(&model, 0.0, &initial.q, &initial.v)?),
+        };
+        begin(&mut model, &plan.options, &mut progress)?;
+    }
+    let warnings = match &checkpoint {
+        None => strained(&file, &progress),
+        Some(_) => Vec::new(),
+    };
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
     };
     let mut recorder = Recorder::new(setting, directory, probes, &model)?;
-    let mut progress = Progress::default();
-    let every = match (&plan, checkpoint) {
-        (Plan::Dynamic(plan), checkpoint) => {
-            match checkpoint {
-                Some(checkpoint) => {
-                    progress = checkpoint.progress().clone();
-                    model.set_element_charts(checkpoint.element_charts());
-                    begin(&mut model, &plan.options, &mut progress)?;
-                    recorder.resume(checkpoint);
-                }
-                None => {
-                    progress = Progress::new(start(&model, 0.0, &initial.q, &initial.v)?);
-                    begin(&mut model, &plan.options, &mut progress)?;
-                    recorder.start_motion(&mut model, &progress)?;
-                }
-            }
-            plan.checkpoint_every
-        }
-        _ => {
-            recorder.start(&mut model)?;
-            0
-        }
-    };
+    match (&plan, checkpoint) {
+        (Plan::Dynamic(_), Some(checkpoint)) => recorder.resume(checkpoint),
+        (Plan::Dynamic(_), None) => recorder.start_motion(&mut model, &progress)?,
+        _ => recorder.start(&mut model)?,
+    }
     let mut unwritten = None;
     let ended = solve(&mut model, &plan, &mut progress, &mut |model, step| {
         if let Err(error) = take(&mut recorder, model, step, every) {
@@ -200,9 +203,40 @@ fn execute(
         rows,
         t,
         parameter: plan.parameter(),
+        warnings,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
     })
+}
+
+/// A word about energy that is stored at the start of a motion because driven coordinates, or
+/// initial values, are not where the model is drawn.
+fn strained(file: &ModelFile, progress: &Progress) -> Vec<String> {
+    let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
+    let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
+    let joints = file
+        .joints
+        .iter()
+        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off));
+    let joints = joints.map(|j| format!("joint {}", j.name));
+    let supports = file.supports.iter().filter(|s| {
+        let driven = s.driven.as_ref();
+        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
+    });
+    let names: Vec<String> = (supports.map(|s| format!("support of {}", s.node)))
+        .chain(joints)
+        .collect();
+    if stored <= 0.0 || names.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} not where the model is drawn at t = 0, which stores the energy {stored:.3e} in it; draw \
+         it in that position, or start at 0",
+        match names.as_slice() {
+            [one] => format!("{one} is"),
+            all => format!("{} are", all.join(", ")),
+        }
+    )]
 }
 
 /// Records a step, and where it is due a checkpoint.

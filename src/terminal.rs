@@ -149,14 +149,15 @@ pub fn counts(counts: &Counts) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "energy: kinetic {:.6e}, stored {:.6e}, supplied {:.6e}, never supplied {:.2e} at most",
+            "energy: kinetic {:.6e}, stored {:.6e}; supplied less dissipated {:.6e}; balance off by \
+             {:.2e} at most",
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
         if energy.largest_defect > DOUBTFUL * energy.start.max(energy.work.abs()) {
             let _ = writeln!(
                 out,
                 "warning: that is much compared with the energy supplied; take smaller steps, or a \
-                 scheme that damps high frequencies (`scheme = {{ generalised-alpha = 0.8 }}`)"
+                 scheme that damps high frequencies (more)"
             );
         }
     }

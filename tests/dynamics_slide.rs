@@ -92,7 +92,7 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     let DynamicsError::Step(failed) = error else {
         panic!("{error}");
     };
-    let Cause::System(SystemError::OutsideChart { what, margin }) = &failed.cause else {
+    let Cause::System(SystemError::OutsideChart { what, margin, .. }) = &failed.cause else {
         panic!("{failed}");
     };
     assert_eq!(what, "joint at node bead");

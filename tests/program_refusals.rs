@@ -74,7 +74,7 @@ fn wrong_forms_are_refused_where_they_stand() {
     check(
         &with("elements = 8", "elements = \"8\""),
         "\"8\"",
-        "expected usize",
+        "expected a whole number",
         "",
     );
     check(&with("elements = 8", "elements = -8"), "-8", "-8", "");

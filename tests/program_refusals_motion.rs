@@ -152,7 +152,7 @@ fn joints() {
             "start at a node",
         ),
         (with("start = 0.25", "axis = [0, 0, 1]"), "axis", "axis", ""),
-        (with("start = 0.25", "start = 9"), "[\"rod\"]", "ring", ""),
+        (with("start = 0.25", "start = 9"), "9", "ring", ""),
         (
             with("lines = [\"rod\"]", "lines = [\"rope\"]"),
             "\"rope\"",
@@ -392,4 +392,93 @@ fn a_structure_without_mass_is_named_when_it_starts() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_ne!(output.status.code(), Some(101), "{said}");
     assert!(said.contains("node C"), "{said}");
+}
+
+#[test]
+fn a_motion_that_cannot_begin_leaves_earlier_results_alone() {
+    let directory = directory("program_cannot_begin");
+    let text = r#"
+[nodes]
+A = [0, 0, 0]
+
+[[bodies]]
+name = "ball"
+node = "A"
+mass = 1
+
+[[loads]]
+node = "A"
+force = [0, 0, -1]
+
+[analysis.dynamic]
+to = 0.1
+step = 0.01
+"#;
+    let model = write(&directory, text);
+    assert!(program(&[&model]).status.success());
+    let out = directory.join("model.out");
+    let before = program_support::read(out.join("result.json"));
+    // A moment on a point: nothing resists the rotation that it needs.
+    let moment = text.replace("force = [0, 0, -1]", "moment = [0, 0, 1]");
+    write(&directory, &moment);
+    let output = program(&[&model]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("node A, rotation about e"), "{said}");
+    assert_eq!(program_support::read(out.join("result.json")), before);
+}
+
+#[test]
+fn forms_that_the_parser_knows_by_other_words() {
+    let motor = |form: &str| {
+        with(
+            "axis = [0, 1, 0]",
+            &format!("axis = [0, 1, 0]\nmotor = {form}"),
+        )
+    };
+    let cases = [
+        (motor("5"), "5", "a table with one key", ""),
+        (motor("\"constant\""), "", "a table with one key", ""),
+        (
+            with("{ hht = -0.1 }", "\"hht\""),
+            "",
+            "a table with one key",
+            "",
+        ),
+        (
+            with("step = 0.1", "step = 0.1\nadaptive = 1e-4"),
+            "1e-4",
+            "expected a table of its keys",
+            "",
+        ),
+        (with("[[supports]]", "[supports]"), "", "two brackets", ""),
+        (
+            with(
+                "[analysis.dynamic]",
+                "[analysis.static]\n[analysis.dynamic]",
+            ),
+            "",
+            "exactly one key",
+            "",
+        ),
+        (
+            with("name = \"angle\"", "name = \"t\""),
+            "\"t\"",
+            "another column \"t\"",
+            "another name",
+        ),
+    ];
+    for (text, place, message, advice) in &cases {
+        check(text, place, message, advice);
+    }
+}
+
+#[test]
+fn a_joint_with_nothing_on_it_is_pointed_at() {
+    let text = with("from = \"hinge\"", "from = \"A\"");
+    let text = text.replace(
+        "[[probes]]\nname = \"angle\"\nquantity = \"joint_coordinate\"\njoint = \"hinge\"\n",
+        "",
+    );
+    check(&text, "\"hinge\"", "hinge angle carries no element", "");
 }

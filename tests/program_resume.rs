@@ -132,18 +132,12 @@ fn a_resumed_run_gives_the_same_bits() {
     let parts = directory.join("parts");
     let mut stops = [3, 14, 55].into_iter();
     let mut stop = stops.next().unwrap();
-    let until = |stop: usize| {
-        move |step: &pullback::solve::Advance<'_>| match step.number >= stop {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    };
-    let outcome = run(&model, Some(&parts), &mut until(stop)).unwrap();
+    let outcome = run(&model, Some(&parts), &mut until_step(stop)).unwrap();
     assert!(matches!(outcome.ending, Ending::Interrupted { .. }));
     assert_eq!(results(&parts)["complete"], false);
     for next in stops {
         stop = next;
-        resume(&model, Some(&parts), &mut until(stop)).unwrap();
+        resume(&model, Some(&parts), &mut until_step(stop)).unwrap();
     }
     let outcome = resume(&model, Some(&parts), &mut go_on).unwrap();
     assert_eq!(outcome.ending, Ending::Complete);
@@ -226,4 +220,122 @@ fn what_cannot_be_resumed_is_refused_by_name() {
     assert!(refusal().contains("is no checkpoint"), "{}", refusal());
     // A refusal touches nothing.
     assert_eq!(read(directory.join("model.out/history.csv")), before);
+}
+
+#[test]
+fn a_run_that_ended_at_a_jump_goes_on_behind_it() {
+    let directory = directory("program_at_a_jump");
+    let text = |to: f64, step: f64| {
+        format!(
+            "[nodes]\na = [0, 0, 0]\n\n[[bodies]]\nname = \"b\"\nnode = \"a\"\nmass = 1\n\n[[loads]]\n\
+             node = \"a\"\nforce = [1, 0, 0]\ntime = {{ pulse = {{ end = 0.3 }} }}\n\n[[loads]]\nnode = \
+             \"a\"\nforce = [1, 0, 0]\ntime = {{ pulse = {{ start = 0.30000000000000004, end = 1 }} }}\n\n\
+             [analysis.dynamic]\nto = {to}\nstep = {step}\nscheme = {{ newmark = [0.25, 0.5] }}\n"
+        )
+    };
+    for step in [0.1, 0.5] {
+        let model = write(&directory, &text(1.0, step));
+        let outcome = run(&model, None, &mut go_on).unwrap();
+        // The work of a constant force over one unit of length; nothing else.
+        let energy = outcome.counts.energy.unwrap();
+        assert!(
+            (energy.work - 0.5).abs() < 1e-12 && energy.largest_defect < 1e-12,
+            "{energy:?}"
+        );
+        let speed = |out: &Path| {
+            results(out)["last"]["nodes"]["a"]["velocity"][0]
+                .as_f64()
+                .unwrap()
+        };
+        assert!((speed(&outcome.directory) - 1.0).abs() < 1e-12);
+        write(&directory, &text(2.0, step));
+        let outcome = resume(&model, None, &mut go_on).unwrap();
+        assert!((speed(&outcome.directory) - 1.0).abs() < 1e-12);
+        assert_eq!(outcome.t, 2.0);
+    }
+}
+
+#[test]
+fn a_checkpoint_that_was_tampered_with_is_refused() {
+    let directory = directory("program_tampered");
+    let model = write(&directory, MODEL);
+    run(&model, None, &mut until_step(20)).unwrap();
+    let path = directory.join("model.out/checkpoint.json");
+    let whole: Value = serde_json::from_str(&read(&path)).unwrap();
+    let edits: [(&str, Edit); 5] = [
+        ("another length", |c| {
+            c["progress"]["state"]["a"].as_array_mut().unwrap().pop();
+        }),
+        ("another number of columns", |c| {
+            c["record"]["rows"][0]["probes"] = Value::Array(Vec::new());
+        }),
+        ("no rows", |c| {
+            c["record"]["rows"] = Value::Array(Vec::new())
+        }),
+        ("another version", |c| {
+            c["program"] = "pullback 0.0.9".into()
+        }),
+        ("time is no time", |c| {
+            c["progress"]["state"]["t"] = (-5.0).into()
+        }),
+    ];
+    for (what, edit) in edits {
+        let mut edited = whole.clone();
+        edit(&mut edited);
+        std::fs::write(&path, edited.to_string()).unwrap();
+        let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
+        assert!(
+            error.contains(what) && error.contains("checkpoint.json"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn another_order_of_nodes_is_another_order_of_unknowns() {
+    let directory = directory("program_reordered");
+    let text = r#"
+[sections.s]
+circle = { radius = 0.01 }
+material = { E = 1e8, nu = 0.3, rho = 2000 }
+
+[nodes]
+a = [0, 0, 0]
+b = [1, 0, 0]
+
+[[lines]]
+name = "l"
+from = "a"
+to = "b"
+elements = 2
+section = "s"
+
+[[loads]]
+node = "b"
+force = [1, 0, 2]
+
+[analysis.dynamic]
+to = 0.2
+step = 0.01
+"#;
+    let model = write(&directory, text);
+    run(&model, None, &mut until_step(10)).unwrap();
+    let swapped = text.replace(
+        "a = [0, 0, 0]\nb = [1, 0, 0]",
+        "b = [1, 0, 0]\na = [0, 0, 0]",
+    );
+    assert_ne!(swapped, text);
+    write(&directory, &swapped);
+    let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
+    assert!(error.contains("the order of nodes"), "{error}");
+}
+
+/// A change of a checkpoint.
+type Edit = fn(&mut Value);
+
+fn until_step(stop: usize) -> impl FnMut(&pullback::solve::Advance<'_>) -> ControlFlow<()> {
+    move |step| match step.number >= stop {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
 }

@@ -47,7 +47,10 @@ fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
         joint::Universal::new([axis, [0.3, 1.0, 0.0]]).unwrap(),
     ))
     .assert();
-    check::map(&Hung::new(joint::ConstantVelocity::new(axis).unwrap())).assert();
+    check::map(&Hung::new(
+        joint::ConstantVelocity::new([axis, [0.3, -1.0, 0.9]]).unwrap(),
+    ))
+    .assert();
     check::map(&Hung::new(joint::Cylindrical::new(axis).unwrap())).assert();
     check::map(&Hung::new(joint::Prismatic::new(axis).unwrap())).assert();
     check::map(&Hung::new(
@@ -95,7 +98,7 @@ fn poses_are_what_the_joints_mean() {
 
     // Tilted shafts meet in a plane that mirrors one into the other: the relative rotation takes
     // the axis a to b, and its vector is along a × b.
-    let coupling = joint::ConstantVelocity::new(axis.into()).unwrap();
+    let coupling = joint::ConstantVelocity::new([axis.into(); 2]).unwrap();
     let p = pose(&coupling, &master, &[0.5, -0.8]);
     let relative = so3::log_rotation(&(R.transpose() * rotation(&p)), &Vector3::zeros());
     assert!(relative.dot(&axis).abs() < 1e-14);
@@ -133,7 +136,7 @@ fn released_coordinates_are_nodes_with_names() {
     assert_eq!(names(&b, &made), ["q way 1", "q way 2", "q angle"]);
     let made = helical(&mut b, "h", made.frame, z, 1.0).unwrap();
     assert_eq!(names(&b, &made), ["h angle"]);
-    let made = constant_velocity(&mut b, "v", made.frame, z).unwrap();
+    let made = constant_velocity(&mut b, "v", made.frame, [z; 2]).unwrap();
     assert_eq!(names(&b, &made), ["v tilt 1", "v tilt 2"]);
     let made = on_curve(&mut b, "o", made.frame, Helix).unwrap();
     assert_eq!(names(&b, &made), ["o parameter", "o rotation"]);

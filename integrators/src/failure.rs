@@ -32,6 +32,8 @@ pub enum Cause {
     Diverged,
     /// Not converged within the iterations allowed.
     TooManyIterations,
+    /// The estimate of the local error asks for steps below the smallest.
+    Inaccurate,
 }
 
 /// A step that failed: where, how far it came, and which coordinate was worst.
@@ -74,6 +76,7 @@ pub(crate) enum Failure {
     /// No damping made the correction smaller.
     Diverged,
     TooManyIterations,
+    Inaccurate,
 }
 
 /// What an iteration left behind when it failed.
@@ -99,6 +102,7 @@ impl FailedStep {
             Failure::System(error) => Cause::System(error),
             Failure::Diverged => Cause::Diverged,
             Failure::TooManyIterations => Cause::TooManyIterations,
+            Failure::Inaccurate => Cause::Inaccurate,
             Failure::Linear(error) => Cause::Linear {
                 error,
                 mechanism: mechanism(system, wreck.S),
@@ -184,6 +188,9 @@ impl fmt::Display for FailedStep {
                 }
                 Along::Time => "Newton's corrections grow; take smaller steps",
             })?,
+            Cause::Inaccurate => f.write_str(
+                "the estimate of the local error asks for steps below min_step; raise the tolerance",
+            )?,
             Cause::TooManyIterations => write!(
                 f,
                 "Newton's method did not converge in {} iterations",

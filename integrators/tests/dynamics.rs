@@ -328,6 +328,7 @@ impl System for Skittish {
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         if (at.q[0] - self.1).abs() > 0.2 {
             return Err(SystemError::OutsideChart {
+                edge: pullback_manifold::system::CHART_EDGE,
                 what: "the pendulum".to_owned(),
                 margin: 0.2 - (at.q[0] - self.1).abs(),
             });
@@ -506,9 +507,9 @@ fn parameters_and_options_are_refused_with_their_range() {
             .to_string()
     };
     for (step, to, text) in [
-        (0.0, 1.0, "option step = 0 is not usable"),
+        (0.0, 1.0, "option step = 0.0 is not usable"),
         (f64::NAN, 1.0, "option step = NaN"),
-        (0.1, -1.0, "option to = -1"),
+        (0.1, -1.0, "option to = -1.0"),
         (0.1, f64::INFINITY, "option to = inf"),
     ] {
         let found = try_run(DynamicOptions::new(to, step));

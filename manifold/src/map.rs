@@ -21,7 +21,7 @@ pub use composed::Composed;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;
-use crate::system::ChartChanges;
+use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::{SMatrix, SVector};
 
 /// Value and gradient of a map at one point.
@@ -77,6 +77,11 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         let _ = (t, q);
         f64::INFINITY
+    }
+
+    /// What lies at the edge where the margin ends, and what to do about it, for messages.
+    fn edge(&self) -> &'static str {
+        CHART_EDGE
     }
 
     /// Changes the charts in which φ gives its values (the sheet of a logarithm, the segment of a
@@ -182,6 +187,9 @@ pub trait Parametrization: Send + Sync {
     /// See [`Map::margin`].
     fn margin(&self, t: f64, q: &[f64]) -> f64;
 
+    /// See [`Map::edge`].
+    fn edge(&self) -> &'static str;
+
     /// See [`Map::change_charts`].
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
 
@@ -231,6 +239,10 @@ where
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
         self.0.margin(t, &SVector::from_column_slice(q))
+    }
+
+    fn edge(&self) -> &'static str {
+        self.0.edge()
     }
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {

@@ -158,12 +158,17 @@ pub struct Energies {
     pub dissipated: f64,
 }
 
+/// What coordinates leave when a step is too large for their chart.
+pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
+
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left the domain of its chart (margin {margin:.3e}); take smaller steps")]
+    #[error("{what} left {edge} (margin {margin:.3e})")]
     OutsideChart {
+        /// What it left, and what to do about it.
+        edge: &'static str,
         /// The node or joint.
         what: String,
         /// Distance to the edge of validity, ≤ 0.
@@ -247,6 +252,13 @@ pub trait System {
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         let _ = (at, p);
         Ok(false)
+    }
+
+    /// The momentum that the last change of charts has to keep, into `p`, where it has handed a map
+    /// over whose values stay and whose operator jumps; false where it has not.
+    fn kept_momentum(&self, p: &mut [f64]) -> bool {
+        let _ = p;
+        false
     }
 
     /// Whether the tangents are symmetric (conservative loads).

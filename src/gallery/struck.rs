@@ -45,7 +45,7 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(FILE)?;
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
-    for elements in [2, 10] {
+    for elements in [10, 2] {
         let run = context.motion(&mesh(&file, elements, 1), &nodes, Run::FILE)?;
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
@@ -69,8 +69,14 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
                 context.compare(format!("{name}: time"), at, t, 0.35, source);
             }
         }
-        curves.push(Curve::new(format!("tip, {all} elements"), tip));
-        curves.push(Curve::new(format!("elbow, {all} elements"), elbow));
+        for (color, name, curve) in [(0, "tip", tip), (1, "elbow", elbow)] {
+            let label = format!("{name}, {all} elements");
+            let curve = match elements {
+                10 => Curve::new(label, curve),
+                _ => Curve::points(label, curve.into_iter().step_by(2).collect()),
+            };
+            curves.push(curve.colored(color));
+        }
     }
     context.figure(
         "Right-angle cantilever",

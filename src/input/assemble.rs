@@ -38,7 +38,7 @@ pub struct Geometry {
     pub supports: Vec<NodeId>,
     /// Bodies in the order of the file.
     pub bodies: Vec<BodyGeometry>,
-    /// Rigid links, from node to node.
+    /// Rigid links and springs, from node to node.
     pub links: Vec<[NodeId; 2]>,
 }
 
@@ -161,6 +161,10 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
             return Err(InputError::whole(Problem::Missing { what }));
         }
     }
+    if let Some(title) = file.title.as_ref().filter(|t| t.contains(char::is_control)) {
+        let (what, name) = ("title", title.clone());
+        return Err(source.value(&["title"], Problem::Name { what, name }));
+    }
     let mut made = BTreeMap::new();
     for (name, described) in &file.sections {
         made.insert(name.clone(), sections::section(source, name, described)?);
@@ -187,6 +191,12 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
             Some([nodes.get(ends[0])?, nodes.get(ends[1])?])
         })
         .collect();
+    for spring in &file.springs {
+        let ends = spring.nodes.each_ref().map(|name| nodes.get(name));
+        if let [Some(a), Some(b)] = ends {
+            geometry.links.push([a, b]);
+        }
+    }
     bodies::springs(source, &mut builder, &nodes, &file)?;
     geometry.supports = loads::support(source, &mut builder, &nodes, &file)?;
     let loaded = loads::Loaded {
@@ -196,7 +206,7 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     };
     loads::apply(source, &mut builder, &nodes, &loaded, &file)?;
     let dynamic = matches!(file.analysis, Analysis::Dynamic(_));
-    let model = builder
+    let mut model = builder
         .build()
         .and_then(|model| {
             // A free structure is a fine thing in dynamics.
@@ -210,9 +220,17 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     if !dynamic && !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));
     }
+    let moving = |j: &super::file::Joint| {
+        let mut acts = j.all_acts();
+        acts.any(|(_, a)| a.rate.is_some() || a.value.is_some())
+    };
+    if let Some(k) = file.joints.iter().position(moving).filter(|_| !dynamic) {
+        let path = ["joints", &k.to_string(), "name"];
+        return Err(source.value(&path, Problem::InitialStatics));
+    }
     let start = initial::start(
         source,
-        &model,
+        &mut model,
         &nodes,
         &parts.released,
         &geometry.lines,
@@ -292,6 +310,15 @@ fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError 
         node.contains('/').then(|| k.to_string())
     });
     let problem = Problem::Model(error);
+    let joint = (file.joints.iter()).position(|j| {
+        node == j.name
+            || node
+                .strip_prefix(&j.name)
+                .is_some_and(|r| r.starts_with(' '))
+    });
+    if let Some(k) = joint {
+        return source.value(&["joints", &k.to_string(), "name"], problem);
+    }
     match line {
         Some(k) => source.value(&["lines", &k, "name"], problem),
         None => source.key(&["nodes", &node], problem),

@@ -164,6 +164,8 @@ pub enum Problem {
     InitialStatics,
     #[error("{message}")]
     Scheme { message: String },
+    #[error("the history has another column \"{column}\"")]
+    Column { column: String },
     #[error("a driven coordinate cannot jump")]
     Jump,
     #[error("{source}")]
@@ -268,6 +270,7 @@ impl Problem {
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
             Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
+            Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",

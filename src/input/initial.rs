@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use pullback_elements::model::{Model, NodeId, RigidMotion};
 use pullback_manifold::so3;
 use pullback_manifold::system::System;
+use std::f64::consts::TAU;
 
 /// Coordinates and velocities at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +20,7 @@ pub struct Start {
 
 pub(super) fn start(
     source: &Text<'_>,
-    model: &Model,
+    model: &mut Model,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
@@ -27,6 +28,8 @@ pub(super) fn start(
 ) -> Result<Start, InputError> {
     let n = model.pattern().dim();
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    // All places come before all velocities, whatever their order in the file.
+    let mut chosen = Vec::new();
     for (k, initial) in file.initial.iter().enumerate() {
         let index = k.to_string();
         let whole = ["initial", index.as_str()];
@@ -40,27 +43,8 @@ pub(super) fn start(
             hangs(source, &path, model, node, initial)?;
             place(source, &path, model, node, initial, &mut q)?;
         }
-        let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
-            (Some(omega), _) => Vector3::from(omega),
-            (None, Some(body)) => {
-                let psi = initial.rotation.unwrap_or_default();
-                so3::rotation(&Vector3::from(psi)) * Vector3::from(body)
-            }
-            (None, None) => Vector3::zeros(),
-        };
-        let here = node
-            .map(|n| model.reference(n) + Vector3::from(initial.displacement.unwrap_or_default()));
-        let motion = RigidMotion {
-            velocity: initial.velocity.unwrap_or_default().into(),
-            omega,
-            about: initial
-                .about
-                .map_or_else(|| here.unwrap_or_default(), Vector3::from),
-        };
-        let chosen = match (&node, &initial.line) {
-            (Some(node), _) => Some(vec![*node]),
-            (None, None) => None,
-            (None, Some(name)) => {
+        let line = match &initial.line {
+            Some(name) => {
                 let line = lines.iter().find(|l| l.name == *name).ok_or_else(|| {
                     let problem = Problem::UnknownName {
                         what: "line",
@@ -71,20 +55,64 @@ pub(super) fn start(
                 })?;
                 Some(line.nodes.clone())
             }
+            None => node.map(|node| vec![node]),
         };
+        chosen.push((node, line));
+    }
+    for (k, (initial, (node, chosen))) in file.initial.iter().zip(chosen).enumerate() {
+        let index = k.to_string();
+        let path = |key: &'static str| ["initial", index.as_str(), key];
         let moves = initial.velocity.is_some()
             || initial.angular_velocity.is_some()
             || initial.body_angular_velocity.is_some();
-        if moves {
-            model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+        if !moves {
+            continue;
         }
+        let here = node.map(|node| at(model, node, &q));
+        let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
+            (Some(omega), _) => Vector3::from(omega),
+            (None, Some(body)) => {
+                let psi = here.map_or_else(Vector3::zeros, |[_, psi]| psi);
+                so3::rotation(&psi) * Vector3::from(body)
+            }
+            (None, None) => Vector3::zeros(),
+        };
+        let motion = RigidMotion {
+            velocity: initial.velocity.unwrap_or_default().into(),
+            omega,
+            about: match (initial.about, here) {
+                (Some(about), _) => about.into(),
+                (None, Some([place, _])) => place,
+                (None, None) => Vector3::zeros(),
+            },
+        };
+        let before = v.clone();
+        model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+        if let Some(node) = node {
+            movable(source, &path, model, node, initial, &q, &motion)?;
+            // What the entry does not speak of stays.
+            let turns = initial.angular_velocity.or(initial.body_angular_velocity);
+            let goes = initial.velocity.is_some() || initial.about.is_some();
+            keep(model, node, &before, &mut v, [goes, turns.is_some()]);
+        }
+        // Where a map cannot be evaluated at the start, the analysis says so.
+        model.fit_rates(&q, &mut v, chosen.as_deref(), &motion).ok();
     }
     for (k, joint) in file.joints.iter().enumerate() {
-        let Some(rate) = joint.rate else { continue };
         let index = k.to_string();
-        let at = ["joints", index.as_str(), "rate"];
-        let coordinate = released.find(source, &at, &joint.name)?;
-        model.set(&mut v, coordinate, 0, rate);
+        for (coordinate, acts) in joint.all_acts() {
+            let name = match coordinate {
+                "" => joint.name.clone(),
+                _ => format!("{} {coordinate}", joint.name),
+            };
+            for (key, given, vector) in [("value", acts.value, &mut q), ("rate", acts.rate, &mut v)]
+            {
+                let Some(given) = given else { continue };
+                let at = ["joints", index.as_str(), key];
+                let node = released.find(source, &at, &name)?;
+                model.set(vector, node, 0, given);
+            }
+        }
     }
     Ok(Start { q, v })
 }
@@ -158,6 +186,75 @@ fn hangs<'a>(
     Ok(())
 }
 
+/// Place and rotation vector of a node at coordinates.
+fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
+    let free = model.free_rotation_of(node);
+    let first = if free == node { 3 } else { 0 };
+    let three = |node: NodeId, first: usize| {
+        Vector3::from_fn(|k, _| model.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
+    };
+    [model.reference(node) + three(node, 0), three(free, first)]
+}
+
+/// Takes back velocities (first) and rates of rotation (second) that are not asked for.
+fn keep(model: &Model, node: NodeId, before: &[f64], v: &mut [f64], asked: [bool; 2]) {
+    let free = model.free_rotation_of(node);
+    let first = if free == node { 3 } else { 0 };
+    for (node, first, asked) in [(node, 0, asked[0]), (free, first, asked[1])] {
+        for k in (0..3).filter(|_| !asked) {
+            if let Some(u) = model.unknown_at(node, first + k) {
+                v[u] = before[u];
+            }
+        }
+    }
+}
+
+/// Refuses a velocity of a node along a coordinate that is held or driven.
+fn movable<'a>(
+    source: &Text<'_>,
+    path: &dyn Fn(&'static str) -> [&'a str; 3],
+    model: &Model,
+    node: NodeId,
+    initial: &Initial,
+    q: &[f64],
+    motion: &RigidMotion,
+) -> Result<(), InputError> {
+    let free = model.free_rotation_of(node);
+    let first = if free == node { 3 } else { 0 };
+    let [_, psi] = at(model, node, q);
+    let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
+    let spin = if initial.angular_velocity.is_some() {
+        "angular_velocity"
+    } else {
+        "body_angular_velocity"
+    };
+    for (key, node, first, wanted) in [
+        ("velocity", node, 0, motion.velocity),
+        (spin, free, first, rate),
+    ] {
+        let tiny = 1e-12 * wanted.amax();
+        let held =
+            (0..3).any(|k| wanted[k].abs() > tiny && model.unknown_at(node, first + k).is_none());
+        if held && model.is_own(node) {
+            let node = initial.node.clone().unwrap_or_default();
+            return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
+        }
+    }
+    Ok(())
+}
+
+/// The rotation vector of the same rotation with an angle of at most π.
+fn folded(psi: [f64; 3]) -> [f64; 3] {
+    let psi = Vector3::from(psi);
+    let angle = psi.norm();
+    let turns = (angle / TAU).round();
+    if turns == 0.0 || !angle.is_finite() {
+        psi.into()
+    } else {
+        (psi * (1.0 - turns * TAU / angle)).into()
+    }
+}
+
 /// Initial displacement and rotation of a node.
 fn place<'a>(
     source: &Text<'_>,
@@ -171,7 +268,7 @@ fn place<'a>(
     let first = if free == node { 3 } else { 0 };
     for (key, node, first, values) in [
         ("displacement", node, 0, initial.displacement),
-        ("rotation", free, first, initial.rotation),
+        ("rotation", free, first, initial.rotation.map(folded)),
     ] {
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
             if !model.set(q, node, first + i, value) && value != 0.0 {

@@ -1,10 +1,13 @@
 //! Joints of the file.
 
 use super::assemble::{LineGeometry, Names};
-use super::file::{Joint, JointKind, ModelFile};
+use super::file::{Acts, Joint, JointKind, ModelFile};
 use super::loads::{drive, function};
 use super::{InputError, Problem, Text};
-use pullback_elements::joint::{offset, revolute, slide, spherical};
+use pullback_elements::joint::{
+    JointNodes, constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute,
+    slide, spherical, universal, weld,
+};
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
@@ -13,8 +16,21 @@ use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 pub(super) struct Made {
     /// The node that hangs on it.
     pub frame: NodeId,
-    /// The node of its one released coordinate.
-    pub released: Option<NodeId>,
+    /// The nodes of the single coordinates that it releases.
+    pub released: Vec<NodeId>,
+}
+
+impl Made {
+    fn fixed(frame: NodeId) -> Self {
+        let released = Vec::new();
+        Self { frame, released }
+    }
+}
+
+impl From<JointNodes> for Made {
+    fn from(JointNodes { frame, released }: JointNodes) -> Self {
+        Self { frame, released }
+    }
 }
 
 /// Makes joint number `k` of the file, whose masters exist.
@@ -37,47 +53,95 @@ pub(super) fn make(
         None => None,
     };
     let missing = |key| missing(source, &whole, joint, key);
+    let on = || master.ok_or_else(|| missing("master"));
+    let axis = || joint.axis.ok_or_else(|| missing("axis"));
+    let (b, name) = (&mut *builder, joint.name.as_str());
+    let at_axis = |error| source.value(&path("axis"), Problem::Model(error));
     let made = match joint.kind {
         JointKind::Offset => {
             let place = joint.place.ok_or_else(|| missing("place"))?;
-            let master = master.ok_or_else(|| missing("master"))?;
-            let frame = offset(builder, &joint.name, master, place).map_err(model)?;
-            Made {
-                frame,
-                released: None,
-            }
+            Made::fixed(offset(b, name, on()?, place).map_err(model)?)
         }
+        JointKind::Weld => Made::fixed(weld(b, name, on()?).map_err(model)?),
         JointKind::Revolute => {
-            let axis = joint.axis.ok_or_else(|| missing("axis"))?;
-            let master = master.ok_or_else(|| missing("master"))?;
-            let made = revolute(builder, &joint.name, master, axis)
-                .map_err(|error| source.value(&path("axis"), Problem::Model(error)))?;
+            let made = revolute(b, name, on()?, axis()?).map_err(at_axis)?;
             Made {
                 frame: made.frame,
-                released: Some(made.angle),
+                released: vec![made.angle],
             }
         }
-        JointKind::Spherical => {
-            let master = master.ok_or_else(|| missing("master"))?;
-            let frame = spherical(builder, &joint.name, master).map_err(model)?;
-            Made {
-                frame: frame.frame,
-                released: None,
-            }
-        }
+        JointKind::Spherical => Made::fixed(spherical(b, name, on()?).map_err(model)?.frame),
         JointKind::Slide => {
             let chain = chain(source, file, laid, &path, joint)?;
             let start = joint.start.unwrap_or(0.0);
-            let made = slide(builder, &joint.name, &chain, start)
-                .map_err(|error| source.value(&path("lines"), Problem::Model(error)))?;
+            let made = slide(b, name, &chain, start).map_err(|error| {
+                let key = if joint.start.is_some() {
+                    "start"
+                } else {
+                    "lines"
+                };
+                source.value(&path(key), Problem::Model(error))
+            })?;
             Made {
                 frame: made.frame,
-                released: Some(made.way),
+                released: vec![made.way],
             }
         }
+        JointKind::Universal => {
+            let second = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
+            let made = universal(b, name, on()?, [axis()?, second]);
+            made.map_err(at_axis)?.into()
+        }
+        JointKind::ConstantVelocity => {
+            let second = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
+            let made = constant_velocity(b, name, on()?, [axis()?, second]);
+            made.map_err(at_axis)?.into()
+        }
+        JointKind::Cylindrical => cylindrical(b, name, on()?, axis()?)
+            .map_err(at_axis)?
+            .into(),
+        JointKind::Prismatic => prismatic(b, name, on()?, axis()?).map_err(at_axis)?.into(),
+        JointKind::Planar => {
+            let first = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
+            let made = planar(b, name, on()?, axis()?, first);
+            made.map_err(at_axis)?.into()
+        }
+        JointKind::Helical => {
+            let pitch = joint.pitch.ok_or_else(|| missing("pitch"))?;
+            let made = helical(b, name, on()?, axis()?, pitch);
+            made.map_err(at_axis)?.into()
+        }
     };
-    if let Some(coordinate) = made.released {
-        act(source, builder, &path, joint, coordinate)?;
+    for (coordinate, acts) in joint.all_acts() {
+        let at = match coordinate {
+            "" => whole.to_vec(),
+            _ => ["joints", index.as_str(), "coordinates", coordinate].to_vec(),
+        };
+        match (coordinate, made.released.as_slice()) {
+            ("", [node]) => act(source, builder, &at, &joint.name, &acts, *node)?,
+            ("", _) => {}
+            _ => {
+                let full = format!("{} {coordinate}", joint.name);
+                let node = made
+                    .released
+                    .iter()
+                    .find(|&&n| builder.node_name(n) == full);
+                let &node = node.ok_or_else(|| {
+                    let start = joint.name.len() + 1;
+                    let names = made
+                        .released
+                        .iter()
+                        .map(|&n| builder.node_name(n)[start..].to_owned());
+                    let problem = Problem::UnknownName {
+                        what: "coordinate of the joint",
+                        name: coordinate.to_owned(),
+                        known: names.collect(),
+                    };
+                    source.key(&at, problem)
+                })?;
+                act(source, builder, &at, &full, &acts, node)?;
+            }
+        }
     }
     Ok(made)
 }
@@ -104,16 +168,26 @@ fn check_keys<'a>(
         ("place", joint.place.is_some()),
         ("lines", !joint.lines.is_empty()),
         ("start", joint.start.is_some()),
+        ("second_axis", joint.second_axis.is_some()),
+        ("pitch", joint.pitch.is_some()),
+        ("coordinates", !joint.coordinates.is_empty()),
         ("spring", joint.spring.is_some()),
         ("motor", joint.motor.is_some()),
         ("driven", joint.driven.is_some()),
+        ("value", joint.value.is_some()),
         ("rate", joint.rate.is_some()),
     ];
-    let useful: &[&str] = match joint.kind {
-        JointKind::Offset => &["master", "place"],
-        JointKind::Revolute => &["master", "axis", "spring", "motor", "driven", "rate"],
-        JointKind::Spherical => &["master"],
-        JointKind::Slide => &["lines", "start", "spring", "motor", "driven", "rate"],
+    let one = ["spring", "motor", "driven", "value", "rate"];
+    let (own, acts): (&[&str], &[&str]) = match joint.kind {
+        JointKind::Offset => (&["master", "place"], &[]),
+        JointKind::Weld | JointKind::Spherical => (&["master"], &[]),
+        JointKind::Revolute | JointKind::Prismatic => (&["master", "axis"], &one),
+        JointKind::Helical => (&["master", "axis", "pitch"], &one),
+        JointKind::Slide => (&["lines", "start"], &one),
+        JointKind::Cylindrical => (&["master", "axis"], &["coordinates"]),
+        JointKind::Universal | JointKind::ConstantVelocity | JointKind::Planar => {
+            (&["master", "axis", "second_axis"], &["coordinates"])
+        }
     };
     if joint.kind != JointKind::Slide && joint.master.is_none() {
         return Err(missing(source, whole, joint, "master"));
@@ -122,25 +196,13 @@ fn check_keys<'a>(
         return Err(missing(source, whole, joint, "lines"));
     }
     for (key, given) in given {
-        if given && !useful.contains(&key) {
+        if given && !own.contains(&key) && !acts.contains(&key) {
             let problem = Problem::JointKey {
                 joint: joint.name.clone(),
                 kind: joint.kind.key(),
                 key,
             };
             return Err(source.key(&path(key), problem));
-        }
-    }
-    if joint.driven.is_some() {
-        for (key, given) in [
-            ("spring", joint.spring.is_some()),
-            ("motor", joint.motor.is_some()),
-            ("rate", joint.rate.is_some()),
-        ] {
-            if given {
-                let joint = joint.name.clone();
-                return Err(source.key(&path(key), Problem::DrivenJoint { joint, key }));
-            }
         }
     }
     Ok(())
@@ -182,16 +244,32 @@ fn chain<'a>(
     Ok(chain)
 }
 
-/// Spring, motor and drive of the released coordinate.
-fn act<'a>(
+/// Spring, motor and drive of the released coordinate `name`; `at` is where they stand.
+fn act(
     source: &Text<'_>,
     builder: &mut ModelBuilder,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
-    joint: &Joint,
+    at: &[&str],
+    name: &str,
+    acts: &Acts,
     coordinate: NodeId,
 ) -> Result<(), InputError> {
-    let name = &joint.name;
-    if let Some(s) = joint.spring {
+    let path = |key: &'static str| [at, &[key]].concat();
+    if let Some(time) = &acts.driven {
+        for (key, given) in [
+            ("spring", acts.spring.is_some()),
+            ("motor", acts.motor.is_some()),
+            ("value", acts.value.is_some()),
+            ("rate", acts.rate.is_some()),
+        ] {
+            if given {
+                let joint = name.to_owned();
+                return Err(source.key(&path(key), Problem::DrivenJoint { joint, key }));
+            }
+        }
+        let driven = drive(source, &path("driven"), time)?;
+        builder.prescribe_coordinate(coordinate, 0, driven);
+    }
+    if let Some(s) = acts.spring {
         let law = CoordinateLaw {
             k: s.k,
             k3: s.k3,
@@ -209,15 +287,11 @@ fn act<'a>(
             .element(format!("spring of {name}"), spring, &[coordinate])
             .map_err(|error| source.value(&path("spring"), Problem::Model(error)))?;
     }
-    if let Some(time) = &joint.motor {
+    if let Some(time) = &acts.motor {
         let motor = CoordinateForce::boxed(function(source, &path("motor"), time)?);
         builder
             .element(format!("motor of {name}"), motor, &[coordinate])
             .map_err(|error| source.value(&path("motor"), Problem::Model(error)))?;
-    }
-    if let Some(time) = &joint.driven {
-        let driven = drive(source, &path("driven"), time)?;
-        builder.prescribe_coordinate(coordinate, 0, driven);
     }
     Ok(())
 }

@@ -133,7 +133,7 @@ fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
     }
     let file: ModelFile = toml::from_str(source.text).map_err(|error| {
         let message = error.message();
-        let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(message.to_owned()));
+        let problem = unknown_key(message).unwrap_or_else(|| Problem::Toml(plain(message)));
         source.at(problem, error.span())
     })?;
     // Serde takes the first components of an array that has too many.
@@ -143,6 +143,44 @@ fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
         return Err(source.at(problem, Some(span)));
     }
     Ok(file)
+}
+
+/// A message of the parser without the words of the program's types.
+fn plain(message: &str) -> String {
+    for (said, meant) in [
+        (
+            "wanted string or table",
+            "expected a table with one key, such as { constant = 1.0 }",
+        ),
+        (
+            "expected newtype variant",
+            "expected a table with one key and its value, such as { hht = -0.1 } or { constant = 1.0 }",
+        ),
+        (
+            "wanted exactly 1 element",
+            "expected a table with exactly one key",
+        ),
+        (
+            "invalid type: map, expected a sequence",
+            "expected a list of tables: write [[name]] with two brackets",
+        ),
+        (
+            "invalid type: sequence, expected a map",
+            "expected one table: write [name] with one bracket",
+        ),
+    ] {
+        if message.contains(said) {
+            return meant.to_owned();
+        }
+    }
+    let mut out = message.replace("usize", "a whole number that is not negative");
+    if let Some(start) = out.find("expected struct ") {
+        out.replace_range(
+            start..,
+            "expected a table of its keys: { key = value, ... }",
+        );
+    }
+    out
 }
 
 /// Reads serde's message about an unknown field or variant: the names stand in backticks, the

@@ -60,8 +60,13 @@ pub(super) fn make(
                     }
                     let made = joints::make(source, builder, nodes, file, &laid, k)?;
                     nodes.add(joint.name.clone(), made.frame);
-                    if let Some(coordinate) = made.released {
-                        released.add(joint.name.clone(), coordinate);
+                    for &coordinate in &made.released {
+                        // Where there is but one the joint's name says enough.
+                        let name = match made.released.len() {
+                            1 => joint.name.clone(),
+                            _ => builder.node_name(coordinate).to_owned(),
+                        };
+                        released.add(name, coordinate);
                     }
                 }
             }

@@ -3,8 +3,10 @@
 use super::assemble::{Geometry, Names, distinct};
 use super::file::{Probe as Described, Quantity};
 use super::{InputError, Problem, Text};
+use crate::output::{COLUMNS, DYNAMIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};
-use pullback_elements::model::{Dof, ElementId, Model, NodeId};
+use pullback_elements::model::{ElementId, Model, NodeId};
+use std::collections::HashSet;
 
 pub(super) fn resolve(
     source: &Text<'_>,
@@ -26,18 +28,27 @@ pub(super) fn resolve(
             elements.add(format!("{}:{}", line.name, e + 1), id);
         }
     }
-    described
-        .iter()
-        .enumerate()
-        .map(|(k, probe)| {
-            let names = Known {
-                nodes,
-                released,
-                elements: &elements,
-            };
-            one(source, model, &names, k, probe)
-        })
-        .collect()
+    let names = Known {
+        nodes,
+        released,
+        elements: &elements,
+        supports: &geometry.supports,
+    };
+    let mut columns: HashSet<String> = (COLUMNS.iter().chain(&DYNAMIC_COLUMNS))
+        .map(|&column| column.to_owned())
+        .collect();
+    let mut out = Vec::with_capacity(described.len());
+    for (k, probe) in described.iter().enumerate() {
+        let made = one(source, model, &names, k, probe)?;
+        for column in made.columns() {
+            if !columns.insert(column.clone()) {
+                let path = ["probes", &k.to_string(), "name"];
+                return Err(source.value(&path, Problem::Column { column }));
+            }
+        }
+        out.push(made);
+    }
+    Ok(out)
 }
 
 /// What probes may refer to.
@@ -45,6 +56,7 @@ struct Known<'a> {
     nodes: &'a Names<NodeId>,
     released: &'a Names<NodeId>,
     elements: &'a Names<ElementId>,
+    supports: &'a [NodeId],
 }
 
 fn one(
@@ -73,7 +85,7 @@ fn one(
                 quantity,
                 Quantity::reaction_force | Quantity::reaction_moment
             );
-            if reaction && !Dof::ALL.iter().any(|&dof| model.is_prescribed(node, dof)) {
+            if reaction && !names.supports.contains(&node) {
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }
@@ -183,7 +195,7 @@ impl Quantity {
     pub fn axis(self) -> &'static str {
         match self {
             Self::displacement => "displacement d",
-            Self::position => "place x",
+            Self::position => "place",
             Self::rotation => "rotation vector Ψ [rad]",
             Self::chart_rotation => "rotation vector Ψ in its chart [rad]",
             Self::velocity => "velocity",

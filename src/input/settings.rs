@@ -10,6 +10,9 @@ use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
 use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
 
+/// More steps than a user would wait for.
+const MOST_STEPS: f64 = 1e9;
+
 /// What the solver is asked to do.
 #[derive(Clone, Debug)]
 pub enum Plan {
@@ -107,8 +110,7 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         };
         return Err(source.value(&at("step"), problem));
     }
-    // A run has at most as many steps as a user would wait for.
-    if d.adaptive.is_none() && d.to / d.step > 1e9 {
+    if d.adaptive.is_none() && d.to / d.step > MOST_STEPS {
         let problem = Problem::Range {
             key: "step",
             value: d.step,
@@ -151,6 +153,19 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     })
 }
 
+/// Refuses more iterations than any step is worth.
+fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), InputError> {
+    if max_iterations <= 1000 {
+        return Ok(());
+    }
+    let problem = Problem::Range {
+        key: "max_iterations",
+        value: max_iterations as f64,
+        expected: "at most 1000 iterations",
+    };
+    Err(source.value(path, problem))
+}
+
 fn newton(
     source: &Text<'_>,
     kind: &str,
@@ -165,6 +180,8 @@ fn newton(
     for (key, value) in numbers {
         positive(source, &["analysis", kind, "newton", key], key, value)?;
     }
+    let path = ["analysis", kind, "newton", "max_iterations"];
+    few(source, &path, settings.max_iterations)?;
     Ok(NewtonOptions {
         relative: settings.relative,
         absolute: settings.absolute,
@@ -201,6 +218,14 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
         None => None,
         Some(steps) => {
             positive(source, &at("steps"), "steps", steps as f64)?;
+            if steps as f64 > MOST_STEPS {
+                let problem = Problem::Range {
+                    key: "steps",
+                    value: steps as f64,
+                    expected: "at most 1e9 steps",
+                };
+                return Err(source.value(&at("steps"), problem));
+            }
             Some(range / steps as f64)
         }
     };

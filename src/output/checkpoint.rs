@@ -1,13 +1,18 @@
 //! `checkpoint.json`: everything that a motion needs to go on as if it had never stopped.
 
-use super::directory::OutputError;
+use super::directory::{OutputError, is_grid};
 use super::history::Row;
 use super::plot::Shapes;
 use super::vtu::Frame;
+use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
+use pullback_manifold::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+
+/// Program and version.
+const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
 
 /// Name of the file.
 pub(super) const NAME: &str = "checkpoint.json";
@@ -37,6 +42,8 @@ pub struct Checkpoint {
     program: String,
     /// The model file with defaults.
     settings: Value,
+    /// Names of the unknowns in their order.
+    unknowns: Vec<String>,
     pub(super) progress: Progress,
     pub(super) element_charts: Vec<u32>,
     /// Rotation vectors that the probes have seen last.
@@ -78,8 +85,18 @@ pub enum ResumeError {
         /// What has changed.
         part: String,
     },
+    /// The file contradicts itself.
+    #[error("{} is damaged: {what}; run without --resume", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The run has passed the end that is asked for.
-    #[error("the checkpoint is at time {t}, behind `to` = {to}: there is nothing left to compute")]
+    #[error(
+        "the checkpoint is at time {t}, not before `to` = {to}: there is nothing left to compute"
+    )]
     Passed {
         /// Time reached.
         t: f64,
@@ -89,10 +106,11 @@ pub enum ResumeError {
 }
 
 impl Checkpoint {
-    pub(super) fn new(settings: Value, progress: &Progress) -> Self {
+    pub(super) fn new(settings: Value, unknowns: Vec<String>, progress: &Progress) -> Self {
         Self {
-            program: concat!("pullback ", env!("CARGO_PKG_VERSION")).to_owned(),
+            program: PROGRAM.to_owned(),
             settings,
+            unknowns,
             progress: progress.clone(),
             element_charts: Vec::new(),
             memories: Vec::new(),
@@ -111,7 +129,12 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`ResumeError`].
-    pub fn read(directory: &Path, settings: &Value) -> Result<Self, ResumeError> {
+    pub fn read(
+        directory: &Path,
+        settings: &Value,
+        model: &Model,
+        columns: usize,
+    ) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
         let text = std::fs::read_to_string(&path).map_err(|source| ResumeError::None {
             path: path.clone(),
@@ -124,7 +147,56 @@ impl Checkpoint {
         if let Some(part) = changed(&read.settings, settings) {
             return Err(ResumeError::Changed { path, part });
         }
-        Ok(read)
+        if read.unknowns != names(model) {
+            let part = "the order of nodes".to_owned();
+            return Err(ResumeError::Changed { path, part });
+        }
+        match read.damage(model, columns) {
+            Some(what) => Err(ResumeError::Damaged { path, what }),
+            None => Ok(read),
+        }
+    }
+
+    /// What is wrong with it, for a model and a number of probe columns.
+    fn damage(&self, model: &Model, columns: usize) -> Option<String> {
+        let n = self.unknowns.len();
+        let state = &self.progress.state;
+        let vectors = [&state.q, &state.v, &state.a, &state.algorithmic];
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        let step = self.progress.last_step;
+        let frames = self.record.frames.iter();
+        let wrong = [
+            ("it is of another version", self.program != PROGRAM),
+            (
+                "a state has another length",
+                vectors.iter().any(|x| x.len() != n),
+            ),
+            ("a state is not finite", !vectors.iter().all(|x| finite(x))),
+            (
+                "its time is no time",
+                !(state.t >= 0.0 && state.t.is_finite()),
+            ),
+            ("its step is none", !(step >= 0.0 && step.is_finite())),
+            (
+                "charts of elements are missing",
+                self.element_charts.len() != model.element_charts().len(),
+            ),
+            ("there are no rows", self.record.rows.is_empty()),
+            (
+                "rows have another number of columns",
+                self.record
+                    .rows
+                    .iter()
+                    .any(|row| row.probes.len() != columns),
+            ),
+            (
+                "a file name is none",
+                !frames.into_iter().all(|f| is_grid(&f.file)),
+            ),
+            ("a number of rows is zero", self.record.stride == 0),
+        ];
+        let found = wrong.into_iter().find(|(_, wrong)| *wrong);
+        found.map(|(what, _)| what.to_owned())
     }
 
     /// Where the motion is.
@@ -141,6 +213,11 @@ impl Checkpoint {
     pub(crate) fn grids(&self) -> Vec<&str> {
         self.record.frames.iter().map(|f| f.file.as_str()).collect()
     }
+}
+
+/// Names of the unknowns of a model.
+pub(super) fn names(model: &Model) -> Vec<String> {
+    (0..model.pattern().dim()).map(|i| model.name(i)).collect()
 }
 
 /// The part of the model file that must not have changed but has.

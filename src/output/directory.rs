@@ -56,7 +56,8 @@ impl Directory {
         if path.join(super::results::NAME).is_file() {
             for entry in fs::read_dir(path).map_err(fail)? {
                 let entry = entry.map_err(fail)?;
-                if entry.file_name().to_str().is_some_and(is_result) {
+                let ours = |name: &str| is_result(name) || is_litter(name);
+                if entry.file_name().to_str().is_some_and(ours) {
                     fs::remove_file(entry.path()).map_err(fail)?;
                 }
             }
@@ -83,7 +84,7 @@ impl Directory {
             let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
                 continue;
             };
-            if is_grid(&name) && !kept.contains(&name.as_str()) {
+            if is_litter(&name) || is_grid(&name) && !kept.contains(&name.as_str()) {
                 fs::remove_file(entry.path()).map_err(fail)?;
             }
         }
@@ -114,7 +115,12 @@ impl Directory {
         let outcome = fs::File::create(&temporary)
             .and_then(|mut file| {
                 file.write_all(content.as_bytes())?;
-                file.sync_data()
+                // Grids are many, and not what a run is resumed from.
+                if is_grid(name) {
+                    Ok(())
+                } else {
+                    file.sync_data()
+                }
             })
             .and_then(|()| fs::rename(&temporary, &path));
         if let Err(source) = outcome {
@@ -130,11 +136,17 @@ impl Directory {
 }
 
 /// Whether a file name is that of a grid.
-fn is_grid(name: &str) -> bool {
+pub(super) fn is_grid(name: &str) -> bool {
     let step = name
         .strip_prefix("step_")
         .and_then(|rest| rest.strip_suffix(".vtu"));
     step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// Whether a file name is that of a file that was being written when a program was killed.
+fn is_litter(name: &str) -> bool {
+    let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
+    inner.is_some_and(|(name, id)| is_result(name) && id.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// Whether a file name is one that a run gives.

@@ -84,7 +84,8 @@ pub fn csv(probes: &[String], rows: &[Row]) -> String {
             row.strain_energy,
         );
         for value in row.motion.iter().flatten().chain(&row.probes) {
-            let _ = write!(out, ",{value:?}");
+            // No signs of zero.
+            let _ = write!(out, ",{:?}", value + 0.0);
         }
         out += "\n";
     }

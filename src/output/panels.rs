@@ -5,14 +5,25 @@ use super::plot::{Curve, Panel};
 use crate::input::{Plan, Quantity};
 use crate::probe::Probe;
 
-/// One panel per quantity, in the order of the probes; the strain energy where there are none.
+/// Curves in a panel that a reader can tell apart.
+const CURVES: usize = 6;
+
+/// One panel per quantity (more where there are many curves), in the order of the probes; the strain energy where there are none.
 pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row]) -> Vec<Panel> {
     // A path turns back in the load: its custom is to have the load upright.
     let upright = matches!(plan, Plan::Path(..));
     let mut panels: Vec<(Quantity, Vec<Curve>)> = Vec::new();
     let mut column = 0;
     for probe in probes {
-        for label in probe.columns() {
+        let (quantity, labels) = (probe.quantity(), probe.columns());
+        let room = |(q, curves): &(Quantity, Vec<Curve>)| {
+            *q == quantity && curves.len() + labels.len() <= CURVES
+        };
+        let place = panels.iter().position(room).unwrap_or_else(|| {
+            panels.push((quantity, Vec::new()));
+            panels.len() - 1
+        });
+        for label in labels {
             let points = rows.iter().map(|row| {
                 let value = row.probes[column];
                 if upright {
@@ -21,12 +32,7 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row]) -> Vec<Panel> 
                     (row.t, value)
                 }
             });
-            let curve = Curve::new(label, points.collect());
-            let quantity = probe.quantity();
-            match panels.iter_mut().find(|(q, _)| *q == quantity) {
-                Some((_, curves)) => curves.push(curve),
-                None => panels.push((quantity, vec![curve])),
-            }
+            panels[place].1.push(Curve::new(label, points.collect()));
             column += 1;
         }
     }

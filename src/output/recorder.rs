@@ -48,8 +48,7 @@ pub struct Recorder<'a> {
     last: Option<FinalState>,
     /// The grid of the last row, where it has not been written.
     pending: Option<(Frame, String)>,
-    /// Every how many rows a grid is written.
-    grid_every: usize,
+    grids: Grids,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
@@ -79,7 +78,7 @@ impl<'a> Recorder<'a> {
         let now = Instant::now();
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, true),
-            grid_every: grid_every(&setting),
+            grids: Grids::of(&setting),
             setting,
             directory,
             probes,
@@ -237,14 +236,18 @@ impl<'a> Recorder<'a> {
         } else {
             self.record.latest = Some(shape);
         }
-        if self.grid_every > 0 {
+        if self.grids != Grids::None {
             let frame = Frame {
                 t: row.t,
-                file: format!("step_{number:04}.vtu"),
+                file: match self.setting.plan {
+                    Plan::Dynamic(_) => format!("step_{number:06}.vtu"),
+                    _ => format!("step_{number:04}.vtu"),
+                },
             };
             let text = grid(model, self.setting.geometry, &answers);
             self.pending = Some((frame, text));
-            if number.is_multiple_of(self.grid_every) {
+            let before = self.record.rows.last().map(|row| row.t);
+            if self.grids.due(number, before, row.t) {
                 self.write_pending()?;
             }
         }
@@ -318,7 +321,7 @@ impl<'a> Recorder<'a> {
             let name = name();
             OutputError::Encode { name, source }
         })?;
-        let mut checkpoint = Checkpoint::new(settings, progress);
+        let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
         checkpoint.element_charts = model.element_charts();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
@@ -373,16 +376,38 @@ fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError
     Ok(Answers::of(model, t).moving(Some(audit), defect))
 }
 
-/// Every how many rows a grid is written.
-fn grid_every(setting: &Setting<'_>) -> usize {
-    match (setting.output.paraview_every, setting.plan) {
-        (Some(every), _) => every,
-        (None, Plan::Dynamic(plan)) => {
-            let options = &plan.options;
-            let rows = options.to / options.step / plan.record_every as f64;
-            (rows / GRIDS).ceil().max(1.0) as usize
+/// When a grid is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Grids {
+    /// Never.
+    None,
+    /// Every this many rows.
+    Rows(usize),
+    /// At the first row in each of these spans of time.
+    Spans(f64),
+}
+
+impl Grids {
+    fn of(setting: &Setting<'_>) -> Self {
+        match (setting.output.paraview_every, setting.plan) {
+            (Some(0), _) => Self::None,
+            (Some(every), _) => Self::Rows(every),
+            (None, Plan::Dynamic(plan)) => Self::Spans(plan.options.to / GRIDS),
+            (None, _) => Self::Rows(1),
         }
-        (None, _) => 1,
+    }
+
+    /// Whether row `number` at time `t`, after one at time `before`, has one.
+    fn due(self, number: usize, before: Option<f64>, t: f64) -> bool {
+        match self {
+            Self::None => false,
+            Self::Rows(every) => number.is_multiple_of(every),
+            Self::Spans(span) => {
+                // Times that are meant to be at the beginning of a span are.
+                let span = |t: f64| (t / span + 1e-6).floor();
+                before.is_none_or(|before| span(before) < span(t))
+            }
+        }
     }
 }
 

@@ -1,35 +1,55 @@
 //! The constant-velocity joint: the shafts turn equally fast at any angle between them.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
 
-/// R_s = R_m R(α a + β b) with a, b across the shaft: masters (frame, tilt 1, tilt 2).
+/// R_s = R_m R(τ₀ + α a + β b) R(τ₀)ᵀ with a, b across the first shaft: masters (frame, tilt 1,
+/// tilt 2). τ₀ tilts the first shaft into the second one in the reference configuration.
 ///
-/// The relative rotation vector has no component along the shaft, so the plane that halves the
-/// angle between the shafts is one of symmetry: the condition for equal speeds. The tilt must stay
-/// below 2π.
+/// The rotation vector from shafts in line has no component along the shaft, so the plane that
+/// halves the angle between the shafts is one of symmetry: the condition for equal speeds. The
+/// tilt must stay below 2π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantVelocity {
     across: [Vector3<f64>; 2],
+    tilt: Vector3<f64>,
 }
 
 impl ConstantVelocity {
-    /// The coupling of shafts along an axis of any length; `None` for one without a direction.
-    pub fn new(axis: [f64; 3]) -> Option<Self> {
-        let axis = direction("", axis).ok()?;
-        let first = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
-        let across = [first, axis.cross(&first)];
-        Some(Self { across })
+    /// The coupling of two shafts along axes of any length, the second pointing away where the
+    /// first points in; `None` for axes without a direction or against each other.
+    pub fn new(axes: [[f64; 3]; 2]) -> Option<Self> {
+        let [e, f] = [direction("", axes[0]).ok()?, direction("", axes[1]).ok()?];
+        let first = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
+        let across = [first, e.cross(&first)];
+        let (turn, cosine) = (e.cross(&f), e.dot(&f));
+        let sine = turn.norm();
+        if sine < PARALLEL && cosine < 0.0 {
+            return None;
+        }
+        let tilt = if sine > 0.0 {
+            turn * (sine.atan2(cosine) / sine)
+        } else {
+            turn
+        };
+        Some(Self { across, tilt })
+    }
+
+    fn angle<S: Scalar>(&self, alpha: S, beta: S) -> Vector3<S> {
+        let [a, b] = self.across.map(|e| e.map(S::constant));
+        self.tilt.map(S::constant) + a * alpha + b * beta
     }
 }
 
 impl Joint<8> for ConstantVelocity {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        let [a, b] = self.across.map(|e| e.map(S::constant));
-        Pose::of(q, 0).turned(&quaternion(&(a * q[6] + b * q[7])))
+        let back = -self.tilt.map(S::constant);
+        Pose::of(q, 0)
+            .turned(&quaternion(&self.angle(q[6], q[7])))
+            .turned(&quaternion(&back))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -37,27 +57,29 @@ impl Joint<8> for ConstantVelocity {
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
-        std::f64::consts::TAU - q[6].hypot(q[7])
+        std::f64::consts::TAU - self.angle(q[6], q[7]).norm()
     }
 }
 
-/// Adds a frame node `name` at the place of `master`, coupled to it at constant velocity for
-/// shafts along `axis` (global components of the reference configuration), and the nodes
-/// `name tilt 1` and `name tilt 2`.
+/// Adds a frame node `name` at the place of `master`, coupled to it at constant velocity for two
+/// shafts (global components of the reference configuration; the master carries the first, the new
+/// node the second), and the nodes `name tilt 1` and `name tilt 2`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
+/// [`ModelError::Axis`] for an axis without a direction, [`ModelError::Parallel`] for shafts
+/// against each other; as [`ModelBuilder::mapped_node`].
 pub fn constant_velocity(
     b: &mut ModelBuilder,
     name: &str,
     master: NodeId,
-    axis: [f64; 3],
+    axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
-    direction(name, axis)?;
-    let joint = ConstantVelocity::new(axis);
-    let joint = joint.ok_or_else(|| ModelError::Axis {
+    for axis in axes {
+        direction(name, axis)?;
+    }
+    let parallel = || ModelError::Parallel {
         joint: name.to_owned(),
-        axis,
-    })?;
+    };
+    let joint = ConstantVelocity::new(axes).ok_or_else(parallel)?;
     b.join(name, b.place(master).into(), joint, &[master])
 }

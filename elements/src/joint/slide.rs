@@ -104,6 +104,10 @@ impl Map<13, 6> for Slide {
         ends.min(TAU - Vector3::new(x[3], x[4], x[5]).norm())
     }
 
+    fn edge(&self) -> &'static str {
+        "its chain of beams over an end: make the chain longer, or stop before"
+    }
+
     fn change_charts(&mut self, _t: f64, q: &SVector<f64, 13>) -> ChartChanges {
         let (segment, sheets) = (self.segment, self.sheets);
         self.segment = self.element_at(q[12]);

@@ -9,7 +9,8 @@ use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError, Weights,
+    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError,
+    Weights,
 };
 
 /// Most nodes one element may have.
@@ -36,6 +37,9 @@ pub(super) struct Workspace {
     /// Kinematic operators of nodes that follow others.
     pub operators: Operators,
     pub local: Local,
+    /// Momentum before maps were handed over, and whether one was.
+    pub kept: Vec<f64>,
+    pub handed_over: bool,
     /// Per node, for the choice of charts.
     pub sheets: Vec<Sheet>,
     scales: Scales,
@@ -78,6 +82,8 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             local: Local::new(n, masters),
+            kept: Vec::new(),
+            handed_over: false,
             sheets: Vec::with_capacity(nodes.len()),
             scales,
         }
@@ -193,10 +199,12 @@ impl Model {
 pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
             what: name.to_owned(),
             margin: std::f64::consts::TAU - psi,
         },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
             what: format!("{name}, whose ends coincide,"),
             margin: 0.0,
         },
@@ -273,6 +281,13 @@ impl System for Model {
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         self.generalised_momentum(at, p)
+    }
+
+    fn kept_momentum(&self, p: &mut [f64]) -> bool {
+        if self.work.handed_over {
+            p.copy_from_slice(&self.work.kept);
+        }
+        self.work.handed_over
     }
 
     fn is_symmetric(&self) -> bool {

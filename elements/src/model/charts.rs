@@ -1,10 +1,10 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
 use super::slots::Complement;
-use super::{Form, Model, Source};
+use super::{Form, Model, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
-use pullback_manifold::system::ChartChanges;
+use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
@@ -84,6 +84,10 @@ impl Model {
             }
         }
         changed += self.rewrite_coordinates(t, q, v, accelerations);
+        self.work.handed_over = false;
+        if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
+            self.keep_momentum(Point { t, q, v, a });
+        }
         // Where a map cannot be evaluated, the next evaluation says so.
         let Ok(maps) = self.update_maps(t, q) else {
             return ChartChanges {
@@ -117,6 +121,21 @@ impl Model {
             }
         }
         changed
+    }
+
+    /// Keeps the momentum where a map may be handed over.
+    fn keep_momentum(&mut self, at: Point<'_>) {
+        let travels = |n: &Node| match &n.source {
+            Source::Mapped(d) => d.segments.len() > 1,
+            Source::Own => false,
+        };
+        if self.nodes.iter().any(travels) {
+            let mut kept = std::mem::take(&mut self.work.kept);
+            kept.resize(at.q.len(), 0.0);
+            // Where a map cannot be evaluated, the next evaluation says so.
+            self.generalised_momentum(at, &mut kept).ok();
+            self.work.kept = kept;
+        }
     }
 
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's

@@ -272,6 +272,7 @@ impl Model {
             if margin.is_nan() || margin <= 0.0 {
                 let what = format!("joint at node {}", node.name);
                 return Err(SystemError::OutsideChart {
+                    edge: d.map.edge(),
                     what: match d.map.trouble(t, &local.q[..k]) {
                         Some(trouble) => format!("{what} ({trouble})"),
                         None => what,
@@ -382,6 +383,7 @@ impl Model {
                 continue;
             }
             if d.map.segment() != before {
+                self.work.handed_over = true;
                 for n in 0..self.nodes.len() {
                     find_ancestors(&mut self.nodes, n);
                 }

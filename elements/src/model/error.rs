@@ -91,8 +91,8 @@ pub enum ModelError {
     #[error("joint {joint}: its two axes are parallel; give two directions")]
     Parallel { joint: String },
     #[error(
-        "joint {joint} cannot slide: it needs at least two nodes at different places (got {nodes}) \
-         and a start between 0 and the length of the chain (got {start})"
+        "joint {joint} cannot slide from start = {start}: that must lie between 0 and the length of \
+         its chain ({nodes} nodes at different places are given, two at least are needed)"
     )]
     Slide {
         joint: String,

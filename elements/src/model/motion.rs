@@ -4,8 +4,9 @@
 
 use super::builder::NodeId;
 use super::{Form, Model, NONE, Source};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
 use pullback_manifold::so3;
+use pullback_manifold::system::{Point, SystemError};
 
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +106,8 @@ impl Model {
 
     /// Writes the velocities of a rigid motion of the nodes in `nodes` (all of them if it is
     /// `None`) into `v`, at coordinates `q`: displacements move with v + ω × (x − about), rotation
-    /// vectors with Ψ̇ = T⁻ᵀ ω. Angles that a joint releases stay at rest.
+    /// vectors with Ψ̇ = T⁻ᵀ ω. Coordinates that joints release stay at rest: see
+    /// [`Model::fit_rates`].
     pub fn set_velocity(
         &self,
         q: &[f64],
@@ -145,6 +147,69 @@ impl Model {
                 put(first, &inverse.tr_mul(&motion.omega));
             }
         }
+    }
+
+    /// Fits the rates of the coordinates that joints release, in `v`, so that the frames that hang
+    /// on them (those among `nodes`, all of them if it is `None`) move with a rigid motion as
+    /// closely as they can: joint by joint from the root, by least squares.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn fit_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) -> Result<(), SystemError> {
+        let a = vec![0.0; v.len()];
+        for n in self.dependent.clone() {
+            let node = &self.nodes[n as usize];
+            let Source::Mapped(d) = &node.source else {
+                continue;
+            };
+            let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
+            if !chosen || !node.is_frame() {
+                continue;
+            }
+            let released = |&&m: &&u32| self.nodes[m as usize].form == Form::Coordinates;
+            let unknowns: Vec<usize> = (d.masters().iter().filter(released))
+                .flat_map(|&m| self.nodes[m as usize].range())
+                .filter(|&c| self.unknowns[c] != NONE)
+                .map(|c| self.unknowns[c] as usize)
+                .collect();
+            if unknowns.is_empty() {
+                continue;
+            }
+            let mut rates = |v: &[f64]| -> Result<Vector6<f64>, SystemError> {
+                self.expand(Point {
+                    t: 0.0,
+                    q,
+                    v,
+                    a: &a,
+                })?;
+                let own = self.nodes[n as usize].range();
+                Ok(Vector6::from_column_slice(&self.work.v[own]))
+            };
+            let now = rates(v)?;
+            let mut columns = DMatrix::zeros(6, unknowns.len());
+            for (k, &u) in unknowns.iter().enumerate() {
+                v[u] += 1.0;
+                columns.set_column(k, &(rates(v)? - now));
+                v[u] -= 1.0;
+            }
+            let state = self.node_state(NodeId(n));
+            let place = motion.velocity + motion.omega.cross(&(state.place - motion.about));
+            let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
+            let wanted = Vector6::new(place.x, place.y, place.z, turn.x, turn.y, turn.z);
+            let missing = DVector::from_column_slice((wanted - now).as_slice());
+            if let Ok(more) = columns.svd(true, true).solve(&missing, 1e-9) {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation

@@ -8,7 +8,7 @@ use pullback_manifold::system::SystemError;
 #[derive(Debug, thiserror::Error)]
 pub enum DynamicsError {
     /// A parameter of a scheme outside its range.
-    #[error("{name} = {value} is outside its range [{from:.6}, {to:.6}]")]
+    #[error("{name} = {value:?} is outside its range [{from:.6}, {to:.6}]")]
     Parameter {
         /// Its name.
         name: &'static str,
@@ -20,7 +20,7 @@ pub enum DynamicsError {
         to: f64,
     },
     /// An option that makes no sense.
-    #[error("option {name} = {value} is not usable: {wanted}")]
+    #[error("option {name} = {value:?} is not usable: {wanted}")]
     Option {
         /// Its name.
         name: &'static str,
@@ -64,6 +64,20 @@ pub enum DynamicsError {
         source: LinearError,
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
+    },
+    /// Energy has grown without bounds: the step does not resolve what the scheme cannot damp.
+    #[error(
+        "the motion is unstable: at time {t:.6} it has the energy {energy:.3e} where {known:.3e} has \
+         ever been there or supplied; take smaller steps, or a scheme that damps high frequencies \
+         (more)"
+    )]
+    Unstable {
+        /// Time.
+        t: f64,
+        /// Kinetic and stored energy.
+        energy: f64,
+        /// Energy at the start and work since, whatever its sign.
+        known: f64,
     },
     /// A step failed down to the smallest step size.
     #[error("{0}")]

@@ -65,40 +65,36 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Where a driven velocity jumps at the state's time the momentum of the free coordinates does
-/// not: their velocities jump by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive and the old
-/// velocities. Returns whether there was such an impulse.
+/// Where a driven velocity jumps, or a map is handed over, the momentum of the free coordinates
+/// does not: their velocities jump by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive or map and
+/// the old velocities. Returns whether there was such an impulse.
 pub(super) fn strike<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &mut State,
+    before: &[f64],
+    t: f64,
     h: f64,
-    [r, S]: [&mut [f64]; 2],
+    [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<bool, DynamicsError> {
-    let n = state.q.len();
-    let (mut before, mut after) = (vec![0.0; n], vec![0.0; n]);
-    let t = state.t;
-    for (t, p) in [(t.next_down(), &mut before), (t, &mut after)] {
-        let at = Point {
-            t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
-        let knows = system.momentum(at, p);
-        if !knows.map_err(|source| DynamicsError::System { t, source })? {
-            return Ok(false);
-        }
-    }
+    let at = Point {
+        t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    };
+    system
+        .momentum(at, missing)
+        .map_err(|source| DynamicsError::System { t, source })?;
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let size = largest(&before).max(largest(&after));
-    for (before, after) in before.iter_mut().zip(&after) {
-        *before -= after;
+    let size = largest(before).max(largest(missing));
+    for (missing, before) in missing.iter_mut().zip(before) {
+        *missing = before - *missing;
     }
-    if largest(&before) <= ROUNDING * size {
+    if largest(missing) <= ROUNDING * size {
         return Ok(false);
     }
-    solve_mass(system, solver, state, h, [r, S], Some(&before))?;
+    solve_mass(system, solver, state, h, [r, S], Some(missing))?;
     for (v, dv) in state.v.iter_mut().zip(&*r) {
         *v += dv;
     }

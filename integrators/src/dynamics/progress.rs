@@ -1,6 +1,6 @@
 //! Where a run in time is, and what it has done.
 
-use super::State;
+use super::{DynamicsError, State};
 use crate::statics::Iteration;
 use pullback_manifold::system::Energies;
 
@@ -14,11 +14,35 @@ pub struct EnergyBalance {
     pub now: Energies,
     /// Work of loads, supports and dampers so far: the trapezoidal rule over the steps.
     pub work: f64,
+    /// Work of the steps so far, whatever its sign.
+    pub gross: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
 }
 
+/// Factor by which energy may exceed all that was ever there or supplied.
+const ABSURD: f64 = 1e3;
+
 impl EnergyBalance {
+    /// Takes the energies at the end of a step.
+    pub(super) fn book(&mut self, now: &Energies, h: f64) {
+        let power = |e: &Energies| e.supplied - e.dissipated;
+        let work = 0.5 * h * (power(&self.now) + power(now));
+        self.work += work;
+        self.gross += work.abs();
+        self.now = *now;
+        self.largest_defect = self.largest_defect.max(self.defect().abs());
+    }
+
+    /// Refuses a motion whose energy has become absurd.
+    pub(super) fn judge(&self, t: f64) -> Result<(), DynamicsError> {
+        let (energy, known) = (self.now.kinetic + self.now.stored, self.start + self.gross);
+        if !energy.is_finite() || (known > 0.0 && energy > ABSURD * known) {
+            return Err(DynamicsError::Unstable { t, energy, known });
+        }
+        Ok(())
+    }
+
     /// Energy that is there without having been supplied.
     pub fn defect(&self) -> f64 {
         self.now.kinetic + self.now.stored - self.start - self.work
@@ -60,6 +84,8 @@ pub struct Progress {
     pub last_step: f64,
     /// Step size to try next; 0 for that of the options.
     pub next_step: f64,
+    /// Whether it ended at a kink or jump of a function of time: what lies behind is found first.
+    pub at_kink: bool,
     /// Converged steps in a row since the last failure.
     pub easy: usize,
     /// Counters so far.

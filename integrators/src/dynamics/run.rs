@@ -92,6 +92,8 @@ pub fn integrate_with<Y: System + ?Sized>(
         .map_err(|source| DynamicsError::Analysis { source })?;
     let mut run = Run {
         stepper: Stepper::new(system, &options.newton),
+        momentum: vec![0.0; system.pattern().dim()],
+        missing: vec![0.0; system.pattern().dim()],
         stops: stops(system, progress.state.t, options.to),
         options,
     };
@@ -121,7 +123,11 @@ pub fn integrate_with<Y: System + ?Sized>(
 struct Run<'a> {
     stepper: Stepper,
     /// Times at which a step must end, ascending; the last one is the end.
-    stops: Vec<f64>,
+    stops: Vec<Stop>,
+    /// A momentum that is kept over a jump.
+    momentum: Vec<f64>,
+    /// What the velocities lack of it after the jump.
+    missing: Vec<f64>,
     options: &'a DynamicOptions,
 }
 
@@ -155,6 +161,14 @@ impl Run<'_> {
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
         let vectors: &mut [&mut [f64]] = if fresh { &mut none } else { &mut both };
         let changed = system.change_charts(*t, q, v, vectors).charts;
+        if !fresh && std::mem::take(&mut progress.at_kink) {
+            let t = progress.state.t;
+            let stop = Stop {
+                kink: true,
+                ..Stop::end(t)
+            };
+            self.pass(system, solver, progress, stop)?;
+        }
         if fresh {
             progress.summary.chart_changes += changed;
             self.accelerate(system, solver, progress)?;
@@ -211,16 +225,18 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
-        let stop = self.stops.iter().copied().find(|&s| s > from);
-        let stop = stop.unwrap_or(self.options.to);
+        let stop = self.stops.iter().find(|s| s.left > from);
+        let stop = stop.copied().unwrap_or(Stop::end(self.options.to));
         // Equal steps to the next stop, none of them a tiny remainder.
-        let count = ((stop - from) / progress.next_step - 1e-6).ceil().max(1.0);
-        let h = (stop - from) / count;
+        let count = ((stop.left - from) / progress.next_step - 1e-6)
+            .ceil()
+            .max(1.0);
+        let h = (stop.left - from) / count;
         // A step ends before a kink: functions of time are asked on its left.
-        let to = if count > 1.0 {
-            from + h
-        } else {
-            stop.next_down()
+        let to = match (count > 1.0, stop.kink) {
+            (true, _) => from + h,
+            (false, true) => stop.left.next_down(),
+            (false, false) => stop.left,
         };
         rebase(progress, h);
         let before = (self.stepper.evaluations, self.stepper.factorisations);
@@ -235,7 +251,7 @@ impl Run<'_> {
             return self.halve(system, progress, failure, [from, to]);
         }
         if count <= 1.0 {
-            self.stepper.next.t = stop;
+            self.stepper.next.t = stop.left;
         }
         let Some(adaptivity) = self.options.adaptivity else {
             return Ok(Some(h));
@@ -255,7 +271,7 @@ impl Run<'_> {
         }
         progress.summary.inaccurate += 1;
         if wanted < self.options.min_step {
-            return self.halve(system, progress, Failure::Diverged, [from, to]);
+            return self.halve(system, progress, Failure::Inaccurate, [from, to]);
         }
         progress.next_step = wanted;
         Ok(None)
@@ -306,22 +322,21 @@ impl Run<'_> {
         progress: &mut Progress,
         h: f64,
     ) -> Result<usize, DynamicsError> {
-        let before_kink = self.stepper.next.t;
-        let at_stop = self.stops.contains(&before_kink) && before_kink < self.options.to;
+        let left = self.stepper.next.t;
+        let kink = self.stops.iter().find(|s| s.kink && s.left == left);
+        let kink = kink.copied();
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
-        let asked = if at_stop {
-            before_kink.next_down()
+        let asked = if kink.is_some() {
+            left.next_down()
         } else {
-            before_kink
+            left
         };
-        let left = self.energies(system, &progress.state, asked)?;
-        if let (Some(now), Some(balance)) = (left, &mut progress.summary.energy) {
-            let power = |e: &Energies| e.supplied - e.dissipated;
-            balance.work += 0.5 * h * (power(&balance.now) + power(&now));
-            balance.now = now;
-            balance.largest_defect = balance.largest_defect.max(balance.defect().abs());
+        let energies = self.energies(system, &progress.state, asked)?;
+        if let (Some(now), Some(balance)) = (energies, &mut progress.summary.energy) {
+            balance.book(&now, h);
+            balance.judge(left)?;
         }
         let State {
             t,
@@ -332,20 +347,15 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if at_stop {
-            let Stepper { r, S, .. } = &mut self.stepper;
-            if strike(system, solver, &mut progress.state, h, [r, S])? {
-                progress.summary.evaluations += 1;
-                progress.summary.factorisations += 1;
-            }
-            self.accelerate(system, solver, progress)?;
-            let right = self.energies(system, &progress.state, progress.state.t)?;
-            if let (Some(now), Some(balance)) = (right, &mut progress.summary.energy) {
-                // What a jump of a driven velocity gives, its support gives at once.
-                let energy = |e: &Energies| e.kinetic + e.stored;
-                balance.work += energy(&now) - energy(&balance.now);
-                balance.now = now;
-            }
+        // A map that was handed over leaves the momentum as it is.
+        if system.kept_momentum(&mut self.momentum) {
+            self.jump(system, solver, progress, left, false)?;
+        }
+        match kink {
+            // What lies behind the end is not known to be asked for.
+            Some(_) if left >= self.options.to => progress.at_kink = true,
+            Some(stop) => self.pass(system, solver, progress, stop)?,
+            None => {}
         }
         if self.options.adaptivity.is_none() {
             progress.easy += 1;
@@ -356,6 +366,74 @@ impl Run<'_> {
             }
         }
         Ok(changes.charts)
+    }
+
+    /// Goes on behind a kink.
+    fn pass<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        stop: Stop,
+    ) -> Result<(), DynamicsError> {
+        let State { t, q, v, a, .. } = &mut progress.state;
+        let before = Point {
+            t: stop.left.next_down(),
+            q,
+            v,
+            a,
+        };
+        let known = system.momentum(before, &mut self.momentum);
+        let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
+        *t = stop.right;
+        if known {
+            self.jump(system, solver, progress, stop.right, true)
+        } else {
+            self.renew(system, solver, progress, true)
+        }
+    }
+
+    /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
+    fn jump<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        t: f64,
+        supplied: bool,
+    ) -> Result<(), DynamicsError> {
+        let h = progress.last_step;
+        let Stepper { r, S, .. } = &mut self.stepper;
+        let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
+        let state = &mut progress.state;
+        if strike(system, solver, state, &self.momentum, t, h, buffers)? {
+            progress.summary.evaluations += 1;
+            progress.summary.factorisations += 1;
+        }
+        self.renew(system, solver, progress, supplied)
+    }
+
+    /// Accelerations and energies of a state that has jumped; `supplied` says that supports have
+    /// done the work of it.
+    fn renew<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        supplied: bool,
+    ) -> Result<(), DynamicsError> {
+        self.accelerate(system, solver, progress)?;
+        let now = self.energies(system, &progress.state, progress.state.t)?;
+        if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
+            if supplied {
+                let energy = |e: &Energies| e.kinetic + e.stored;
+                let work = energy(&now) - energy(&balance.now);
+                balance.work += work;
+                balance.gross += work.abs();
+            }
+            balance.now = now;
+        }
+        Ok(())
     }
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).
@@ -383,14 +461,48 @@ fn rebase(progress: &mut Progress, h: f64) {
     }
 }
 
-/// Kinks between the start and the end, and the end.
-fn stops<Y: System + ?Sized>(system: &Y, from: f64, to: f64) -> Vec<f64> {
-    let slack = 1e-9 * (to - from);
-    let mut stops = system.kinks();
-    stops.retain(|&t| t > from + slack && t < to - slack);
-    stops.push(to);
-    stops.sort_by(f64::total_cmp);
-    stops.dedup_by(|b, a| *b - *a <= slack);
+/// A time at which a step must end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stop {
+    /// Where the step ends, and where the next one begins: the same but for rounding errors in
+    /// times that are meant to be equal.
+    left: f64,
+    right: f64,
+    /// Whether functions of time have a kink or jump there.
+    kink: bool,
+}
+
+impl Stop {
+    fn end(t: f64) -> Self {
+        Self {
+            left: t,
+            right: t,
+            kink: false,
+        }
+    }
+}
+
+/// Kinks after the start and until the end, and the end.
+fn stops<Y: System + ?Sized>(system: &Y, from: f64, to: f64) -> Vec<Stop> {
+    let slack = 1e-13 * to.abs().max(from.abs());
+    let mut kinks = system.kinks();
+    kinks.retain(|&t| t > from + slack && t <= to + slack);
+    kinks.sort_by(f64::total_cmp);
+    let mut stops: Vec<Stop> = Vec::new();
+    for t in kinks {
+        match stops.last_mut() {
+            Some(last) if t - last.right <= slack => last.right = t,
+            _ => stops.push(Stop {
+                left: t,
+                right: t,
+                kink: true,
+            }),
+        }
+    }
+    match stops.last_mut() {
+        Some(last) if to - last.left <= slack => last.left = to,
+        _ => stops.push(Stop::end(to)),
+    }
     stops
 }
 
@@ -425,11 +537,22 @@ fn check<Y: System + ?Sized>(
         });
     }
     let n = system.pattern().dim();
+    let State {
+        q,
+        v,
+        a,
+        algorithmic,
+        ..
+    } = &progress.state;
+    let fresh = a.is_empty() && algorithmic.is_empty();
     for (what, x) in [
-        ("coordinates", &progress.state.q),
-        ("velocities", &progress.state.v),
+        ("coordinates", q),
+        ("velocities", v),
+        ("accelerations", a),
+        ("algorithmic accelerations", algorithmic),
     ] {
-        if x.len() != n {
+        let empty = fresh && what.ends_with("accelerations");
+        if x.len() != n && !empty {
             return Err(DynamicsError::Initial {
                 what,
                 problem: format!("{} given where the system has {n} coordinates", x.len()),

@@ -67,7 +67,7 @@ impl Stepper {
                 a: zeros(),
                 algorithmic: zeros(),
             },
-            history: Vec::with_capacity(options.max_iterations + 1),
+            history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             evaluations: 0,
             factorisations: 0,
             options: *options,

@@ -77,7 +77,7 @@ impl Newton {
             inverse_scale: (0..n)
                 .map(|i| 1.0 / scales.coordinate[system.kind(i).index()])
                 .collect(),
-            history: Vec::with_capacity(options.max_iterations + 1),
+            history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             evaluations: 0,
             factorisations: 0,
             options: *options,

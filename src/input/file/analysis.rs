@@ -197,8 +197,9 @@ pub enum Scheme {
 }
 
 impl Default for Scheme {
+    /// A little damping of the highest frequencies, which no step resolves.
     fn default() -> Self {
-        Self::Newmark([0.25, 0.5])
+        Self::GeneralisedAlpha(0.9)
     }
 }
 

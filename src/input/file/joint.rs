@@ -3,6 +3,7 @@
 use super::Time;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A joint. It makes a node of its own name that hangs on the master: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
@@ -30,7 +31,14 @@ pub struct Joint {
     /// Where a slide starts: arc length from the beginning of the first line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
-    /// Spring and damper on the released angle (revolute) or way (slide).
+    /// Second axis of a universal joint, second shaft of a constant-velocity one; direction of the
+    /// first way of a planar one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_axis: Option<[f64; 3]>,
+    /// Way of a helical joint in one turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<f64>,
+    /// Spring and damper on the released coordinate, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
     /// Moment of a motor on the angle (force on the way) as a function of time.
@@ -39,23 +47,87 @@ pub struct Joint {
     /// The angle or way itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Time>,
+    /// Angle or way at the start (dynamics); what hangs on the joint moves along, but not nodes of
+    /// their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
     /// Rate of the angle or way at the start (dynamics).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
+    /// What acts on the coordinates of a joint that releases several, by their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub coordinates: BTreeMap<String, Acts>,
+}
+
+/// What acts on a released coordinate.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Acts {
+    /// Spring and damper.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spring: Option<JointSpring>,
+    /// Moment of a motor on an angle (force on a way) as a function of time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Time>,
+    /// The coordinate itself as a function of time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven: Option<Time>,
+    /// Its value at the start (dynamics).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Its rate at the start (dynamics).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate: Option<f64>,
+}
+
+impl Joint {
+    /// What acts on its one coordinate.
+    pub fn acts(&self) -> Acts {
+        Acts {
+            spring: self.spring,
+            motor: self.motor.clone(),
+            driven: self.driven.clone(),
+            value: self.value,
+            rate: self.rate,
+        }
+    }
+
+    /// All that acts on its coordinates; the name is empty where there is but one.
+    pub fn all_acts(&self) -> impl Iterator<Item = (&str, Acts)> {
+        let named = self
+            .coordinates
+            .iter()
+            .map(|(n, a)| (n.as_str(), a.clone()));
+        std::iter::once(("", self.acts())).chain(named)
+    }
 }
 
 /// What a joint releases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum JointKind {
     /// Nothing: a rigid link to a node at another `place`.
     Offset,
+    /// Nothing: a frame at the same place.
+    Weld,
     /// The angle about an `axis`, any number of turns.
     Revolute,
     /// All rotations.
     Spherical,
     /// The place along `lines`.
     Slide,
+    /// The angles about two crossed axes.
+    Universal,
+    /// The tilt of shafts along `axis` and `second_axis` that turn equally fast.
+    ConstantVelocity,
+    /// Way and angle along and about an `axis`.
+    Cylindrical,
+    /// The way along an `axis`.
+    Prismatic,
+    /// Two ways in the plane with the normal `axis`, and the angle about it.
+    Planar,
+    /// The angle about an `axis`, along which it moves by `pitch` in a turn.
+    Helical,
 }
 
 impl JointKind {
@@ -63,9 +135,16 @@ impl JointKind {
     pub fn key(self) -> &'static str {
         match self {
             Self::Offset => "offset",
+            Self::Weld => "weld",
             Self::Revolute => "revolute",
             Self::Spherical => "spherical",
             Self::Slide => "slide",
+            Self::Universal => "universal",
+            Self::ConstantVelocity => "constant-velocity",
+            Self::Cylindrical => "cylindrical",
+            Self::Prismatic => "prismatic",
+            Self::Planar => "planar",
+            Self::Helical => "helical",
         }
     }
 }

@@ -35,8 +35,8 @@ pub enum Quantity {
     displacement,
     /// Current place of a node.
     position,
-    /// Rotation vector Ψ of a node, continued without jumps over changes of chart: any number of
-    /// turns. In radians.
+    /// Rotation vector Ψ of a node in radians, continued over changes of chart. About a fixed axis
+    /// it counts turns; about one that moves no rotation vector does (ask for the joint_coordinate).
     rotation,
     /// Rotation vector Ψ of a node in the chart in use; jumps by a turn where the chart changes.
     chart_rotation,

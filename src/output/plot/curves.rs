@@ -129,6 +129,35 @@ fn entries(panel: &Panel) -> Vec<(String, Mark)> {
         .collect()
 }
 
+/// Points of a curve of which a figure of this size can show no more; more are thinned out.
+const POINTS: usize = 4000;
+
+/// The first, the last, the highest and the lowest of each group of neighbours: what a curve of
+/// many points looks like.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    if points.len() <= POINTS {
+        return points;
+    }
+    let group = 4 * points.len().div_ceil(POINTS);
+    let mut out = Vec::with_capacity(POINTS + 4);
+    for (k, part) in points.chunks(group).enumerate() {
+        let start = k * group;
+        let extreme = |sign: f64| {
+            let best = part.iter().enumerate();
+            best.max_by(|a, b| (sign * a.1.1).total_cmp(&(sign * b.1.1)))
+                .map_or(0, |(i, _)| i)
+        };
+        let mut kept = [0, extreme(1.0), extreme(-1.0), part.len() - 1];
+        kept.sort_unstable();
+        for (n, &i) in kept.iter().enumerate() {
+            if n == 0 || kept[n - 1] != i {
+                out.push(points[start + i]);
+            }
+        }
+    }
+    out
+}
+
 fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
     let all = || panel.curves.iter().flat_map(|c| &c.points);
     let x = axes::range(all().map(|p| p.0));
@@ -138,6 +167,11 @@ fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
         let color = curve.drawn_in(place);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
         let points: Vec<(f64, f64)> = curve.points.iter().filter(finite).copied().collect();
+        let points = if curve.scattered {
+            points
+        } else {
+            thinned(points)
+        };
         // Few points are shown as what they are: converged steps.
         if curve.scattered || points.len() <= 40 {
             let radius = 3 * FINE;

@@ -59,4 +59,5 @@ fn width(text: &str, size: i32) -> i32 {
 fn scaled(svg: &str, [w, h]: [i32; 2]) -> String {
     let fine = format!("width=\"{}\" height=\"{}\"", w * FINE, h * FINE);
     svg.replacen(&fine, &format!("width=\"{w}\" height=\"{h}\""), 1)
+        .replace("<polyline ", "<polyline stroke-linejoin=\"round\" ")
 }
