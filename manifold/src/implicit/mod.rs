@@ -22,7 +22,7 @@
 //! formulations solve for.
 //!
 //! A is watched by its condition number at converged states. Where another choice of L is better by
-//! more than [`GAIN`], the coordinates are rewritten ([`Rewritten`]): x, ẋ and ẍ are kept and
+//! more than [`GAIN`], the coordinates are rewritten ([`crate::map::Rewritten`]): x, ẋ and ẍ are kept and
 //! seen in the new chart, which is linear in them.
 
 #![allow(non_snake_case)]

@@ -37,10 +37,6 @@ where
         }
     }
 
-    fn edge(&self) -> &'static str {
-        self.inner.edge()
-    }
-
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let inner = self.inner.change_charts(t, q);
         let outer = self.outer.change_charts(t, &self.inner.phi(t, q));
