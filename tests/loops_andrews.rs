@@ -167,10 +167,8 @@ fn run(map: Loops, steps: usize) -> Run {
     let (mut note, mut residual, mut changes) = (model.note(x), 0.0_f64, Vec::new());
     let mut end = [[0.0; 7]; 3];
     out.progress = observed(&mut model, [&zero, &zero], &options, &mut |model, _| {
-        for k in 0..7 {
-            let [value, rate, acceleration] = model.coordinate_motion(x, k).unwrap();
-            (end[0][k], end[1][k], end[2][k]) = (value, rate, acceleration);
-        }
+        let motion: [[f64; 3]; 7] = std::array::from_fn(|k| model.coordinate_motion(x, k).unwrap());
+        end = std::array::from_fn(|d| motion.map(|x| x[d]));
         residual = residual.max(Squeezer.h(0.0, &end[0].into()).amax());
         let now = model.note(x);
         if now != note {
