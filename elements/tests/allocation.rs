@@ -7,8 +7,9 @@ mod common;
 use common::{Coupling, Offset, coupled};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::body::RigidBody;
+use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
 use pullback_elements::load::{LineLoad, NodalLoad, Which};
-use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
+use pullback_elements::model::{Dof, Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
@@ -58,6 +59,18 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
     let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
     b.element("wind", wind, &nodes[..3]).unwrap();
+    let by_energy = PolynomialSpring {
+        places: ends,
+        rest_length: 1.0,
+        k: [3.0, 0.5],
+        c: 0.2,
+    };
+    b.element("energy", by_energy.into_element(), &[nodes[1], slave])
+        .unwrap();
+    let massive = coupled().with_mass(2.0, Matrix3::identity());
+    let frame = frame_along(&(ends[1] - ends[0]), None);
+    let beam = strain_beam(Reissner, &ends, &frame, &massive).unwrap();
+    b.element("beam", beam, &[nodes[1], slave]).unwrap();
     b.support(root, &[Dof::X, Dof::Y]);
     for dof in Dof::ROTATIONS {
         b.prescribe(root, dof, Constant(1.0));

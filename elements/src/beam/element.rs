@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::mass::MassPoint;
+use super::orientation::oriented;
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
 use super::strain::{Law, Line, Stiffness, Strained};
@@ -150,17 +151,7 @@ impl<const NN: usize> Beam<NN> {
             }
             let X_prime = slope / jacobian;
             let given = frame(xi);
-            let first: Vector3<f64> = given.column(0).into_owned();
-            let aligned = first.dot(&X_prime);
-            let skewed = (given.tr_mul(&given) - Matrix3::identity()).amax();
-            let rotation = skewed <= 1e-9 && given.determinant() > 0.0;
-            if !rotation || aligned < 0.5 {
-                return Err(BeamError::Orientation {
-                    tangent: X_prime.into(),
-                    first: first.into(),
-                });
-            }
-            let R0 = turn_to(&first, &X_prime) * given;
+            let R0 = oriented(&given, &X_prime)?;
             Ok(GaussPoint {
                 N,
                 dN: dN.map(|d| d / jacobian),
@@ -278,12 +269,6 @@ impl<const NN: usize> Beam<NN> {
         rates.x_prime -= p.X_prime;
         rates
     }
-}
-
-/// The smallest rotation that takes unit vector `a` to unit vector `b` (a·b > 0).
-fn turn_to(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-    let v = so3::skew(&a.cross(b));
-    Matrix3::identity() + v + v * v / (1.0 + a.dot(b))
 }
 
 impl<const NN: usize> Element for Beam<NN> {

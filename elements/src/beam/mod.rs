@@ -2,10 +2,12 @@
 
 mod element;
 mod mass;
+mod orientation;
 mod section;
 pub(crate) mod shape;
 mod strain;
 mod viscous;
 
 pub use element::{Beam, BeamError};
+pub(crate) use orientation::oriented;
 pub use section::{Damping, Material, Section, SectionError, rectangle_torsion};

@@ -9,15 +9,18 @@
 
 mod error;
 mod initial;
+mod options;
 mod progress;
 mod run;
 mod scheme;
 mod step;
+mod stops;
 
 pub use error::DynamicsError;
 pub use initial::start;
+pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
-pub use run::{Adaptivity, DynamicOptions, integrate, integrate_with};
+pub use run::{integrate, integrate_with};
 pub use scheme::Scheme;
 pub use step::{Predictor, Tangent};
 

@@ -3,61 +3,14 @@
 #![allow(non_snake_case)]
 
 use super::initial::{accelerate, strike};
+use super::options::check;
 use super::step::Stepper;
-use super::{
-    DynamicsError, EnergyBalance, NewtonOptions, Progress, Scheme, State, StepReport, Summary,
-};
+use super::stops::{Stop, stops};
+use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
 use std::ops::ControlFlow;
-
-/// Until when, in what steps, by which scheme.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DynamicOptions {
-    /// Time at the end.
-    pub to: f64,
-    /// Step size. Between kinks steps are equal and at most this large.
-    pub step: f64,
-    /// A failed step is halved until it is smaller than this; then the run has failed.
-    pub min_step: f64,
-    /// A halved step is doubled again after this many steps in a row that converged.
-    pub easy: usize,
-    /// The scheme.
-    pub scheme: Scheme,
-    /// Newton's method inside a step.
-    pub newton: NewtonOptions,
-    /// Step sizes by an estimate of the local error instead of equal ones.
-    pub adaptivity: Option<Adaptivity>,
-    /// Whether energies are evaluated after each step, where the system knows them.
-    pub energies: bool,
-}
-
-impl DynamicOptions {
-    /// Equal steps of size `step` until `to` by the trapezoidal rule.
-    pub fn new(to: f64, step: f64) -> Self {
-        Self {
-            to,
-            step,
-            min_step: 1e-6 * step,
-            easy: 4,
-            scheme: Scheme::default(),
-            newton: NewtonOptions::default(),
-            adaptivity: None,
-            energies: true,
-        }
-    }
-}
-
-/// Step sizes by the local error estimate of Zienkiewicz & Xie (1991).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adaptivity {
-    /// Local error of a step allowed, relative to the scales of the coordinates (the size of the
-    /// model, one radian).
-    pub tolerance: f64,
-    /// Largest step.
-    pub max_step: f64,
-}
 
 /// Integrates the equations of motion from where `progress` stands, with the default solver.
 ///
@@ -459,105 +412,4 @@ fn rebase(progress: &mut Progress, h: f64) {
         }
         progress.last_step = h;
     }
-}
-
-/// A time at which a step must end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Stop {
-    /// Where the step ends, and where the next one begins: the same but for rounding errors in
-    /// times that are meant to be equal.
-    left: f64,
-    right: f64,
-    /// Whether functions of time have a kink or jump there.
-    kink: bool,
-}
-
-impl Stop {
-    fn end(t: f64) -> Self {
-        Self {
-            left: t,
-            right: t,
-            kink: false,
-        }
-    }
-}
-
-/// Kinks after the start and until the end, and the end.
-fn stops<Y: System + ?Sized>(system: &Y, from: f64, to: f64) -> Vec<Stop> {
-    let slack = 1e-13 * to.abs().max(from.abs());
-    let mut kinks = system.kinks();
-    kinks.retain(|&t| t > from + slack && t <= to + slack);
-    kinks.sort_by(f64::total_cmp);
-    let mut stops: Vec<Stop> = Vec::new();
-    for t in kinks {
-        match stops.last_mut() {
-            Some(last) if t - last.right <= slack => last.right = t,
-            _ => stops.push(Stop {
-                left: t,
-                right: t,
-                kink: true,
-            }),
-        }
-    }
-    match stops.last_mut() {
-        Some(last) if to - last.left <= slack => last.left = to,
-        _ => stops.push(Stop::end(to)),
-    }
-    stops
-}
-
-fn check<Y: System + ?Sized>(
-    options: &DynamicOptions,
-    progress: &Progress,
-    system: &Y,
-) -> Result<(), DynamicsError> {
-    let positive = "it must be positive and finite";
-    let mut sizes = vec![("step", options.step), ("min_step", options.min_step)];
-    if let Some(Adaptivity {
-        tolerance,
-        max_step,
-    }) = options.adaptivity
-    {
-        sizes.extend([("tolerance", tolerance), ("max_step", max_step)]);
-    }
-    for (name, value) in sizes {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(DynamicsError::Option {
-                name,
-                value,
-                wanted: positive,
-            });
-        }
-    }
-    if !(options.to >= progress.state.t && options.to.is_finite()) {
-        return Err(DynamicsError::Option {
-            name: "to",
-            value: options.to,
-            wanted: "it must be finite and not before the time of the state",
-        });
-    }
-    let n = system.pattern().dim();
-    let State {
-        q,
-        v,
-        a,
-        algorithmic,
-        ..
-    } = &progress.state;
-    let fresh = a.is_empty() && algorithmic.is_empty();
-    for (what, x) in [
-        ("coordinates", q),
-        ("velocities", v),
-        ("accelerations", a),
-        ("algorithmic accelerations", algorithmic),
-    ] {
-        let empty = fresh && what.ends_with("accelerations");
-        if x.len() != n && !empty {
-            return Err(DynamicsError::Initial {
-                what,
-                problem: format!("{} given where the system has {n} coordinates", x.len()),
-            });
-        }
-    }
-    Ok(())
 }

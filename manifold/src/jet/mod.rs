@@ -7,6 +7,7 @@
 //! | [`Grad`] | value and gradient in D variables | B = D_q φ |
 //! | [`Taylor`] | value, first and second time derivative | ẋ, ẍ along a motion |
 //! | [`Hess`] | value, gradient, Hessian | K_σ(f) = D_q²(f·φ) |
+//! | [`Phase`] | value, gradient, Hessian in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
 //! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` is what `Moving<D>` is, only slower. The example
@@ -84,12 +85,14 @@ macro_rules! quotient_by_reciprocal {
 mod grad;
 mod hess;
 mod moving;
+mod phase;
 mod taylor;
 mod trace;
 
 pub use grad::Grad;
 pub use hess::Hess;
 pub use moving::Moving;
+pub use phase::Phase;
 pub use taylor::Taylor;
 pub use trace::Trace;
 

@@ -90,6 +90,26 @@ pub fn T_inverse(Psi: &Vector3<f64>, a: &InverseQuotients) -> Matrix3<f64> {
     isotropic(a.g, 0.5, a.a3, Psi)
 }
 
+/// R(Ψ) a with given quotients, without forming R: cheaper where numbers carry many derivatives.
+///
+/// Rᵀ a is `turned` by −Ψ.
+#[inline]
+#[must_use]
+pub fn turned<S: Scalar>(Psi: &Vector3<S>, a: &Vector3<S>, c: &TangentQuotients<S>) -> Vector3<S> {
+    let once = Psi.cross(a);
+    let twice = Psi.cross(&once);
+    Vector3::from_fn(|i, _| a[i] + c.sinc * once[i] + c.one_minus_cos * twice[i])
+}
+
+/// T(Ψ) a with given quotients, without forming T; see [`turned`].
+#[inline]
+#[must_use]
+pub fn spun<S: Scalar>(Psi: &Vector3<S>, a: &Vector3<S>, c: &TangentQuotients<S>) -> Vector3<S> {
+    let across = Psi.cross(a);
+    let along = c.psi_minus_sin * Psi.dot(a);
+    Vector3::from_fn(|i, _| c.sinc * a[i] - c.one_minus_cos * across[i] + along * Psi[i])
+}
+
 /// R(Ψ), 3×3: the rotation by ψ about Ψ, initial to spatial components; \[M04\] Def 14.
 #[must_use]
 pub fn rotation<S: Scalar>(Psi: &Vector3<S>) -> Matrix3<S> {

@@ -1,0 +1,204 @@
+//! What it costs not to derive by hand: elements by their energies over the same ones by hand.
+//!
+//! ```text
+//! cargo bench --bench energy
+//! ```
+//!
+//! Both sides take turns in one run, and the best round of each counts. Results are compared by the
+//! tests of the elements.
+
+#![allow(non_snake_case, missing_docs)]
+
+use nalgebra::{Matrix3, Matrix6, SVector};
+use pullback::elements::beam::Beam;
+use pullback::elements::element::{Element, Motion, Response};
+use pullback::elements::energy::{
+    Energies, FrameInertia, Gravity, PolynomialSpring, Reissner, inside_chart, rate, strain_beam,
+};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::so3;
+use pullback::manifold::system::Weights;
+use pullback::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+const RUNS: usize = 2_000;
+const ROUNDS: usize = 40;
+
+/// Nanoseconds of a call of each, the best of many rounds in turns.
+fn race(mut f: impl FnMut(), mut g: impl FnMut()) -> [f64; 2] {
+    fn round(f: &mut impl FnMut()) -> f64 {
+        let start = Instant::now();
+        (0..RUNS).for_each(|_| f());
+        start.elapsed().as_secs_f64() / RUNS as f64 * 1e9
+    }
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ROUNDS {
+        best = [best[0].min(round(&mut f)), best[1].min(round(&mut g))];
+    }
+    best
+}
+
+/// What is asked of an element.
+#[derive(Clone, Copy)]
+enum Job {
+    Residual,
+    Static,
+    Parts,
+    Combined,
+}
+
+fn run(element: &dyn Element, job: Job, motion: &[Vec<f64>; 3], out: &mut [Vec<f64>; 4]) {
+    out.iter_mut().for_each(|o| o.fill(0.0));
+    let [r, K, C, M] = out;
+    let [x, v, a] = black_box(motion);
+    let moving = !matches!(job, Job::Static);
+    let at = Motion {
+        t: 0.0,
+        x,
+        v: if moving { v } else { &[] },
+        a: if moving { a } else { &[] },
+    };
+    if let (Job::Combined, Some(combined)) = (job, element.combined()) {
+        let weights = Weights {
+            K: 1.0,
+            C: 20.0,
+            M: 400.0,
+        };
+        combined.evaluate_combined(None, &at, weights, r, K)
+    } else {
+        let parts = matches!(job, Job::Parts | Job::Combined);
+        let mut out = Response {
+            r,
+            K: (!matches!(job, Job::Residual)).then_some(&mut K[..]),
+            C: parts.then_some(&mut C[..]),
+            M: parts.then_some(&mut M[..]),
+            r_t: None,
+        };
+        element.evaluate(&at, &mut out)
+    }
+    .expect("inside the domain");
+    black_box(&out);
+}
+
+fn compare(name: &str, by_energy: &dyn Element, by_hand: &dyn Element, jobs: &[(&str, Job)]) {
+    let n = by_hand.dim();
+    let wave = |phase: f64| -> Vec<f64> { (0..n).map(|i| (i as f64 + phase).sin()).collect() };
+    let motion = [wave(0.1), wave(0.7), wave(1.9)];
+    let buffers = || [n, n * n, n * n, n * n].map(|n| vec![0.0; n]);
+    for (what, job) in jobs {
+        let (mut one, mut other) = (buffers(), buffers());
+        let [hand, energy] = race(
+            || run(by_hand, *job, &motion, &mut one),
+            || run(by_energy, *job, &motion, &mut other),
+        );
+        println!(
+            "{name:14} {what:22} {hand:9.0} {energy:11.0} {:7.1}",
+            energy / hand
+        );
+    }
+}
+
+/// ½ y·Ky + ½ ẏ·Dẏ in the relative displacement and rotation of two frames.
+struct ElasticJoint {
+    u0: Vector3<f64>,
+    K: f64,
+    D: f64,
+}
+
+impl ElasticJoint {
+    fn relative<S: Scalar>(&self, x: &SVector<S, 12>) -> SVector<S, 6> {
+        let triple = |i: usize| Vector3::new(x[i], x[i + 1], x[i + 2]);
+        let (first, second) = (triple(3), triple(9));
+        let u0 = self.u0.map(S::constant);
+        let u = so3::rotation(&first).tr_mul(&(triple(6) - triple(0) + u0)) - u0;
+        let [first, second] = [first, second].map(|psi| so3::quaternion(&psi));
+        let theta = so3::log_quaternion(&first.conjugate().product(&second));
+        SVector::<S, 6>::new(u.x, u.y, u.z, theta.x, theta.y, theta.z)
+    }
+}
+
+impl Energies<12> for ElasticJoint {
+    const KINETIC: bool = false;
+
+    fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
+        let y = self.relative(x);
+        y.dot(&y) * (0.5 * self.K)
+    }
+
+    fn dissipation<S: Scalar>(&self, x: &SVector<S, 12>, v: &SVector<S, 12>) -> S {
+        let y_dot = rate(|x| self.relative(x), x, v);
+        y_dot.dot(&y_dot) * (0.5 * self.D)
+    }
+
+    fn domain(
+        &self,
+        x: &SVector<f64, 12>,
+    ) -> Result<(), pullback::elements::element::ElementError> {
+        inside_chart(&self.relative(x).fixed_rows::<3>(3).into_owned())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    const ALL: [(&str, Job); 4] = [
+        ("r", Job::Residual),
+        ("r, K in statics", Job::Static),
+        ("r, K, C, M", Job::Parts),
+        ("r, combined tangent", Job::Combined),
+    ];
+    println!(
+        "{:14} {:22} {:>9} {:>11} {:>7}",
+        "", "", "hand/ns", "energy/ns", "ratio"
+    );
+    let places = [Vector3::zeros(), Vector3::new(0.8, 0.5, -0.3)];
+    let along = (places[1] - places[0]).normalize();
+    let frame = pullback::elements::model::frame_along(&along, None);
+    let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0])?
+        .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+    let hand = Beam::<2>::new(&places, &|_| frame, &section)?;
+    let energy = strain_beam(Reissner, &places, &frame, &section)?;
+    compare("Reissner beam", &energy, &hand, &ALL);
+    let hand = RigidBody::new(2.0, Matrix3::identity(), Vector3::new(0.1, 0.2, 0.3))?;
+    let body = FrameInertia {
+        inertia: *hand.inertia(),
+        drag: 0.0,
+    };
+    compare("rigid body", &body.into_element(), &hand, &ALL[2..]);
+    let hand = AxialSpring::new(&places, 3.0, 0.7)?;
+    let spring = PolynomialSpring {
+        places,
+        rest_length: (places[1] - places[0]).norm(),
+        k: [3.0],
+        c: 0.7,
+    };
+    compare("axial spring", &spring.into_element(), &hand, &ALL[..3]);
+    let [at_rest, moving] = {
+        let element = Gravity {
+            place: places[1],
+            center: Vector3::zeros(),
+            mu: 3.0,
+            mass: 2.0,
+        }
+        .into_element();
+        let motion = [0.1, 0.7, 1.9].map(|p: f64| (0..6).map(|i| (i as f64 + p).sin()).collect());
+        let buffers = || [6, 36, 36, 36].map(|n| vec![0.0; n]);
+        let (mut one, mut other) = (buffers(), buffers());
+        race(
+            || run(&element, Job::Static, &motion, &mut one),
+            || run(&element, Job::Parts, &motion, &mut other),
+        )
+    };
+    let one = Matrix6::identity();
+    let hand = Bushing::new(&places, &Matrix3::identity(), &(one * 3.0), &(one * 0.7))?;
+    let joint = ElasticJoint {
+        u0: places[1] - places[0],
+        K: 3.0,
+        D: 0.7,
+    };
+    compare("bushing", &joint.into_element(), &hand, &ALL[..3]);
+    println!(
+        "a potential without T and D, in motion over at rest: {:.2}",
+        moving / at_rest
+    );
+    Ok(())
+}

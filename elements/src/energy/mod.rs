@@ -1,0 +1,254 @@
+//! Elements by their energies: one generic function each, nothing derived by hand.
+//!
+//! ```text
+//! r = −∂U/∂x − d/dt ∂T/∂ẋ + ∂T/∂x − ∂D/∂ẋ                                  Lagrange's equations
+//! K = −∂r/∂x,   C = −∂r/∂ẋ,   M = −∂r/∂ẍ                                    exact
+//! ```
+//!
+//! with a potential energy U(t, x), a kinetic energy T(x, ẋ) and a dissipation (Rayleigh's function)
+//! D(x, ẋ). With p = ∂T/∂ẋ and a dot for the derivative along (ẋ, ẍ) with both held fixed,
+//!
+//! ```text
+//! d/dt ∂T/∂ẋ = Ṫ_v        M = T_vv        C = Ṫ_vv + T_vx − T_xv + D_vv
+//! K = U_xx + Ṫ_vx − T_xx + D_vx
+//! ```
+//!
+//! so second derivatives, and third ones along one direction, are all there is to it:
+//! [`Phase`](pullback_manifold::jet::Phase).
+//!
+//! - [`Energies`] is what its author writes, [`ByEnergy`] the [`Element`];
+//! - [`Sampled`] adds up energies at integration points in interpolated variables, which is how a
+//!   finite element is written, and much faster than in the coordinates themselves;
+//! - [`Together`] adds two elements on the same nodes;
+//! - [`StrainBeam`] is a beam in any strain measure; [`Reissner`]'s agrees with
+//!   [`Beam`](crate::beam::Beam), which is derived by hand.
+
+#![allow(non_snake_case)]
+
+mod beam;
+mod field;
+mod local;
+mod sampled;
+mod spring;
+mod together;
+
+pub use beam::{
+    FrameInertia, GreenLagrange, Reissner, SectionEnergy, StrainBeam, StrainMeasure, strain_beam,
+};
+pub use field::Gravity;
+pub use sampled::{Sample, Sampled};
+pub use spring::PolynomialSpring;
+pub use together::Together;
+
+use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response};
+use local::Local;
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::jet::Grad;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::Weights;
+
+/// What an element of N coordinates x is, written once for every number type.
+///
+/// Whatever is not written is zero; say so by the constants and it costs nothing. Coordinates are those of the element's nodes
+/// one after the other, six for a frame node: (d, Ψ).
+///
+/// ```
+/// use nalgebra::SVector;
+/// use pullback_elements::{check, energy::Energies};
+/// use pullback_manifold::scalar::Scalar;
+///
+/// /// A pendulum in its angle, with friction that grows with the square of its rate.
+/// struct Pendulum;
+///
+/// impl Energies<1> for Pendulum {
+///     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
+///         (-x[0].cos() + 1.0) * 9.81
+///     }
+///     fn kinetic<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+///         v[0] * v[0] * 0.5
+///     }
+///     fn dissipation<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+///         v[0].powi(2) * (v[0].powi(2) * 0.1 + 0.3)
+///     }
+/// }
+///
+/// check::element(&Pendulum.into_element()).assert();
+/// ```
+pub trait Energies<const N: usize>: Send + Sync {
+    /// Whether [`Energies::kinetic`] is anything but zero; `false` saves its evaluation.
+    const KINETIC: bool = true;
+
+    /// Whether [`Energies::dissipation`] is anything but zero; `false` saves its evaluation.
+    const DISSIPATION: bool = true;
+
+    /// Potential energy U(t, x), unit F L.
+    fn potential<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> S {
+        let _ = (t, x);
+        S::zero()
+    }
+
+    /// Kinetic energy T(x, v), unit F L. At rest it must exert no force, so it may have no part that
+    /// does not depend on v (write that as a potential).
+    fn kinetic<S: Scalar>(&self, x: &SVector<S, N>, v: &SVector<S, N>) -> S {
+        let _ = (x, v);
+        S::zero()
+    }
+
+    /// Dissipation D(x, v), Rayleigh's function, unit F L/T: the force is −∂D/∂v and the power lost
+    /// v·∂D/∂v ≥ 0, which is 2 D where D is quadratic in v. At rest the force must be zero.
+    fn dissipation<S: Scalar>(&self, x: &SVector<S, N>, v: &SVector<S, N>) -> S {
+        let _ = (x, v);
+        S::zero()
+    }
+
+    /// Refuses coordinates at which the functions are not smooth; all are accepted by default.
+    ///
+    /// # Errors
+    /// [`ElementError`], what is wrong with them.
+    fn domain(&self, x: &SVector<f64, N>) -> Result<(), ElementError> {
+        let _ = x;
+        Ok(())
+    }
+
+    /// See [`Element::is_load`].
+    fn is_load(&self) -> bool {
+        false
+    }
+
+    /// See [`Element::kinks`].
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The element.
+    fn into_element(self) -> ByEnergy<Self, N>
+    where
+        Self: Sized,
+    {
+        ByEnergy(self)
+    }
+}
+
+/// The derivative of `f` at x along v: strain rates from strains, for a [`dissipation`].
+///
+/// [`dissipation`]: Energies::dissipation
+pub fn rate<S: Scalar, const N: usize, const M: usize>(
+    f: impl FnOnce(&SVector<Grad<S, 1>, N>) -> SVector<Grad<S, 1>, M>,
+    x: &SVector<S, N>,
+    v: &SVector<S, N>,
+) -> SVector<S, M> {
+    let moving = SVector::<Grad<S, 1>, N>::from_fn(|i, _| Grad { v: x[i], g: [v[i]] });
+    f(&moving).map(|y| y.g[0])
+}
+
+/// For [`Energies::domain`]: refuses a rotation vector at the edge of its chart, ψ = 2π.
+///
+/// # Errors
+/// [`ElementError::OutsideChart`].
+pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), ElementError> {
+    let psi = Psi.norm();
+    if psi <= EDGE {
+        Ok(())
+    } else {
+        Err(ElementError::OutsideChart { psi })
+    }
+}
+
+/// The element that follows from energies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ByEnergy<E, const N: usize>(pub E);
+
+/// The tangents asked for, each with the weights of K, C and M in it.
+type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
+
+impl<E: Energies<N>, const N: usize> ByEnergy<E, N> {
+    fn add(
+        &self,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), ElementError> {
+        let x = vector::<N>(at.x);
+        self.0.domain(&x)?;
+        let moving = (!at.v.is_empty()).then(|| (vector::<N>(at.v), vector::<N>(at.a)));
+        let wanted = tangents.iter().any(Option::is_some);
+        let local = Local::new(&self.0, at.t, &x, moving.as_ref(), wanted);
+        for (r, l) in r.iter_mut().zip(&local.r) {
+            *r += l;
+        }
+        for (weights, out) in tangents.iter_mut().flatten() {
+            for (out, l) in out.iter_mut().zip(local.tangent(*weights).iter()) {
+                *out += l;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The entries of a slice; those that are absent (in statics) are zero.
+fn vector<const N: usize>(from: &[f64]) -> SVector<f64, N> {
+    SVector::from_fn(|i, _| from.get(i).copied().unwrap_or(0.0))
+}
+
+/// The parts K, C, M of the tangent that a response asks for.
+fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
+    let one = |K, C, M| Weights { K, C, M };
+    let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));
+    let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
+    let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
+    (&mut *out.r, [K, C, M])
+}
+
+impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
+    fn dim(&self) -> usize {
+        N
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let (r, mut tangents) = parts(out);
+        self.add(at, r, &mut tangents)?;
+        if let Some(r_t) = out.r_t.as_deref_mut() {
+            let rates = local::load_rate(&self.0, at.t, &vector(at.x));
+            for (r_t, rate) in r_t.iter_mut().zip(&rates) {
+                *r_t += rate;
+            }
+        }
+        Ok(())
+    }
+
+    fn combined(&self) -> Option<&dyn Combined> {
+        Some(self)
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        self.0.potential(at.t, &vector(at.x))
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        if at.v.is_empty() || !E::DISSIPATION {
+            return 0.0;
+        }
+        local::power(&self.0, &vector(at.x), &vector(at.v))
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.0.kinks()
+    }
+
+    fn is_load(&self) -> bool {
+        self.0.is_load()
+    }
+}
+
+impl<E: Energies<N>, const N: usize> Combined for ByEnergy<E, N> {
+    fn evaluate_combined(
+        &self,
+        _previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError> {
+        self.add(at, r, &mut [Some((weights, S)), None, None])
+    }
+}

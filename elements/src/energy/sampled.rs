@@ -1,0 +1,179 @@
+//! Energies at integration points, in variables interpolated from the nodes.
+
+#![allow(non_snake_case)]
+
+use super::local::{self, Local};
+use super::{Energies, Tangents, parts};
+use crate::element::{Combined, Element, ElementError, Motion, Response};
+use nalgebra::{SMatrix, SVector};
+use pullback_manifold::system::Weights;
+
+/// One integration point: energies in D variables y = y₀ + A x of an element of N coordinates x,
+/// with rates ẏ = A ẋ.
+#[derive(Clone, Debug)]
+pub struct Sample<E, const D: usize, const N: usize> {
+    energies: E,
+    weight: f64,
+    y0: SVector<f64, D>,
+    /// The entries of A that are not zero: row, column, value.
+    entries: Vec<(usize, usize, f64)>,
+}
+
+impl<E, const D: usize, const N: usize> Sample<E, D, N> {
+    /// A point with the given weight in the sum: `energies` in y = y₀ + A x, A is D×N.
+    pub fn new(energies: E, weight: f64, y0: SVector<f64, D>, A: &SMatrix<f64, D, N>) -> Self {
+        let all = (0..D).flat_map(|i| (0..N).map(move |j| (i, j)));
+        Self {
+            energies,
+            weight,
+            y0,
+            entries: all
+                .map(|(i, j)| (i, j, A[(i, j)]))
+                .filter(|e| e.2 != 0.0)
+                .collect(),
+        }
+    }
+
+    /// A x.
+    #[inline]
+    fn interpolated(&self, x: &[f64]) -> SVector<f64, D> {
+        let mut y = SVector::zeros();
+        if x.len() >= N {
+            for &(i, j, a) in &self.entries {
+                y[i] += a * x[j];
+            }
+        }
+        y
+    }
+
+    fn place(&self, x: &[f64]) -> SVector<f64, D> {
+        self.y0 + self.interpolated(x)
+    }
+
+    /// Adds weight · Aᵀ f.
+    #[inline]
+    fn spread(&self, f: &SVector<f64, D>, r: &mut [f64]) {
+        for &(i, j, a) in &self.entries {
+            r[j] += self.weight * a * f[i];
+        }
+    }
+
+    /// Adds weight · Aᵀ H A.
+    #[inline]
+    fn spread_tangent(&self, H: &SMatrix<f64, D, D>, out: &mut [f64]) {
+        let mut HA = SMatrix::<f64, D, N>::zeros();
+        for &(i, j, a) in &self.entries {
+            let a = self.weight * a;
+            for k in 0..D {
+                HA[(k, j)] += a * H[(k, i)];
+            }
+        }
+        for (HA, out) in HA.as_slice().chunks_exact(D).zip(out.chunks_exact_mut(N)) {
+            for &(i, j, a) in &self.entries {
+                out[j] += a * HA[i];
+            }
+        }
+    }
+}
+
+/// An element that is the weighted sum of energies at its integration points.
+///
+/// ```text
+/// E(x) = Σ w e(y),  y = y₀ + A x        r = Σ w Aᵀ r_y,   K, C, M = Σ w Aᵀ (K, C, M)_y A
+/// ```
+///
+/// The jets run in the D variables of a point: strains at a point depend on less than the
+/// coordinates of all nodes, and jets cost with the square of their variables.
+#[derive(Clone, Debug)]
+pub struct Sampled<E, const D: usize, const N: usize> {
+    points: Vec<Sample<E, D, N>>,
+}
+
+impl<E: Energies<D>, const D: usize, const N: usize> Sampled<E, D, N> {
+    /// The sum over the given points.
+    pub fn new(points: impl IntoIterator<Item = Sample<E, D, N>>) -> Self {
+        Self {
+            points: points.into_iter().collect(),
+        }
+    }
+
+    fn add(
+        &self,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), ElementError> {
+        let wanted = tangents.iter().any(Option::is_some);
+        for p in &self.points {
+            let y = p.place(at.x);
+            p.energies.domain(&y)?;
+            let moving = (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
+            let local = Local::new(&p.energies, at.t, &y, moving.as_ref(), wanted);
+            p.spread(&local.r, r);
+            for (weights, out) in tangents.iter_mut().flatten() {
+                p.spread_tangent(&local.tangent(*weights), out);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N> {
+    fn dim(&self) -> usize {
+        N
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let (r, mut tangents) = parts(out);
+        self.add(at, r, &mut tangents)?;
+        if let Some(r_t) = out.r_t.as_deref_mut() {
+            for p in &self.points {
+                p.spread(&local::load_rate(&p.energies, at.t, &p.place(at.x)), r_t);
+            }
+        }
+        Ok(())
+    }
+
+    fn combined(&self) -> Option<&dyn Combined> {
+        Some(self)
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        let of = |p: &Sample<E, D, N>| p.weight * p.energies.potential(at.t, &p.place(at.x));
+        self.points.iter().map(of).sum()
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        if at.v.is_empty() || !E::DISSIPATION {
+            return 0.0;
+        }
+        let of = |p: &Sample<E, D, N>| {
+            p.weight * local::power(&p.energies, &p.place(at.x), &p.interpolated(at.v))
+        };
+        self.points.iter().map(of).sum()
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.points
+            .iter()
+            .flat_map(|p| p.energies.kinks())
+            .collect()
+    }
+
+    fn is_load(&self) -> bool {
+        self.points.iter().all(|p| p.energies.is_load())
+    }
+}
+
+impl<E: Energies<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {
+    fn evaluate_combined(
+        &self,
+        _previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError> {
+        self.add(at, r, &mut [Some((weights, S)), None, None])
+    }
+}

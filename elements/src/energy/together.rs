@@ -1,0 +1,84 @@
+//! Two elements on the same nodes.
+
+#![allow(non_snake_case)]
+
+use crate::element::{Combined, Element, ElementError, Motion, Response, SectionState};
+use pullback_manifold::system::Weights;
+
+/// The sum of two elements of the same coordinates: a stiffness and an inertia with different
+/// integration points, for instance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Together<A, B>(pub A, pub B);
+
+impl<A: Element, B: Element> Element for Together<A, B> {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        self.0.evaluate(at, out)?;
+        self.1.evaluate(at, out)
+    }
+
+    fn evaluate_from(
+        &self,
+        previous: &[f64],
+        at: &Motion<'_>,
+        out: &mut Response<'_>,
+    ) -> Result<(), ElementError> {
+        self.0.evaluate_from(previous, at, out)?;
+        self.1.evaluate_from(previous, at, out)
+    }
+
+    fn combined(&self) -> Option<&dyn Combined> {
+        let both = self.0.combined().is_some() && self.1.combined().is_some();
+        both.then_some(self)
+    }
+
+    fn is_dead(&self) -> bool {
+        self.0.is_dead() && self.1.is_dead()
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        self.0.energy(at) + self.1.energy(at)
+    }
+
+    fn dissipation(&self, at: &Motion<'_>) -> f64 {
+        self.0.dissipation(at) + self.1.dissipation(at)
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        let mut kinks = self.0.kinks();
+        kinks.extend(self.1.kinks());
+        kinks
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.0.is_symmetric() && self.1.is_symmetric()
+    }
+
+    fn is_load(&self) -> bool {
+        self.0.is_load() && self.1.is_load()
+    }
+
+    fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
+        self.0.section_states(at, out);
+        self.1.section_states(at, out);
+    }
+}
+
+impl<A: Element, B: Element> Combined for Together<A, B> {
+    fn evaluate_combined(
+        &self,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError> {
+        for part in [self.0.combined(), self.1.combined()].into_iter().flatten() {
+            part.evaluate_combined(previous, at, weights, r, S)?;
+        }
+        Ok(())
+    }
+}

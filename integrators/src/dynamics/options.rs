@@ -1,0 +1,108 @@
+//! Until when, in what steps, by which scheme: the options of a run, and whether they can be.
+
+use super::{DynamicsError, NewtonOptions, Progress, Scheme, State};
+use pullback_manifold::system::System;
+
+/// Until when, in what steps, by which scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DynamicOptions {
+    /// Time at the end.
+    pub to: f64,
+    /// Step size. Between kinks steps are equal and at most this large.
+    pub step: f64,
+    /// A failed step is halved until it is smaller than this; then the run has failed.
+    pub min_step: f64,
+    /// A halved step is doubled again after this many steps in a row that converged.
+    pub easy: usize,
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Newton's method inside a step.
+    pub newton: NewtonOptions,
+    /// Step sizes by an estimate of the local error instead of equal ones.
+    pub adaptivity: Option<Adaptivity>,
+    /// Whether energies are evaluated after each step, where the system knows them.
+    pub energies: bool,
+}
+
+impl DynamicOptions {
+    /// Equal steps of size `step` until `to` by the trapezoidal rule.
+    pub fn new(to: f64, step: f64) -> Self {
+        Self {
+            to,
+            step,
+            min_step: 1e-6 * step,
+            easy: 4,
+            scheme: Scheme::default(),
+            newton: NewtonOptions::default(),
+            adaptivity: None,
+            energies: true,
+        }
+    }
+}
+
+/// Step sizes by the local error estimate of Zienkiewicz & Xie (1991).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adaptivity {
+    /// Local error of a step allowed, relative to the scales of the coordinates (the size of the
+    /// model, one radian).
+    pub tolerance: f64,
+    /// Largest step.
+    pub max_step: f64,
+}
+
+/// Refuses options, and states, that no run can begin with.
+pub(super) fn check<Y: System + ?Sized>(
+    options: &DynamicOptions,
+    progress: &Progress,
+    system: &Y,
+) -> Result<(), DynamicsError> {
+    let positive = "it must be positive and finite";
+    let mut sizes = vec![("step", options.step), ("min_step", options.min_step)];
+    if let Some(Adaptivity {
+        tolerance,
+        max_step,
+    }) = options.adaptivity
+    {
+        sizes.extend([("tolerance", tolerance), ("max_step", max_step)]);
+    }
+    for (name, value) in sizes {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(DynamicsError::Option {
+                name,
+                value,
+                wanted: positive,
+            });
+        }
+    }
+    if !(options.to >= progress.state.t && options.to.is_finite()) {
+        return Err(DynamicsError::Option {
+            name: "to",
+            value: options.to,
+            wanted: "it must be finite and not before the time of the state",
+        });
+    }
+    let n = system.pattern().dim();
+    let State {
+        q,
+        v,
+        a,
+        algorithmic,
+        ..
+    } = &progress.state;
+    let fresh = a.is_empty() && algorithmic.is_empty();
+    for (what, x) in [
+        ("coordinates", q),
+        ("velocities", v),
+        ("accelerations", a),
+        ("algorithmic accelerations", algorithmic),
+    ] {
+        let empty = fresh && what.ends_with("accelerations");
+        if x.len() != n && !empty {
+            return Err(DynamicsError::Initial {
+                what,
+                problem: format!("{} given where the system has {n} coordinates", x.len()),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,363 @@
+//! Value, gradient and Hessian of an energy in coordinates and velocities.
+
+use super::derivative;
+use crate::scalar::{MAX_ORDER, Scalar};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A value with its derivatives in `X` coordinates x and `V` velocities v, over the numbers `S`.
+///
+/// What an energy needs to become a force with its tangents:
+///
+/// - a potential energy has no velocities: V = 0, S = `f64`;
+/// - a dissipation has both, S = `f64`;
+/// - a kinetic energy moves along its own motion, S = [`Grad<f64, 1>`](super::Grad) with the
+///   velocity of x and of v as derivatives. The Hessian in x alone is then not differentiated
+///   along the motion, no equation of motion asks for it: `xx` are plain numbers.
+///
+/// `HX` and `HV` are `X` and `V` for the Hessian, or both 0 to leave it out. The gradient is the same
+/// to the last bit with it and without.
+///
+/// Most values depend on a few variables only (the rotation of one frame), so variables are taken
+/// in threes, and threes on which a value does not depend are left at zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: usize> {
+    /// Value.
+    pub value: S,
+    /// Which threes of x and of v the value depends on, one bit each.
+    seen: [u32; 2],
+    /// Whether it is not affine: may `xx`, `vx`, `vv` be different from zero?
+    bent: bool,
+    /// Gradient in x.
+    pub x: [S; X],
+    /// Gradient in v.
+    pub v: [S; V],
+    /// Hessian in x; entries `xx[i][j]` of threes with j above i are not kept up to date.
+    pub xx: [[f64; HX]; HX],
+    /// Mixed Hessian ∂²/∂vᵢ∂xⱼ.
+    pub vx: [[S; HX]; HV],
+    /// Hessian in v; entries as in `xx`.
+    pub vv: [[S; HV]; HV],
+}
+
+/// Variables that one bit stands for.
+const GROUP: usize = 3;
+
+/// Number of threes in n variables, the last of which may be smaller.
+const fn groups(n: usize) -> usize {
+    n.div_ceil(GROUP)
+}
+
+/// Whether a three is marked.
+#[inline(always)]
+fn has(marks: u32, group: usize) -> bool {
+    marks & (1 << group) != 0
+}
+
+/// Runs over the variables of a three.
+#[inline(always)]
+fn three<const N: usize>(group: usize, mut f: impl FnMut(usize)) {
+    let i = GROUP * group;
+    if i + GROUP <= N {
+        f(i);
+        f(i + 1);
+        f(i + 2);
+    } else {
+        (i..N).for_each(f);
+    }
+}
+
+/// Runs over the marked variables.
+#[inline(always)]
+fn each<const N: usize>(marks: u32, mut f: impl FnMut(usize)) {
+    for a in 0..groups(N) {
+        if has(marks, a) {
+            three::<N>(a, &mut f);
+        }
+    }
+}
+
+/// Runs over all pairs of variables of two threes.
+#[inline(always)]
+fn block<const N: usize, const M: usize>(a: usize, b: usize, mut f: impl FnMut(usize, usize)) {
+    three::<N>(a, |i| three::<M>(b, |j| f(i, j)));
+}
+
+/// Runs over the marked pairs (i, j).
+#[inline(always)]
+fn pairs<const N: usize, const M: usize>(marks: [u32; 2], mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        for b in 0..groups(M) {
+            if has(marks[0], a) && has(marks[1], b) {
+                block::<N, M>(a, b, &mut f);
+            }
+        }
+    }
+}
+
+/// Runs over the marked pairs (i, j) with the three of j not above that of i.
+#[inline(always)]
+fn lower<const N: usize>(marks: u32, mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        if has(marks, a) {
+            for b in 0..=a {
+                if has(marks, b) {
+                    block::<N, N>(a, b, &mut f);
+                }
+            }
+        }
+    }
+}
+
+/// Runs over the pairs as [`lower`], i in the first marks and j in the second.
+#[inline(always)]
+fn lower_across<const N: usize>(rows: u32, columns: u32, mut f: impl FnMut(usize, usize)) {
+    for a in 0..groups(N) {
+        if has(rows, a) {
+            for b in 0..=a {
+                if has(columns, b) {
+                    block::<N, N>(a, b, &mut f);
+                }
+            }
+        }
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize>
+    Phase<S, X, V, HX, HV>
+{
+    /// A value that depends on no variable.
+    #[inline]
+    pub fn given(value: S) -> Self {
+        const {
+            assert!(
+                HX == X && HV == V || HX == 0 && HV == 0,
+                "all of the Hessian or none"
+            );
+            assert!(X <= 96 && V <= 96, "one bit marks three variables");
+        }
+        Self {
+            value,
+            seen: [0; 2],
+            bent: false,
+            x: [S::zero(); X],
+            v: [S::zero(); V],
+            xx: [[0.0; HX]; HX],
+            vx: [[S::zero(); HX]; HV],
+            vv: [[S::zero(); HV]; HV],
+        }
+    }
+
+    /// Coordinate number `i`.
+    #[inline]
+    pub fn coordinate(value: S, i: usize) -> Self {
+        let mut out = Self::given(value);
+        out.x[i] = S::one();
+        out.seen[0] = 1 << (i / GROUP);
+        out
+    }
+
+    /// Velocity number `i`.
+    #[inline]
+    pub fn velocity(value: S, i: usize) -> Self {
+        let mut out = Self::given(value);
+        out.v[i] = S::one();
+        out.seen[1] = 1 << (i / GROUP);
+        out
+    }
+
+    /// Whether the value depends on no variable.
+    #[inline]
+    fn is_given(&self) -> bool {
+        self.seen == [0; 2]
+    }
+
+    /// Adds the second derivatives of another value times a factor.
+    #[inline(always)]
+    fn bend_by(&mut self, b: &Self, factor: S) {
+        if !b.bent {
+            return;
+        }
+        let real = factor.re();
+        let [x, v] = b.seen;
+        lower::<HX>(x, |i, j| self.xx[i][j] += b.xx[i][j] * real);
+        pairs::<HV, HX>([v, x], |i, j| self.vx[i][j] += b.vx[i][j] * factor);
+        lower::<HV>(v, |i, j| self.vv[i][j] += b.vv[i][j] * factor);
+    }
+
+    /// All entries times a number without variables.
+    #[inline(always)]
+    fn scaled(&self, b: S) -> Self {
+        let mut out = Self::given(self.value * b);
+        (out.seen, out.bent) = (self.seen, self.bent);
+        each::<X>(self.seen[0], |i| out.x[i] = self.x[i] * b);
+        each::<V>(self.seen[1], |i| out.v[i] = self.v[i] * b);
+        out.bend_by(self, b);
+        out
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Scalar
+    for Phase<S, X, V, HX, HV>
+{
+    const ORDER: usize = {
+        let own = if HX + HV > 0 { 2 } else { 1 };
+        assert!(
+            S::ORDER + own <= MAX_ORDER,
+            "jets nest to total order three"
+        );
+        S::ORDER + own
+    };
+
+    #[inline]
+    fn constant(value: f64) -> Self {
+        Self::given(S::constant(value))
+    }
+
+    #[inline]
+    fn re(&self) -> f64 {
+        self.value.re()
+    }
+
+    #[inline]
+    fn compose(self, f: [f64; MAX_ORDER + 1]) -> Self {
+        const { assert!(Self::ORDER <= MAX_ORDER) };
+        let f1 = derivative(f);
+        let slope = self.value.compose(f1);
+        // Without a Hessian f″ is not read; with one it is differentiated as often as S asks.
+        let bend = if HX + HV > 0 {
+            self.value.compose(derivative(f1))
+        } else {
+            S::zero()
+        };
+        let (x, v) = (&self.x, &self.v);
+        let [x_seen, v_seen] = self.seen;
+        let mut out = Self::given(self.value.compose(f));
+        (out.seen, out.bent) = (self.seen, true);
+        each::<X>(x_seen, |i| out.x[i] = slope * x[i]);
+        each::<V>(v_seen, |i| out.v[i] = slope * v[i]);
+        let bend_re = bend.re();
+        lower::<HX>(x_seen, |i, j| {
+            out.xx[i][j] = bend_re * x[i].re() * x[j].re();
+        });
+        pairs::<HV, HX>([v_seen, x_seen], |i, j| {
+            out.vx[i][j] = bend * (v[i] * x[j]);
+        });
+        lower::<HV>(v_seen, |i, j| out.vv[i][j] = bend * (v[i] * v[j]));
+        out.bend_by(&self, slope);
+        out
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Mul
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn mul(self, b: Self) -> Self {
+        if b.is_given() {
+            return self.scaled(b.value);
+        }
+        if self.is_given() {
+            return b.scaled(self.value);
+        }
+        let (p, q) = (self.value, b.value);
+        let ([ax, av], [bx, bv]) = (self.seen, b.seen);
+        let mut out = Self::given(p * q);
+        (out.seen, out.bent) = ([ax | bx, av | bv], true);
+        each::<X>(ax | bx, |i| out.x[i] = self.x[i] * q + p * b.x[i]);
+        each::<V>(av | bv, |i| out.v[i] = self.v[i] * q + p * b.v[i]);
+        // Gradient by gradient, both ways.
+        for (f, g) in [(&self, &b), (&b, &self)] {
+            let ([fx, fv], [gx, gv]) = (f.seen, g.seen);
+            lower_across::<HX>(fx, gx, |i, j| {
+                out.xx[i][j] += f.x[i].re() * g.x[j].re();
+            });
+            pairs::<HV, HX>([fv, gx], |i, j| out.vx[i][j] += f.v[i] * g.x[j]);
+            lower_across::<HV>(fv, gv, |i, j| out.vv[i][j] += f.v[i] * g.v[j]);
+        }
+        out.bend_by(&self, q);
+        out.bend_by(&b, p);
+        out
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize>
+    Phase<S, X, V, HX, HV>
+{
+    /// Changes every entry on which `b` depends.
+    #[inline(always)]
+    fn changed(mut self, b: &Self, f: impl Fn(&mut S, S), real: impl Fn(&mut f64, f64)) -> Self {
+        f(&mut self.value, b.value);
+        let [x, v] = b.seen;
+        each::<X>(x, |i| f(&mut self.x[i], b.x[i]));
+        each::<V>(v, |i| f(&mut self.v[i], b.v[i]));
+        if b.bent {
+            lower::<HX>(x, |i, j| real(&mut self.xx[i][j], b.xx[i][j]));
+            pairs::<HV, HX>([v, x], |i, j| f(&mut self.vx[i][j], b.vx[i][j]));
+            lower::<HV>(v, |i, j| f(&mut self.vv[i][j], b.vv[i][j]));
+            self.bent = true;
+        }
+        self.seen = [self.seen[0] | b.seen[0], self.seen[1] | b.seen[1]];
+        self
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Add
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        self.changed(&b, |x, y| *x += y, |x, y| *x += y)
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Sub
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn sub(self, b: Self) -> Self {
+        self.changed(&b, |x, y| *x -= y, |x, y| *x -= y)
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Mul<f64>
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn mul(self, b: f64) -> Self {
+        self.scaled(S::constant(b))
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Neg
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        self * -1.0
+    }
+}
+
+impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize> Add<f64>
+    for Phase<S, X, V, HX, HV>
+{
+    type Output = Self;
+    #[inline]
+    fn add(mut self, b: f64) -> Self {
+        self.value = self.value + b;
+        self
+    }
+}
+
+derived_operators!(
+    [S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize]
+    Phase<S, X, V, HX, HV>
+);
+quotient_by_reciprocal!(
+    [S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize]
+    Phase<S, X, V, HX, HV>
+);

@@ -1,0 +1,112 @@
+//! Elements by their energies in models, against closed forms.
+
+#![allow(non_snake_case)]
+
+use pullback::elements::energy::{
+    Energies, Gravity, GreenLagrange, Reissner, StrainMeasure, strain_beam,
+};
+use pullback::prelude::*;
+use std::f64::consts::PI;
+
+const LENGTH: f64 = 2.0;
+const EA: f64 = 300.0;
+const EI: f64 = 4.0;
+
+/// The tip of a cantilever along e1 of n elements under a load at its tip: place and rotation.
+fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad) -> NodeState {
+    let mut b = ModelBuilder::new();
+    let section = Section::diagonal(EA, [100.0, 100.0], 3.0, [EI, EI]).unwrap();
+    let nodes: Vec<NodeId> = (0..=n)
+        .map(|i| {
+            let x = LENGTH * i as f64 / n as f64;
+            b.node(format!("n{i}"), [x, 0.0, 0.0]).unwrap()
+        })
+        .collect();
+    for (i, ends) in nodes.windows(2).enumerate() {
+        let places = [b.place(ends[0]), b.place(ends[1])];
+        let beam = strain_beam(measure, &places, &Matrix3::identity(), &section).unwrap();
+        b.element(format!("e{i}"), beam, ends).unwrap();
+    }
+    b.support(nodes[0], &Dof::ALL);
+    b.element("load", load, &[nodes[n]]).unwrap();
+    let mut model = b.build().unwrap();
+    let mut q = Vec::new();
+    let options = StaticOptions::default();
+    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    model.node_state(nodes[n])
+}
+
+/// A moment bends a beam of any measure into an arc, nothing is stretched.
+fn bends_into_an_arc<M: StrainMeasure + Copy + 'static>(measure: M) {
+    let angle = 0.75 * PI;
+    let moment = [0.0, 0.0, angle * EI / LENGTH];
+    let arc = Vector3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * (LENGTH / angle);
+    let mut errors = Vec::new();
+    for n in [4, 8, 16] {
+        let load = NodalLoad::new(Which::SpatialMoment, moment, Proportional(1.0));
+        let state = tip(measure, n, load);
+        assert!((state.psi.z - angle).abs() < 1e-9, "{}", state.psi);
+        errors.push((state.d + Vector3::x() * LENGTH - arc).norm());
+    }
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.05, "{errors:?}");
+    }
+}
+
+#[test]
+fn beams_of_both_measures_bend_into_the_same_arc() {
+    bends_into_an_arc(Reissner);
+    bends_into_an_arc(GreenLagrange);
+}
+
+#[test]
+fn bars_of_the_two_measures_stretch_by_their_laws() {
+    let stretch = 1.2;
+    let pull = |force: f64| NodalLoad::new(Which::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
+    let elongation = (stretch - 1.0) * LENGTH;
+    let state = tip(Reissner, 3, pull(EA * (stretch - 1.0)));
+    assert!((state.d.x - elongation).abs() < 1e-9, "{}", state.d);
+    let force = EA * 0.5 * (stretch * stretch - 1.0) * stretch;
+    let state = tip(GreenLagrange, 3, pull(force));
+    assert!((state.d.x - elongation).abs() < 1e-9, "{}", state.d);
+}
+
+#[test]
+fn a_planet_is_at_its_aphelion_after_half_its_year() {
+    // Perihelion at 1, eccentricity 0.5: semi-axis 2, aphelion at −3, half a year π √(a³/μ).
+    let (mu, mass) = (5.0, 0.7);
+    let half: f64 = PI * (8.0_f64 / mu).sqrt();
+    let speed = (mu * 1.5_f64).sqrt();
+    let mut errors = Vec::new();
+    for steps in [400, 800] {
+        let mut b = ModelBuilder::new();
+        let planet = b.node("planet", [1.0, 0.0, 0.0]).unwrap();
+        b.support(planet, &[Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
+        b.element("mass", PointMass::new(mass).unwrap(), &[planet])
+            .unwrap();
+        let gravity = Gravity {
+            place: b.place(planet),
+            center: Vector3::zeros(),
+            mu,
+            mass,
+        };
+        b.element("gravity", gravity.into_element(), &[planet])
+            .unwrap();
+        let mut model = b.build().unwrap();
+        let mut progress = Progress::new(start(&model, 0.0, &[0.0; 2], &[0.0, speed]).unwrap());
+        let options = DynamicOptions::new(half, half / f64::from(steps));
+        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let q = &progress.state.q;
+        errors.push((q[0] + 4.0).hypot(q[1]));
+    }
+    let order = (errors[0] / errors[1]).log2();
+    assert!((order - 2.0).abs() < 0.05, "{errors:?}");
+    assert!(errors[1] < 1e-3, "{errors:?}");
+}
