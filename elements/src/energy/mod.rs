@@ -49,20 +49,20 @@ use pullback_manifold::system::Weights;
 
 /// What an element of N coordinates x is, written once for every number type.
 ///
-/// Whatever is not written is zero; say so by the constants and it costs nothing. Coordinates are those of the element's nodes
-/// one after the other, six for a frame node: (d, Ψ).
+/// Whatever is not written is zero; say so by the constants and it costs nothing. Coordinates are
+/// those of the element's nodes one after the other, six for a frame node: (d, Ψ).
 ///
 /// ```
 /// use nalgebra::SVector;
 /// use pullback_elements::{check, energy::Energies};
 /// use pullback_manifold::scalar::Scalar;
 ///
-/// /// A pendulum in its angle, with friction that grows with the square of its rate.
-/// struct Pendulum;
+/// /// A hardening spring with a mass, and friction that grows with the square of its rate.
+/// struct Oscillator;
 ///
-/// impl Energies<1> for Pendulum {
+/// impl Energies<1> for Oscillator {
 ///     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
-///         (-x[0].cos() + 1.0) * 9.81
+///         x[0].powi(2) * (x[0].powi(2) * 0.7 + 9.81)
 ///     }
 ///     fn kinetic<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
 ///         v[0] * v[0] * 0.5
@@ -72,7 +72,7 @@ use pullback_manifold::system::Weights;
 ///     }
 /// }
 ///
-/// check::element(&Pendulum.into_element()).assert();
+/// check::element(&Oscillator.into_element()).assert();
 /// ```
 pub trait Energies<const N: usize>: Send + Sync {
     /// Whether [`Energies::kinetic`] is anything but zero; `false` saves its evaluation.

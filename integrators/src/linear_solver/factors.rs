@@ -338,7 +338,7 @@ fn copy_block(
 }
 
 /// Turns the blocks of one link into those of `L` and `Uᵀ`.
-#[allow(clippy::too_many_arguments)]
+#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
 #[inline(always)]
 fn finish_link(
     symmetry: Symmetry,
