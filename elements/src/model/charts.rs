@@ -68,6 +68,7 @@ impl Model {
                 put(v, &first);
             }
         }
+        changed += self.rewrite_coordinates(t, q, v, accelerations);
         self.work.handed_over = false;
         if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
             self.keep_momentum(Point { t, q, v, a });
@@ -83,6 +84,28 @@ impl Model {
             charts: changed + maps.charts,
             residual: self.follow_element_charts(t) || maps.residual,
         }
+    }
+
+    /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
+    /// coordinates of one own node, which nobody else uses: seen to when the model is built.
+    fn rewrite_coordinates(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = 0;
+        for &n in &self.dependent {
+            if let Source::Mapped(d) = &mut self.nodes[n as usize].source
+                && d.map.rewrites()
+            {
+                let coordinate = self.spans[d.masters()[0] as usize].first as usize;
+                let first = self.unknowns[coordinate] as usize;
+                changed += usize::from(d.map.rewrite(t, first, q, v, accelerations));
+            }
+        }
+        changed
     }
 
     /// Keeps the momentum where a map may be handed over.
