@@ -45,13 +45,10 @@ pub enum ElementError {
         /// The rotation angle in radians.
         psi: f64,
     },
-    /// Two nodes of a geodesic beam element have turned against each other by a whole turn.
-    #[error(
-        "its nodes are turned against each other by {psi:.6} rad: a whole turn (2π) is the limit of \
-         its interpolation, use more elements"
-    )]
-    RelativeRotation {
-        /// The relative rotation angle in radians.
+    /// Two nodes have turned against each other by a whole turn.
+    #[error("its nodes have turned against each other by {psi:.6} rad, nearly a whole turn (2π)")]
+    Overturned {
+        /// The angle of the relative rotation in radians.
         psi: f64,
     },
     /// The two ends of a spring coincide.

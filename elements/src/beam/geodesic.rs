@@ -22,7 +22,7 @@ use super::interpolation::{Rotations, Seen};
 use super::mass::MassPoint;
 use super::nodal::NodalInertia;
 use crate::element::{EDGE, ElementError, Motion};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use pullback_manifold::quotients::{InverseQuotients, Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
@@ -68,13 +68,33 @@ impl Turn {
     }
 }
 
-/// Columns of the kinematic operator of one node: δz = z_d (δd − δd_r) + z_r δΨ_r,
-/// δϑ = ϑ_Ψ δΨ − ϑ_r δΨ_r.
+/// Kinematic operator of one node: (δz, δϑ) = own (δd, δΨ) + reference (δd_r, δΨ_r), that is
+/// δz = z_d (δd − δd_r) + z_r δΨ_r and δϑ = ϑ_Ψ δΨ − ϑ_r δΨ_r.
 struct Operator {
-    z_d: Matrix3<f64>,
-    z_r: Matrix3<f64>,
-    theta_psi: Matrix3<f64>,
-    theta_r: Matrix3<f64>,
+    own: Matrix6<f64>,
+    reference: Matrix6<f64>,
+}
+
+impl Operator {
+    #[inline]
+    fn new(
+        z_d: &Matrix3<f64>,
+        z_r: &Matrix3<f64>,
+        theta_psi: &Matrix3<f64>,
+        theta_r: &Matrix3<f64>,
+    ) -> Self {
+        let (mut own, mut reference) = (Matrix6::zeros(), Matrix6::zeros());
+        for c in 0..3 {
+            for r in 0..3 {
+                own[(r, c)] = z_d[(r, c)];
+                own[(3 + r, 3 + c)] = theta_psi[(r, c)];
+                reference[(r, c)] = -z_d[(r, c)];
+                reference[(r, 3 + c)] = z_r[(r, c)];
+                reference[(3 + r, 3 + c)] = -theta_r[(r, c)];
+            }
+        }
+        Self { own, reference }
+    }
 }
 
 /// A node as the reference node sees it.
@@ -88,6 +108,9 @@ struct Node {
     turn: Turn,
     seen: Relative,
     inverse: InverseQuotients,
+    T_inverse: Matrix3<f64>,
+    theta_psi: Matrix3<f64>,
+    theta_r: Matrix3<f64>,
     B: Operator,
 }
 
@@ -134,89 +157,72 @@ impl<const NN: usize> Geodesic<NN> {
 }
 
 impl Node {
+    #[inline]
     fn new(turn: Turn, seen: Relative, reference: &Turn, R_t: &Matrix3<f64>) -> Self {
         let inverse = InverseQuotients::new(seen.theta.norm());
         let T_inverse = so3::T_inverse(&seen.theta, &inverse);
-        let B = Operator {
-            z_d: *R_t,
-            z_r: skew(&seen.z) * reference.T,
-            theta_psi: T_inverse * turn.T,
-            theta_r: T_inverse.transpose() * reference.T,
-        };
+        let theta_psi = T_inverse * turn.T;
+        let theta_r = T_inverse.transpose() * reference.T;
+        let z_r = skew(&seen.z) * reference.T;
         Self {
+            B: Operator::new(R_t, &z_r, &theta_psi, &theta_r),
             turn,
             seen,
             inverse,
-            B,
+            T_inverse,
+            theta_psi,
+            theta_r,
         }
     }
 
-    /// ẑ and ϑ̇ at the velocities of this node and the reference node.
-    fn rates(&self, v: &[f64], v_r: &[f64]) -> Relative {
-        let B = &self.B;
-        Relative {
-            z: B.z_d * (three(v, 0) - three(v_r, 0)) + B.z_r * three(v_r, 3),
-            theta: B.theta_psi * three(v, 3) - B.theta_r * three(v_r, 3),
-        }
+    /// (ż, ϑ̇) at the velocities of this node and the reference node.
+    fn rates(&self, v: &[f64], v_r: &[f64]) -> Vector6<f64> {
+        let [v, v_r] = [v, v_r].map(|v| Vector6::from_column_slice(&v[..6]));
+        self.B.own * v + self.B.reference * v_r
     }
 
     /// The time derivative of the operator.
     fn B_dot(&self, reference: &Turn, v: &[f64], v_r: &[f64]) -> Operator {
         let rates = self.rates(v, v_r);
-        let [spin, spin_r] = [(&self.turn, v), (reference, v_r)].map(|(turn, v)| {
-            let Turn { psi, quotients, T } = turn;
-            (T * three(v, 3), so3::T_dot(&three(v, 3), psi, quotients))
-        });
-        let theta = &self.seen.theta;
-        let T_inverse = so3::T_inverse(theta, &self.inverse);
+        let [z_dot, theta_dot] = [three(rates.as_slice(), 0), three(rates.as_slice(), 3)];
+        let dot = |turn: &Turn, v| so3::T_dot(&three(v, 3), &turn.psi, &turn.quotients);
+        let (T_dot, T_r_dot) = (dot(&self.turn, v), dot(reference, v_r));
+        let (T_inverse, theta) = (&self.T_inverse, &self.seen.theta);
         // d/dt T⁻¹ = −T⁻¹ Ṫ T⁻¹.
         let c = Quotients::new(theta.norm());
-        let T_inverse_dot = -T_inverse * so3::T_dot(&rates.theta, theta, &c) * T_inverse;
-        Operator {
-            z_d: -skew(&spin_r.0) * self.B.z_d,
-            z_r: skew(&rates.z) * reference.T + skew(&self.seen.z) * spin_r.1,
-            theta_psi: T_inverse_dot * self.turn.T + T_inverse * spin.1,
-            theta_r: T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * spin_r.1,
+        let T_inverse_dot = -T_inverse * so3::T_dot(&theta_dot, theta, &c) * T_inverse;
+        let z_d = self.B.own.fixed_view::<3, 3>(0, 0);
+        Operator::new(
+            &(-skew(&(reference.T * three(v_r, 3))) * z_d),
+            &(skew(&z_dot) * reference.T + skew(&self.seen.z) * T_r_dot),
+            &(T_inverse_dot * self.turn.T + T_inverse * T_dot),
+            &(T_inverse_dot.transpose() * reference.T + T_inverse.transpose() * T_r_dot),
+        )
+    }
+}
+
+/// The 6×6 block of nodes i and j of an n×n matrix, times a factor.
+#[inline]
+fn block(K: &[f64], n: usize, i: usize, j: usize, factor: f64) -> Matrix6<f64> {
+    let mut out = Matrix6::zeros();
+    for c in 0..6 {
+        let start = 6 * i + (6 * j + c) * n;
+        for (o, K) in out.column_mut(c).iter_mut().zip(&K[start..start + 6]) {
+            *o = factor * K;
         }
     }
+    out
 }
 
-/// Rows (z, ϑ) of three columns.
-type Columns = [Matrix3<f64>; 2];
-
-impl Operator {
-    /// A 6×6 block over (z, ϑ), times this operator: columns δd, δΨ and δΨ_r; those of δd_r are the
-    /// negative of those of δd.
-    #[inline]
-    fn columns(&self, [[zz, zt], [tz, tt]]: &[[Matrix3<f64>; 2]; 2]) -> [Columns; 3] {
-        [
-            [zz * self.z_d, tz * self.z_d],
-            [zt * self.theta_psi, tt * self.theta_psi],
-            [
-                zz * self.z_r - zt * self.theta_r,
-                tz * self.z_r - tt * self.theta_r,
-            ],
-        ]
-    }
-
-    /// The transposed operator times three columns: rows d, Ψ and Ψ_r; those of d_r are the negative
-    /// of those of d.
-    #[inline]
-    fn rows(&self, [z, t]: &Columns) -> [Matrix3<f64>; 3] {
-        [
-            self.z_d.tr_mul(z),
-            self.theta_psi.tr_mul(t),
-            self.z_r.tr_mul(z) - self.theta_r.tr_mul(t),
-        ]
-    }
-}
-
-/// The 3×3 blocks of nodes i and j of a matrix in x̂, times a factor.
+/// Adds the 6×6 block of nodes i and j to an n×n matrix.
 #[inline]
-fn blocks(K: &[f64], n: usize, i: usize, j: usize, factor: f64) -> [[Matrix3<f64>; 2]; 2] {
-    [0, 3].map(|r| {
-        [0, 3].map(|c| Matrix3::from_fn(|a, b| factor * K[6 * i + r + a + (6 * j + c + b) * n]))
-    })
+fn add_nodes(out: &mut [f64], n: usize, i: usize, j: usize, A: &Matrix6<f64>) {
+    for c in 0..6 {
+        let start = 6 * i + (6 * j + c) * n;
+        for (o, a) in out[start..start + 6].iter_mut().zip(A.column(c).iter()) {
+            *o += a;
+        }
+    }
 }
 
 impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
@@ -240,8 +246,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             for i in Self::others() {
                 let turn = Turn::new(three(x, 6 * i + 3));
                 let node = Node::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
-                let Relative { z, theta } = node.rates(&v[6 * i..], v_r);
-                out.v[i] = [z.x, z.y, z.z, theta.x, theta.y, theta.z];
+                out.v[i] = node.rates(&v[6 * i..], v_r).into();
             }
         }
         out
@@ -299,13 +304,12 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             let seen = self.relative(at.x, i, &R_t);
             let angle = seen.theta.norm();
             if angle.is_nan() || angle > EDGE {
-                return Err(ElementError::RelativeRotation { psi: angle });
+                return Err(ElementError::Overturned { psi: angle });
             }
             x[i] = self.local(i, &seen);
             let node = Node::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
             if viscous {
-                let Relative { z, theta } = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]);
-                v[i] = [z.x, z.y, z.z, theta.x, theta.y, theta.z];
+                v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
             }
             nodes[i] = Some(node);
         }
@@ -338,15 +342,11 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         let nodes = &nodes;
         let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
         for (i, node) in others() {
-            let f = [three(&force[i], 0), three(&force[i], 3)];
-            let d = node.B.z_d.tr_mul(&f[0]);
-            let own = node.B.theta_psi.tr_mul(&f[1]);
-            let turn = node.B.z_r.tr_mul(&f[0]) - node.B.theta_r.tr_mul(&f[1]);
-            for k in 0..3 {
-                r[6 * i + k] += d[k];
-                r[6 * i + 3 + k] += own[k];
-                r[6 * Self::R + k] -= d[k];
-                r[6 * Self::R + 3 + k] += turn[k];
+            let f = Vector6::from(force[i]);
+            let (own, turn) = (node.B.own.tr_mul(&f), node.B.reference.tr_mul(&f));
+            for k in 0..6 {
+                r[6 * i + k] += own[k];
+                r[6 * Self::R + k] += turn[k];
             }
         }
         if !wanted {
@@ -358,25 +358,26 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 continue;
             }
             for (j, right) in others() {
-                // The columns of K B + C Ḃ with their weights.
                 let B_dot =
                     viscous.then(|| right.B_dot(&reference, &at.v[6 * j..], &at.v[6 * Self::R..]));
                 for (i, left) in others() {
-                    let mut columns = right.B.columns(&if viscous {
-                        let K = blocks(K_hat, n, i, j, k);
-                        let C = blocks(C_hat, n, i, j, c);
-                        [0, 1].map(|r| [0, 1].map(|c| K[r][c] + C[r][c]))
-                    } else {
-                        blocks(K_hat, n, i, j, k)
-                    });
-                    if let Some(B_dot) = &B_dot {
-                        let more = B_dot.columns(&blocks(C_hat, n, i, j, k));
-                        for (columns, more) in columns.iter_mut().zip(&more) {
-                            columns[0] += more[0];
-                            columns[1] += more[1];
-                        }
+                    // Columns K B + C Ḃ of the two nodes, with their weights.
+                    let mut weighted = block(K_hat, n, i, j, k);
+                    if viscous {
+                        weighted += block(C_hat, n, i, j, c);
                     }
-                    Self::spread(out, i, j, &columns.map(|c| left.B.rows(&c)));
+                    let mut own = weighted * right.B.own;
+                    let mut far = weighted * right.B.reference;
+                    if let Some(B_dot) = &B_dot {
+                        let C = block(C_hat, n, i, j, k);
+                        own += C * B_dot.own;
+                        far += C * B_dot.reference;
+                    }
+                    let rows = [left.B.own.transpose(), left.B.reference.transpose()];
+                    for (row, B) in [i, Self::R].into_iter().zip(&rows) {
+                        add_nodes(out, n, row, j, &(B * own));
+                        add_nodes(out, n, row, Self::R, &(B * far));
+                    }
                 }
             }
             if k != 0.0 {
@@ -394,23 +395,6 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
 }
 
 impl<const NN: usize> Geodesic<NN> {
-    /// Adds the block of nodes i and j: `parts[c][r]` with columns (d_j, Ψ_j, Ψ_r) and rows
-    /// (d_i, Ψ_i, Ψ_r); rows and columns of d_r are the negative of those of d.
-    #[inline]
-    fn spread(out: &mut [f64], i: usize, j: usize, parts: &[[Matrix3<f64>; 3]; 3]) {
-        let (n, r) = (6 * NN, 6 * Self::R);
-        for (column, rows) in [6 * j, 6 * j + 3, r + 3].into_iter().zip(parts) {
-            for (row, block) in [6 * i, 6 * i + 3, r + 3].into_iter().zip(rows) {
-                add_block(out, n, row, column, block);
-            }
-            add_block(out, n, r, column, &-rows[0]);
-        }
-        for (row, block) in [6 * i, 6 * i + 3, r + 3].into_iter().zip(&parts[0]) {
-            add_block(out, n, row, r, &-block);
-        }
-        add_block(out, n, r, r, &parts[0][0]);
-    }
-
     /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and ϑ fixed.
     fn geometric<'a>(
         &self,
@@ -423,29 +407,21 @@ impl<const NN: usize> Geodesic<NN> {
         let (size, r) = (6 * NN, 6 * Self::R);
         let T_r = &reference.T;
         let mut h = Vector3::zeros();
-        for (
-            i,
-            Node {
-                turn,
-                seen,
-                inverse,
-                B,
-            },
-        ) in others
-        {
+        for (i, node) in others {
             let (n, m) = (three(&force[i], 0) * factor, three(&force[i], 3) * factor);
-            let T_inverse = so3::T_inverse(&seen.theta, inverse);
+            let Node { turn, seen, .. } = node;
             // Force of δΘ_i and, negative, of δΘ_r.
-            let own = T_inverse.tr_mul(&m);
-            h -= seen.z.cross(&n) + T_inverse * m;
+            let own = node.T_inverse.tr_mul(&m);
+            h -= seen.z.cross(&n) + node.T_inverse * m;
             // D_ϑ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + ϑ~, that of T⁻¹ m is C₆ − m~.
-            let C6 = so3::C6(&m, &seen.theta, inverse);
+            let C6 = so3::C6(&m, &seen.theta, &node.inverse);
             let left = turn.T.tr_mul(&C6);
-            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * B.theta_psi;
-            let mixed = -left * B.theta_r;
-            let at_r = T_r.tr_mul(&(skew(&n) * B.z_r + (C6 - skew(&m)) * B.theta_r));
+            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * node.theta_psi;
+            let mixed = -left * node.theta_r;
+            let n = skew(&n);
+            let at_r = T_r.tr_mul(&(n * (skew(&seen.z) * T_r) + (C6 - skew(&m)) * node.theta_r));
             // −R_r n~ T_r.
-            let d = -B.z_d.tr_mul(&(skew(&n) * T_r));
+            let d = -node.B.own.fixed_view::<3, 3>(0, 0).tr_mul(&(n * T_r));
             add_block(out, size, 6 * i + 3, 6 * i + 3, &own);
             add_block(out, size, 6 * i + 3, r + 3, &mixed);
             add_block(out, size, r + 3, 6 * i + 3, &mixed.transpose());
