@@ -2,13 +2,13 @@
 
 #![allow(non_snake_case)]
 
-use super::geodesic::Geodesic;
 use super::interpolation::{Interpolation, Rotations, Total};
 use super::mass::MassPoint;
 use super::orientation::oriented;
+use super::point::{GaussPoint, mirror};
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Stiffness, Strained};
+use super::strain::{Law, Line, Strained};
 use super::viscous::Viscous;
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
@@ -40,52 +40,6 @@ pub enum BeamError {
     },
 }
 
-/// One integration point: shape functions, reference shape, section law.
-#[derive(Clone, Debug)]
-struct GaussPoint<const NN: usize> {
-    /// Shape functions N_i and their derivatives with respect to the arc length.
-    N: [f64; NN],
-    dN: [f64; NN],
-    /// Weight times length per unit of ξ.
-    weight: f64,
-    /// Reference place, tangent of unit length, section axes.
-    X: Vector3<f64>,
-    X_prime: Vector3<f64>,
-    R0: Matrix3<f64>,
-    law: Law,
-}
-
-impl<const NN: usize> GaussPoint<NN> {
-    /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
-    /// their mirror images.
-    #[inline]
-    fn spread(&self, D: &Stiffness, weight: f64, K: &mut [f64]) {
-        let n = 6 * NN;
-        for j in 0..NN {
-            for i in 0..=j {
-                let dd = weight * self.dN[i] * self.dN[j];
-                let dn = weight * self.dN[i] * self.N[j];
-                let nd = weight * self.N[i] * self.dN[j];
-                let nn = weight * self.N[i] * self.N[j];
-                let xx = D.xx * dd;
-                let xr = D.xp * dd + D.xq * dn;
-                let rx = (D.xp * dd + D.xq * nd).transpose();
-                let rr = D.pp * dd + D.pq * dn + (D.pq * nd).transpose() + D.qq * nn;
-                for c in 0..3 {
-                    let start = 6 * i + (6 * j + c) * n;
-                    for (top, bottom, start) in [(&xx, &rx, start), (&xr, &rr, start + 3 * n)] {
-                        let K = &mut K[start..start + 6];
-                        for r in 0..3 {
-                            K[r] += top[(r, c)];
-                            K[3 + r] += bottom[(r, c)];
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// The tangents asked for, each with the weights of K, C and M in it: the parts, or their sum.
 pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
@@ -93,7 +47,7 @@ pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 /// internal force and its tangent (no shear or membrane locking).
 ///
 /// Coordinates are (d₁, Ψ₁, …) in global components; how rotations are interpolated between them is
-/// the choice of I, [`Total`] or [`Geodesic`].
+/// the choice of I, [`Total`] or [`Geodesic`](super::Geodesic).
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize, I = Total<NN>> {
     points: Vec<GaussPoint<NN>>,
@@ -119,38 +73,6 @@ impl Beam<2> {
         section: &Section,
     ) -> Result<Box<dyn Element>, BeamError> {
         Interpolation::Total.beam(places, frame, section)
-    }
-}
-
-impl Interpolation {
-    /// A beam element with this interpolation, otherwise as [`Beam::along`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn beam(
-        self,
-        places: &[Vector3<f64>],
-        frame: &dyn Fn(f64) -> Matrix3<f64>,
-        section: &Section,
-    ) -> Result<Box<dyn Element>, BeamError> {
-        match *places {
-            [a, b] => self.of([a, b], frame, section),
-            [a, b, c] => self.of([a, b, c], frame, section),
-            [a, b, c, d] => self.of([a, b, c, d], frame, section),
-            _ => Err(BeamError::Nodes(places.len())),
-        }
-    }
-
-    fn of<const NN: usize>(
-        self,
-        places: [Vector3<f64>; NN],
-        frame: &dyn Fn(f64) -> Matrix3<f64>,
-        section: &Section,
-    ) -> Result<Box<dyn Element>, BeamError> {
-        Ok(match self {
-            Self::Total => Box::new(Beam::<NN>::new(&places, frame, section)?),
-            Self::Geodesic => Box::new(Beam::<NN, Geodesic<NN>>::new(&places, frame, section)?),
-        })
     }
 }
 
@@ -435,19 +357,4 @@ fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
     let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
     let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
     (&mut *out.r, [K, C, M])
-}
-
-/// Copies the blocks above the diagonal below it.
-#[inline]
-fn mirror<const NN: usize>(K: &mut [f64]) {
-    let n = 6 * NN;
-    for j in 1..NN {
-        for i in 0..j {
-            for c in 0..6 {
-                for r in 0..6 {
-                    K[6 * j + c + (6 * i + r) * n] = K[6 * i + r + (6 * j + c) * n];
-                }
-            }
-        }
-    }
 }

@@ -2,10 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use super::element::Tangents;
-use super::geodesic::three;
+use super::element::{Beam, BeamError, Tangents};
+use super::geodesic::Geodesic;
 use super::mass::MassPoint;
-use crate::element::{ElementError, Motion};
+use super::relative::three;
+use super::section::Section;
+use crate::element::{Element, ElementError, Motion};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3;
@@ -27,6 +29,38 @@ pub enum Interpolation {
     /// Proc. R. Soc. Lond. A 455). The nodes of an element may turn against each other by less than
     /// one turn.
     Geodesic,
+}
+
+impl Interpolation {
+    /// A beam element with this interpolation, otherwise as [`Beam::along`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn beam(
+        self,
+        places: &[Vector3<f64>],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Box<dyn Element>, BeamError> {
+        match *places {
+            [a, b] => self.of([a, b], frame, section),
+            [a, b, c] => self.of([a, b, c], frame, section),
+            [a, b, c, d] => self.of([a, b, c, d], frame, section),
+            _ => Err(BeamError::Nodes(places.len())),
+        }
+    }
+
+    fn of<const NN: usize>(
+        self,
+        places: [Vector3<f64>; NN],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Box<dyn Element>, BeamError> {
+        Ok(match self {
+            Self::Total => Box::new(Beam::<NN>::new(&places, frame, section)?),
+            Self::Geodesic => Box::new(Beam::<NN, Geodesic<NN>>::new(&places, frame, section)?),
+        })
+    }
 }
 
 /// What the node coordinates (d, Ψ) are to the strains: a map x̂ = φ(x) to coordinates (d̂, Ψ̂) of the

@@ -7,6 +7,8 @@ mod interpolation;
 mod mass;
 mod nodal;
 mod orientation;
+mod point;
+mod relative;
 mod section;
 pub(crate) mod shape;
 mod strain;

@@ -22,8 +22,8 @@
 #![allow(non_snake_case)]
 
 use super::element::Tangents;
-use super::geodesic::{add_block, three};
 use super::mass::MassPoint;
+use super::relative::{add_block, three};
 use crate::element::Motion;
 use crate::inertia::Inertia;
 use nalgebra::{Matrix3, Vector3};
