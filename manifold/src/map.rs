@@ -115,6 +115,51 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     }
 }
 
+/// A map that is looked at: what would change its charts does nothing.
+impl<M, const D: usize, const N: usize> Map<D, N> for &M
+where
+    M: Map<D, N>,
+{
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
+        (**self).phi(t, q)
+    }
+
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        (**self).margin(t, q)
+    }
+
+    fn edge(&self) -> &'static str {
+        (**self).edge()
+    }
+
+    fn segment(&self) -> usize {
+        (**self).segment()
+    }
+
+    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
+        (**self).tangent(t, q)
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, N> {
+        (**self).kinematics(t, q, v, a)
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, N>,
+    ) -> SMatrix<f64, D, D> {
+        (**self).geometric_stiffness(t, q, f)
+    }
+}
+
 /// The composed map `outer` ∘ `inner`: E^D → E^M → E^N.
 ///
 /// Its pull-back is the pull-back of the pull-back.
@@ -214,6 +259,9 @@ pub struct KinematicsMut<'a> {
 /// Implemented for every map by [`Map::boxed`]; nobody else needs to implement it. Slices have
 /// the lengths that [`Parametrization::dims`] says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
+    /// The name of the map's type.
+    fn kind(&self) -> &'static str;
+
     /// (d, n): number of coordinates q and number of embedding coordinates x.
     fn dims(&self) -> (usize, usize);
 
@@ -240,12 +288,16 @@ pub trait Parametrization: Send + Sync {
 }
 
 /// The bridge from fixed sizes to slices.
-struct Erased<M, const D: usize, const N: usize>(M);
+pub(crate) struct Erased<M, const D: usize, const N: usize>(pub M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
 where
     M: Map<D, N>,
 {
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<M>()
+    }
+
     fn dims(&self) -> (usize, usize) {
         (D, N)
     }
