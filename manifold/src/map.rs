@@ -74,6 +74,12 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         ChartChanges::default()
     }
 
+    /// Whether a frame that hangs on the map moves with a rigid motion of all frames that the map
+    /// reads: true for joints between bodies, and by default; false for what is tied to space.
+    fn is_objective(&self) -> bool {
+        true
+    }
+
     /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
     /// elements; 0 for every other map.
     fn segment(&self) -> usize {
@@ -130,6 +136,10 @@ where
 
     fn edge(&self) -> &'static str {
         (**self).edge()
+    }
+
+    fn is_objective(&self) -> bool {
+        (**self).is_objective()
     }
 
     fn segment(&self) -> usize {
@@ -274,6 +284,9 @@ pub trait Parametrization: Send + Sync {
     /// See [`Map::change_charts`].
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
 
+    /// See [`Map::is_objective`].
+    fn is_objective(&self) -> bool;
+
     /// See [`Map::segment`].
     fn segment(&self) -> usize;
 
@@ -312,6 +325,10 @@ where
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 
     fn segment(&self) -> usize {

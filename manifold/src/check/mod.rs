@@ -51,4 +51,4 @@ pub use layout::{Group, Layout};
 pub use map::{map, shortened};
 pub use report::{Measure, Report, Row};
 pub use sample::Random;
-pub use system::{dense, system, system_at};
+pub use system::{dense, system, system_at, system_sizes};

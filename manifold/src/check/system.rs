@@ -59,21 +59,42 @@ pub fn system_at(
     report
 }
 
-/// Notes the laws at one state; nothing where it is outside of the domain.
-fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
-    let (state, at) = (laws.state, laws.at);
-    let pattern = system.pattern().clone();
-    let weights = |K, C, M| Weights { K, C, M };
+/// Sizes of what cancels in each group of a system's residual, as energies: terms of these
+/// magnitudes make its round-off. `None` outside of the domain.
+pub fn system_sizes(layout: &Layout, system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+    let (r, values) = parts(system, state)?;
+    let all = Tangents {
+        pattern: system.pattern(),
+        r: &r,
+        values,
+    };
+    Some(all.sizes(layout, state))
+}
+
+fn weights(K: f64, C: f64, M: f64) -> Weights {
+    Weights { K, C, M }
+}
+
+/// The residual, and the values of K, C and M.
+fn parts(system: &mut dyn System, state: &State) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
     let (r, K) = combined(system, state, weights(1.0, 0.0, 0.0))?;
     let (mut C, mut M) = (vec![0.0; K.len()], vec![0.0; K.len()]);
     if !state.is_static() {
         C = combined(system, state, weights(0.0, 1.0, 0.0))?.1;
         M = combined(system, state, weights(0.0, 0.0, 1.0))?.1;
     }
+    Some((r, [K, C, M]))
+}
+
+/// Notes the laws at one state; nothing where it is outside of the domain.
+fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
+    let (state, at) = (laws.state, laws.at);
+    let pattern = system.pattern().clone();
+    let (r, values) = parts(system, state)?;
     let all = Tangents {
         pattern: &pattern,
         r: &r,
-        values: [K, C, M],
+        values,
     };
     let sizes = all.sizes(laws.layout, state);
     tangents(&mut laws, &all, &mut |s| residual(system, s));
