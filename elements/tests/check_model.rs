@@ -6,7 +6,6 @@ mod common;
 
 use common::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_elements::beam::Section;
 use pullback_elements::body::RigidBody;
 use pullback_elements::check::{self, Options};
 use pullback_elements::inertia::Inertia;

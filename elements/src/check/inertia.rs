@@ -4,7 +4,9 @@
 
 use super::element::{Ask, One, evaluate, motion};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::check::{Compared, Layout, Random, Report, State, difference, sizes};
+use pullback_manifold::check::{
+    CONFIRMED, Compared, Layout, Random, Report, State, difference, sizes,
+};
 
 /// First step along coordinates, as in the laws of forces.
 const FIRST: f64 = 0.05;
@@ -97,28 +99,37 @@ fn lagrange(
             _ => f64::NAN,
         }
     });
-    report.blame(|| {
+    let right = || -> Option<Vec<f64>> {
         let units = one.layout.units();
-        let rates = difference(STEP / rate, |tau| Some(momentum(tau)?.as_slice().to_vec()));
-        let Some(mut right) = rates else {
-            return Vec::new();
-        };
+        let mut right = difference(STEP / rate, |tau| Some(momentum(tau)?.as_slice().to_vec()))?;
         for (i, unit) in units.iter().enumerate() {
             let slope = difference(STEP * unit, |e| {
                 let mut x = s.x.clone();
                 x[i] += e;
                 Some(vec![kinetic(x)?])
             });
-            right[i] -= slope.map_or(f64::NAN, |slope| slope[0]);
+            right[i] -= slope?[0];
         }
-        Compared {
-            matrix: "inertial force",
-            rows: one.layout,
-            columns: &Layout::single(),
-            forces: true,
-            values: vec![(0, force.as_slice().to_vec(), right)],
-        }
-        .worst()
+        Some(right)
+    };
+    let force = force.as_slice();
+    report.second_opinion(|| {
+        let right = right()?;
+        let gap: Vec<f64> = force.iter().zip(&right).map(|(a, b)| a - b).collect();
+        Some((one.layout.forces(&gap).iter().sum(), CONFIRMED * size))
+    });
+    report.blame(|| {
+        let compared = |right| {
+            Compared {
+                matrix: "inertial force",
+                rows: one.layout,
+                columns: &Layout::single(),
+                forces: true,
+                values: vec![(0, force.to_vec(), right)],
+            }
+            .worst()
+        };
+        right().map_or_else(Vec::new, compared)
     });
 }
 
@@ -142,5 +153,9 @@ fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&State) -> Option<DMa
     let law = "d(U + T)/dt = -v.r - dissipation";
     report.slope(law, one.at, 2.0, FIRST / rate, size, |tau| {
         energy(tau).map_or(f64::NAN, |there| (there - now - gain * tau).abs())
+    });
+    report.second_opinion(|| {
+        let found = difference(STEP / rate, |tau| Some(vec![energy(tau)?]))?[0];
+        Some(((found - gain).abs() / rate, CONFIRMED * size))
     });
 }

@@ -5,7 +5,9 @@
 use super::invariance::EXACT;
 use crate::model::{Model, Rotation, Snapshot};
 use nalgebra::Vector3;
-use pullback_manifold::check::{Compared, Layout, Random, Report, State, system_sizes};
+use pullback_manifold::check::{
+    CONFIRMED, Compared, Layout, Random, Report, State, difference, system_sizes,
+};
 use pullback_manifold::so3::B_s;
 use pullback_manifold::system::{Energies, Point, System, SystemError};
 
@@ -175,17 +177,23 @@ fn power(
     let ahead = model.kinks().into_iter().map(|k| k - s.t);
     let next = ahead.filter(|&k| k > 0.0).fold(f64::INFINITY, f64::min);
     let first = (FIRST / layout.rate).min(0.5 * next);
-    let law = "d(T + U)/dt = supplied - dissipated - v.r";
-    report.slope(law, at, 2.0, first, size, |tau| {
+    let mut energy = |tau: f64| {
         let there = State {
             t: s.t + tau,
             x: &s.x + &s.v * tau + &s.a * (0.5 * tau * tau),
             v: &s.v + &s.a * tau,
             a: s.a.clone(),
         };
-        let energies = model.energies(point(&there)).ok().flatten();
-        let energy = energies.map_or(f64::NAN, |e| e.kinetic + e.stored);
-        (energy - start - gain * tau).abs()
+        let energies = model.energies(point(&there)).ok().flatten()?;
+        Some(energies.kinetic + energies.stored)
+    };
+    let law = "d(T + U)/dt = supplied - dissipated - v.r";
+    report.slope(law, at, 2.0, first, size, |tau| {
+        energy(tau).map_or(f64::NAN, |e| (e - start - gain * tau).abs())
+    });
+    report.second_opinion(|| {
+        let found = difference(1e-2 * first, |tau| Some(vec![energy(tau)?]))?[0];
+        Some(((found - gain).abs() / layout.rate, CONFIRMED * size))
     });
     Ok(())
 }

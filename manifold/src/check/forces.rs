@@ -1,10 +1,11 @@
 //! The laws of forces: tangents are derivatives of the residual, conservative forces those of an
 //! energy.
 
+use super::block::{Compared, difference};
 use super::layout::Layout;
 use super::report::Report;
 use super::sample::Random;
-use super::tangents::{Part, Tangents, tangents};
+use super::tangents::{CONFIRMED, Part, STEP, Tangents, tangents};
 use crate::sparse::BlockPattern;
 use nalgebra::{DMatrix, DVector};
 
@@ -181,10 +182,38 @@ impl Laws<'_> {
             let magnitudes = self.layout.magnitudes(state.x.as_slice(), 0);
             let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
             let size = energy.abs() + work.sum::<f64>();
+            let mut there = |x: DVector<f64>| {
+                let moved = State::statics(state.t, x);
+                evaluate(&moved).and_then(|f| f.energy)
+            };
             self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
-                let moved = State::statics(state.t, &state.x + &d * e);
-                let there = evaluate(&moved).and_then(|f| f.energy);
-                (there.unwrap_or(f64::NAN) - energy + f.r.dot(&d) * e).abs()
+                let there = there(&state.x + &d * e).unwrap_or(f64::NAN);
+                (there - energy + f.r.dot(&d) * e).abs()
+            });
+            if self.report.rows().last().is_some_and(|row| row.passed) {
+                return;
+            }
+            let by_differences = units.iter().enumerate().map(|(i, unit)| {
+                let slope = difference(STEP * unit, |e| {
+                    let mut x = state.x.clone();
+                    x[i] += e;
+                    Some(vec![there(x)?])
+                });
+                slope.map_or(f64::NAN, |slope| -slope[0])
+            });
+            let right: Vec<f64> = by_differences.collect();
+            let gap: Vec<f64> = f.r.iter().zip(&right).map(|(a, b)| a - b).collect();
+            let off: f64 = self.layout.forces(&gap).iter().sum();
+            self.report.second_opinion(|| Some((off, CONFIRMED * size)));
+            self.report.blame(|| {
+                Compared {
+                    matrix: "force",
+                    rows: self.layout,
+                    columns: &Layout::single(),
+                    forces: true,
+                    values: vec![(0, f.r.as_slice().to_vec(), right)],
+                }
+                .worst()
             });
         }
     }

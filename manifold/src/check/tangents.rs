@@ -1,6 +1,6 @@
 //! K = −∂r/∂x, C = −∂r/∂ẋ and M = −∂r/∂ẍ, group by group of coordinates.
 
-use super::block::{Block, Compared, difference};
+use super::block::{Compared, difference};
 use super::forces::{FIRST, Laws, State};
 use super::layout::Layout;
 use super::report::Measure;
@@ -49,9 +49,9 @@ pub(super) type Residual<'a> = dyn FnMut(&State) -> Option<Vec<f64>> + 'a;
 
 /// A slope that falls short is believed if differences say so too: above this fraction of what
 /// cancels, where their own errors end.
-const CONFIRMED: f64 = 1e-9;
+pub const CONFIRMED: f64 = 1e-9;
 /// Step of these differences in units.
-const STEP: f64 = 1e-3;
+pub(super) const STEP: f64 = 1e-3;
 
 impl Tangents<'_> {
     fn times(&self, part: Part, d: &[f64]) -> Vec<f64> {
@@ -215,11 +215,8 @@ fn tangent(
         return;
     }
     let allowed = CONFIRMED * sizes[worst];
-    if off <= allowed {
-        return laws.report.correct(off, allowed);
-    }
+    laws.report.second_opinion(|| Some((off, allowed)));
     let matrix = part.name();
     let compared = Compared { matrix, rows: layout, columns: layout, forces: true, values };
-    let blocks: Vec<Block> = compared.worst();
-    laws.report.blame(|| blocks);
+    laws.report.blame(|| compared.worst());
 }
