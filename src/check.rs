@@ -50,7 +50,11 @@ pub fn options(job: &Job, seed: u64) -> Options {
         Plan::Dynamic(plan) => (0.0, 0.1 * plan.options.to),
     };
     let kinks = job.model.kinks();
-    let room = |t: f64| kinks.iter().fold(f64::INFINITY, |d, k| d.min((k - t).abs()));
+    let room = |t: f64| {
+        kinks
+            .iter()
+            .fold(f64::INFINITY, |d, k| d.min((k - t).abs()))
+    };
     // The one of these that has most room.
     let candidates = [0.37, 0.29, 0.47, 0.19, 0.61].map(|part| from + part * range);
     let t = candidates.into_iter().fold(candidates[0], |best, t| {
@@ -60,7 +64,11 @@ pub fn options(job: &Job, seed: u64) -> Options {
         seed,
         t,
         q: job.start.q.clone(),
-        states: if job.model.element_count() > MANY { 1 } else { STATES },
+        states: if job.model.element_count() > MANY {
+            1
+        } else {
+            STATES
+        },
     }
 }
 
@@ -157,9 +165,8 @@ pub fn table(report: &Report) -> String {
         _ => format!("{family}, {count} of them"),
     };
     let names: Vec<String> = lines.iter().map(named).collect();
-    let width = |texts: &mut dyn Iterator<Item = &str>| {
-        texts.map(|t| t.chars().count()).max().unwrap_or(0)
-    };
+    let width =
+        |texts: &mut dyn Iterator<Item = &str>| texts.map(|t| t.chars().count()).max().unwrap_or(0);
     let first = width(&mut names.iter().map(String::as_str)).max("component".len());
     let second = width(&mut lines.iter().map(|l| l.1.law.as_str())).max("property".len());
     let mut out = format!(

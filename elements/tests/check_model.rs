@@ -6,6 +6,7 @@ mod common;
 
 use common::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::beam::Section;
 use pullback_elements::body::RigidBody;
 use pullback_elements::check::{self, Options};
 use pullback_elements::inertia::Inertia;
@@ -109,4 +110,74 @@ fn a_right_model_passes_from_many_seeds() {
         report.assert();
         assert!(report.rows().len() > 200, "{}", report.rows().len());
     }
+}
+
+/// A cantilever of slenderness 1e5 in millimetres and newtons: stiffnesses from 1e-4 to 1e6, a soft
+/// spring and a body of grams at its end.
+#[test]
+fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
+    for (length, EA, EI) in [
+        (1000.0, 1e6, 1e-4 * 1e6),
+        (1e-3, 1e10, 1.0),
+        (1.0, 1e10, 1.0),
+    ] {
+        let mut b = ModelBuilder::new();
+        let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
+        let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
+        let axis = Straight {
+            from: b.place(root),
+            to: b.place(tip),
+            second: None,
+            twist: 0.2,
+        };
+        let EI = EI * length * length;
+        let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
+        let section = Section::diagonal(EA, [0.4 * EA; 2], EI, [EI, 2.0 * EI]).unwrap();
+        let section = section.with_mass(1e-6, J);
+        let line = Line {
+            elements: 4,
+            order: 1,
+            section,
+        };
+        b.line("rod", &axis, [root, tip], &line).unwrap();
+        b.support(root, &Dof::ALL);
+        let J = Matrix3::from_diagonal(&Vector3::new(1.0, 1.5, 2.0)) * (1e-7 * length * length);
+        let body = RigidBody::new(1e-6, J, Vector3::zeros()).unwrap();
+        b.element("tip mass", body, &[tip]).unwrap();
+        let soft = AxialSpring::new(&[root, tip].map(|n| b.place(n)), 1e-10 * EA, 0.0).unwrap();
+        b.element("soft", soft, &[root, tip]).unwrap();
+        let mut model = b.build().unwrap();
+        for seed in 0..8 {
+            let options = Options {
+                seed,
+                ..Options::default()
+            };
+            check::model(&mut model, &options).assert();
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
+    let mut model = everything();
+    let options = Options::default();
+    let first = check::model(&mut model, &options);
+    assert_eq!(first, check::model(&mut model, &options));
+    assert_ne!(
+        first,
+        check::model(
+            &mut model,
+            &Options {
+                seed: 1,
+                ..options.clone()
+            }
+        )
+    );
+    // The slide is beyond the end of its chain.
+    let way = model.find("runner way").unwrap();
+    let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];
+    q[model.unknown_at(way, 0).unwrap()] = 100.0;
+    let report = check::model(&mut model, &Options { q, ..options });
+    assert!(!report.is_ok());
+    assert!(report.to_string().contains("runner"), "{report}");
 }

@@ -165,7 +165,13 @@ fn evaluate_from(
 impl One<'_> {
     /// A request for less gives the same numbers, to the last bit.
     fn requests(&self, report: &mut Report) {
-        let Self { element, at, state: s, all, .. } = *self;
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
         let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
             f.map_or(f64::NAN, |f| of(&f, all))
         };
@@ -189,7 +195,13 @@ impl One<'_> {
 
     /// The combined tangent is the sum of its parts, and an element that is dead has none.
     fn combination(&self, report: &mut Report) {
-        let Self { element, at, state: s, all, .. } = *self;
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
         let rate = self.layout.rate;
         let weights = Weights {
             K: 1.0,
@@ -231,7 +243,13 @@ impl One<'_> {
     /// Without inertia, what the velocities change in the force is damping: its power at ẋ is the
     /// dissipation. With inertia only the sign is known, gyroscopic forces also have power.
     fn dissipation(&self, report: &mut Report) {
-        let Self { element, at, state: s, all, .. } = *self;
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
         let lost = element.dissipation(&motion(s));
         report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
         if s.is_static() {
@@ -247,7 +265,13 @@ impl One<'_> {
 
     /// The tangent of a Newton iterate: exact without a step, and off by its square otherwise.
     fn iterates(&self, report: &mut Report, random: &mut Random) {
-        let Self { element, at, state: s, all, .. } = *self;
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
         let d = self.direction(random);
         let from = |e: f64| evaluate_from(element, Some(&(&s.x - &d * e)), s, Ask::Stiffness);
         let gap = from(0.05).map_or(f64::NAN, |f| (&f.r - &all.r).norm());

@@ -23,7 +23,10 @@ pub(super) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     };
     let mass = |state: &State| {
         let all = evaluate(one.element, state, Ask::All)?;
-        Some(all.M.unwrap_or_else(|| DMatrix::zeros(s.x.len(), s.x.len())))
+        Some(
+            all.M
+                .unwrap_or_else(|| DMatrix::zeros(s.x.len(), s.x.len())),
+        )
     };
     let heavy = M.norm() > 0.0;
     if heavy {
@@ -31,9 +34,8 @@ pub(super) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     }
     // T = ½ ẋ·M(x) ẋ is all that is known of a kinetic energy: where M depends on velocities there
     // is another one.
-    let quadratic = mass(&one.rest()).is_some_and(|at_rest| {
-        one.norm(&(&at_rest - M)) <= SAME * one.norm(M)
-    });
+    let quadratic =
+        mass(&one.rest()).is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
     if !quadratic {
         return;
     }
@@ -55,7 +57,9 @@ fn symmetric(report: &mut Report, one: &One<'_>, M: &DMatrix<f64>) {
     let size = scaled.norm();
     let gap = (&scaled - scaled.transpose()).norm();
     report.defect("M symmetric", one.at, gap, 1e-13 * size);
-    let least = ((&scaled + scaled.transpose()) * 0.5).symmetric_eigenvalues().min();
+    let least = ((&scaled + scaled.transpose()) * 0.5)
+        .symmetric_eigenvalues()
+        .min();
     let law = "M positive semidefinite";
     report.defect(law, one.at, (-least).max(0.0), 1e-12 * size);
 }

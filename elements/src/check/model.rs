@@ -86,7 +86,10 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
         transport::laws(&mut report, model, &layout, &states[1], &mut random);
         joint::laws(&mut report, model, &units, &states[1], &mut random);
         let all = 0..model.element_count();
-        seen.push((at.clone(), all.map(|k| model.element_state(k, options.t)).collect()));
+        seen.push((
+            at.clone(),
+            all.map(|k| model.element_state(k, options.t)).collect(),
+        ));
     }
     for k in 0..model.element_count() {
         let places = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
@@ -118,7 +121,9 @@ fn component<'a>(
                 ..rest.clone()
             };
             let all = evaluate(element, &still, Ask::All);
-            own.layout.rate = all.and_then(|f| element_rate(&own.layout, &f)).unwrap_or(rate);
+            own.layout.rate = all
+                .and_then(|f| element_rate(&own.layout, &f))
+                .unwrap_or(rate);
         }
         states.push((format!("{at}, at rest"), rest.clone()));
         let motion = moving(rest, &own.layout.units(), own.layout.rate, random);
@@ -150,7 +155,10 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
     // The largest stiffness and the largest mass: single ones may be small by accident.
     let units = layout.units();
     let most = |A: &nalgebra::DMatrix<f64>| {
-        let scaled = units.iter().enumerate().map(|(i, u)| A[(i, i)].abs() * u * u);
+        let scaled = units
+            .iter()
+            .enumerate()
+            .map(|(i, u)| A[(i, i)].abs() * u * u);
         scaled.fold(0.0, f64::max)
     };
     mean_rate(std::iter::once((most(&f.K), most(M))))

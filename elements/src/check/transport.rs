@@ -117,7 +117,9 @@ fn transport(
     }
     // Places, orientations, velocities, angular velocities, accelerations.
     let least = [length, 1.0, length * rate, rate, length * rate * rate];
-    let allowed: Vec<f64> = (0..5).map(|k| EXACT * bend * (least[k] + most[k])).collect();
+    let allowed: Vec<f64> = (0..5)
+        .map(|k| EXACT * bend * (least[k] + most[k]))
+        .collect();
     report.defects("change of charts: motion stays", at, &worst, &allowed);
 
     let total: f64 = sizes.iter().sum();
@@ -135,7 +137,12 @@ fn transport(
     // And back, by what a run does after every step.
     let mut back = other.clone();
     let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);
-    model.change_charts(s.t, q.as_mut_slice(), v.as_mut_slice(), &mut [a.as_mut_slice()]);
+    model.change_charts(
+        s.t,
+        q.as_mut_slice(),
+        v.as_mut_slice(),
+        &mut [a.as_mut_slice()],
+    );
     let off = |a: &[f64], b: &[f64], rate: f64| {
         let gap: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - b) / rate).collect();
         layout.coordinates(&gap).into_iter().fold(0.0, f64::max)
@@ -145,7 +152,10 @@ fn transport(
         off(back.v.as_slice(), s.v.as_slice(), rate),
         off(back.a.as_slice(), s.a.as_slice(), rate * rate),
     ];
-    let most = layout.coordinates(s.x.as_slice()).into_iter().fold(1.0, f64::max);
+    let most = layout
+        .coordinates(s.x.as_slice())
+        .into_iter()
+        .fold(1.0, f64::max);
     let law = "change of charts and back";
     report.defects(law, at, &defects, &[EXACT * bend * bend * most; 3]);
     Ok(())

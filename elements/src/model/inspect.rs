@@ -37,7 +37,11 @@ impl Model {
     pub(crate) fn inspect_element(&self, k: usize, units: &[f64]) -> Component<&dyn Element> {
         let e = &self.elements[k];
         let nodes = e.nodes.iter().map(|&n| n as usize);
-        let what = if e.element.is_load() { "load" } else { "element" };
+        let what = if e.element.is_load() {
+            "load"
+        } else {
+            "element"
+        };
         let own = self.extent(&e.nodes).unwrap_or(0.0);
         let unit = |n: usize| if own > 0.0 { own } else { units[n] };
         self.component(
@@ -50,7 +54,10 @@ impl Model {
 
     /// The state of element `k`, in its chart, without motion.
     pub(crate) fn element_state(&self, k: usize, t: f64) -> State {
-        State::statics(t, DVector::from_vec(self.element_coordinates(&self.elements[k])))
+        State::statics(
+            t,
+            DVector::from_vec(self.element_coordinates(&self.elements[k])),
+        )
     }
 
     /// The nodes that follow others.
@@ -59,7 +66,11 @@ impl Model {
     }
 
     /// The map of a node that follows others, with the layout of what it takes.
-    pub(crate) fn inspect_map(&self, n: u32, units: &[f64]) -> Option<Component<&dyn Parametrization>> {
+    pub(crate) fn inspect_map(
+        &self,
+        n: u32,
+        units: &[f64],
+    ) -> Option<Component<&dyn Parametrization>> {
         let node = &self.nodes[n as usize];
         let Source::Mapped(d) = &node.source else {
             return None;
@@ -76,7 +87,9 @@ impl Model {
     /// What the map of a node gives.
     pub(crate) fn inspect_hung(&self, n: u32, units: &[f64]) -> (Layout, bool) {
         let node = &self.nodes[n as usize];
-        let all = self.component(String::new(), (), std::iter::once(n as usize), &|n| units[n]);
+        let all = self.component(String::new(), (), std::iter::once(n as usize), &|n| {
+            units[n]
+        });
         (all.layout, node.is_frame())
     }
 
@@ -112,17 +125,32 @@ impl Model {
         for n in nodes {
             let node = &self.nodes[n];
             for (range, name, kind) in node.groups() {
-                groups.push(group(node, range.start + first..range.end + first, name, kind, unit(n)));
+                groups.push(group(
+                    node,
+                    range.start + first..range.end + first,
+                    name,
+                    kind,
+                    unit(n),
+                ));
             }
             match node.form {
-                Form::Frame => frames.push(Frame { first, place: node.place }),
+                Form::Frame => frames.push(Frame {
+                    first,
+                    place: node.place,
+                }),
                 Form::Rotation => rotations.push(first),
                 Form::Coordinates => {}
             }
             first += node.dim;
         }
         let layout = Layout::new(groups);
-        Component { name, thing, layout, frames, rotations }
+        Component {
+            name,
+            thing,
+            layout,
+            frames,
+            rotations,
+        }
     }
 
     /// The largest distance between frames among nodes; `None` where there are none.
@@ -153,10 +181,17 @@ impl Model {
             if let Source::Mapped(d) = &self.nodes[n as usize].source {
                 let all = || d.masters().iter().chain([&n]).map(|&m| m as usize);
                 let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
-                all().for_each(|m| if units[m].is_infinite() { units[m] = least });
+                all().for_each(|m| {
+                    if units[m].is_infinite() {
+                        units[m] = least
+                    }
+                });
             }
         }
-        units.iter_mut().filter(|u| u.is_infinite()).for_each(|u| *u = self.length);
+        units
+            .iter_mut()
+            .filter(|u| u.is_infinite())
+            .for_each(|u| *u = self.length);
         units
     }
 
@@ -197,17 +232,22 @@ impl Model {
 
     /// Rotations that are free and whose chart may be changed.
     pub(crate) fn free_rotations(&self) -> Vec<Rotation> {
-        (0..self.nodes.len()).filter_map(|n| self.free_rotation(n)).collect()
+        (0..self.nodes.len())
+            .filter_map(|n| self.free_rotation(n))
+            .collect()
     }
 
     /// Writes rotations of a state in their other charts, with everything that follows from that;
     /// how many. Those too close to 0 or 2π, where the other chart ends, stay.
-    pub(crate) fn switch(&mut self, rotations: &[Rotation], s: &mut State) -> Result<usize, SystemError> {
+    pub(crate) fn switch(
+        &mut self,
+        rotations: &[Rotation],
+        s: &mut State,
+    ) -> Result<usize, SystemError> {
         let mut count = 0;
         for unknowns in rotations {
-            let take = |from: &DVector<f64>| {
-                Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]))
-            };
+            let take =
+                |from: &DVector<f64>| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
             let mut all = [take(&s.x), take(&s.v), take(&s.a)];
             let psi = all[0].norm();
             if !(CLEAR..TAU - CLEAR).contains(&psi) {
@@ -237,7 +277,13 @@ impl Model {
         let direction = Vector3::new(0.48, -0.6, 0.64);
         let frames = self.frames().map(|(n, _)| {
             let n = self.node_state(n);
-            [n.place, n.R * direction, n.velocity, n.omega, n.acceleration]
+            [
+                n.place,
+                n.R * direction,
+                n.velocity,
+                n.omega,
+                n.acceleration,
+            ]
         });
         Ok(Snapshot {
             frames: frames.collect(),
@@ -260,7 +306,9 @@ impl Model {
             }
             local.gather_rates(e, &self.spans, Some([&w.v, &w.a]));
             local.switch(e, &self.nodes);
-            local.momenta(e, t, true).map_err(|error| named(error, &e.name))?;
+            local
+                .momenta(e, t, true)
+                .map_err(|error| named(error, &e.name))?;
             power += (0..n).map(|i| local.r[i] * local.v[i]).sum::<f64>();
         }
         Ok(power)
@@ -296,12 +344,22 @@ impl Node {
     }
 }
 
-fn group(node: &Node, range: std::ops::Range<usize>, name: String, kind: Kind, length: f64) -> Group {
+fn group(
+    node: &Node,
+    range: std::ops::Range<usize>,
+    name: String,
+    kind: Kind,
+    length: f64,
+) -> Group {
     let measured = kind == Kind::Length;
     Group {
         name,
         range,
         unit: if measured { length } else { 1.0 },
-        reach: if measured { node.place.norm() / length } else { 0.0 },
+        reach: if measured {
+            node.place.norm() / length
+        } else {
+            0.0
+        },
     }
 }

@@ -40,7 +40,11 @@ impl fmt::Display for Block {
         if factor.is_nan() {
             write!(f, " where nothing belongs")
         } else {
-            write!(f, ", {:.3} of its size {right:.3e}; it is {factor:.3} times what is right", defect / right)
+            write!(
+                f,
+                ", {:.3} of its size {right:.3e}; it is {factor:.3} times what is right",
+                defect / right
+            )
         }
     }
 }
@@ -82,7 +86,11 @@ impl Compared<'_> {
                     }
                 }
                 if off > 0.0 {
-                    let unit = if self.forces { row.unit } else { 1.0 / row.unit };
+                    let unit = if self.forces {
+                        row.unit
+                    } else {
+                        1.0 / row.unit
+                    };
                     let block = Block {
                         matrix: self.matrix.to_owned(),
                         rows: row.name.clone(),
@@ -90,7 +98,11 @@ impl Compared<'_> {
                         defect: off.sqrt(),
                         right: right.sqrt(),
                         // Differences leave round-off where nothing belongs.
-                        factor: if right > 1e-12 * off { both / right } else { f64::NAN },
+                        factor: if right > 1e-12 * off {
+                            both / right
+                        } else {
+                            f64::NAN
+                        },
                     };
                     blocks.push((off.sqrt() * unit * column.unit, block));
                 }

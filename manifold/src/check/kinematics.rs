@@ -5,6 +5,7 @@ use super::forces::State;
 use super::layout::Layout;
 use super::report::Report;
 use super::sample::Random;
+use super::tangents::CONFIRMED;
 use crate::map::{KinematicsMut, Parametrization};
 
 /// A map with the coordinates that it takes (`columns`) and gives (`rows`).
@@ -143,7 +144,10 @@ pub fn kinematics(
     let magnitudes = columns.magnitudes(q, 0);
     let mut behind = rows.magnitudes(&x, 0);
     for (column, m) in B.chunks_exact(x.len()).zip(&magnitudes) {
-        behind.iter_mut().zip(column).for_each(|(o, b)| *o += b.abs() * m);
+        behind
+            .iter_mut()
+            .zip(column)
+            .for_each(|(o, b)| *o += b.abs() * m);
     }
     let sizes = rows.coordinates(&behind);
 
@@ -159,19 +163,18 @@ pub fn kinematics(
         let left: Vec<f64> = parts.map(|((a, b), s)| a - b - s * e).collect();
         rows.coordinates(&left)
     });
-    report.blame(|| {
-        let units = columns.units();
-        let mut right = Vec::new();
-        for (j, unit) in units.iter().enumerate() {
-            let column = difference(STEP * unit, |e| {
+    let right = || -> Vec<f64> {
+        let columns = columns.units().into_iter().enumerate().map(|(j, unit)| {
+            difference(STEP * unit, |e| {
                 let mut q = q.to_vec();
                 q[j] += e;
                 Some(of.tangent(t, &q).0)
-            });
-            right.extend(column.unwrap_or_default());
-        }
-        of.compared("B", &B, &right)
-    });
+            })
+        });
+        columns.flatten().flatten().collect()
+    };
+    report.second_opinion(|| worst(&of.row_norms(&minus(&B, &right())), &sizes));
+    report.blame(|| of.compared("B", &B, &right()));
 
     let defects = [
         rows.coordinates(&minus(&k[0], &x)),
@@ -194,7 +197,9 @@ pub fn kinematics(
         *w += b.iter().zip(&f).map(|(b, f)| (b * f).abs()).sum::<f64>();
     }
     for (column, m) in K.chunks_exact(q.len()).zip(&magnitudes) {
-        work.iter_mut().zip(column).for_each(|(w, k)| *w += k.abs() * m);
+        work.iter_mut()
+            .zip(column)
+            .for_each(|(w, k)| *w += k.abs() * m);
     }
     let slope = times(&K, &d, q.len());
     let name = law("K_sigma = d(B'f)/dq");
@@ -204,22 +209,35 @@ pub fn kinematics(
         let left: Vec<f64> = parts.map(|((a, b), s)| a - b - s * e).collect();
         columns.forces(&left)
     });
-    report.blame(|| {
-        let units = columns.units();
-        let mut values = Vec::new();
-        for (j, unit) in units.iter().enumerate() {
-            let column = difference(STEP * unit, |e| {
+    let units = columns.units();
+    let compared = || {
+        let column = |(j, unit): (usize, &f64)| {
+            let right = difference(STEP * unit, |e| {
                 let mut q = q.to_vec();
                 q[j] += e;
                 Some(of.pulled(t, &q, &f))
-            });
-            let found = K[j * q.len()..(j + 1) * q.len()].to_vec();
-            values.push((j, found, column.unwrap_or_default()));
+            })?;
+            Some((j, K[j * q.len()..(j + 1) * q.len()].to_vec(), right))
+        };
+        Compared {
+            matrix: "K_sigma",
+            rows: columns,
+            columns,
+            forces: true,
+            values: units.iter().enumerate().filter_map(column).collect(),
         }
-        let matrix = "K_sigma";
-        Compared { matrix, rows: columns, columns, forces: true, values }.worst()
+    };
+    report.second_opinion(|| {
+        let mut off = vec![0.0; columns.groups().len()];
+        for (j, found, right) in compared().values {
+            let gaps = columns.forces(&minus(&found, &right));
+            off.iter_mut()
+                .zip(gaps)
+                .for_each(|(o, g)| *o += g * units[j]);
+        }
+        worst(&off, &columns.forces(&work))
     });
-    let units = columns.units();
+    report.blame(|| compared().worst());
     let (mut gap, mut size) = (0.0, 0.0);
     for i in 0..q.len() {
         for j in 0..q.len() {
@@ -228,7 +246,12 @@ pub fn kinematics(
             size += (K[i + j * q.len()] * unit).powi(2);
         }
     }
-    report.defect(&law("K_sigma symmetric"), at, f64::sqrt(gap), SAME * f64::sqrt(size));
+    report.defect(
+        &law("K_sigma symmetric"),
+        at,
+        f64::sqrt(gap),
+        SAME * f64::sqrt(size),
+    );
 }
 
 /// ẋ, ẍ and Ḃ, B̈ along the motion.
@@ -261,16 +284,16 @@ fn motion(
     let name = law("x_dot, x_ddot along the motion");
     report.slopes(&name, at, 3.0, first, &all, |tau| {
         let (t, q) = along(tau);
-        of.rows.coordinates(&left(&of.tangent(t, &q).0, x, x_dot, x_ddot, tau))
+        of.rows
+            .coordinates(&left(&of.tangent(t, &q).0, x, x_dot, x_ddot, tau))
     });
     let path = |tau: f64| {
         let (t, q) = along(tau);
         of.tangent(t, &q)
     };
-    report.blame(|| {
-        let differences = differences(STEP / rate, |tau| path(tau).0, x);
-        either(of, ["x_dot", "x_ddot"], [x_dot, x_ddot], &differences)
-    });
+    let right = || differences(STEP / rate, |tau| path(tau).0, x);
+    report.second_opinion(|| agree([x_dot, x_ddot], &right()));
+    report.blame(|| either(of, ["x_dot", "x_ddot"], [x_dot, x_ddot], &right()));
     let [b, b_dot, b_ddot] = [B, B_dot, B_ddot].map(|B| of.row_norms(B));
     let all: Vec<f64> = (0..sizes.len())
         .map(|k| sizes[k] + b[k] + b_dot[k] / rate + b_ddot[k] / (rate * rate))
@@ -280,10 +303,9 @@ fn motion(
         let (t, q) = along(tau);
         of.row_norms(&left(&of.tangent(t, &q).1, B, B_dot, B_ddot, tau))
     });
-    report.blame(|| {
-        let differences = differences(STEP / rate, |tau| path(tau).1, B);
-        either(of, ["B_dot", "B_ddot"], [B_dot, B_ddot], &differences)
-    });
+    let right = || differences(STEP / rate, |tau| path(tau).1, B);
+    report.second_opinion(|| agree([B_dot, B_ddot], &right()));
+    report.blame(|| either(of, ["B_dot", "B_ddot"], [B_dot, B_ddot], &right()));
 }
 
 /// First and second derivative along the motion.
@@ -302,6 +324,22 @@ fn differences(h: f64, at: impl Fn(f64) -> Vec<f64>, now: &[f64]) -> [Vec<f64>; 
     [first, second]
 }
 
+/// How far two derivatives are from their differences, relatively, and what these allow.
+fn agree(found: [&Vec<f64>; 2], right: &[Vec<f64>; 2]) -> Option<(f64, f64)> {
+    let off = |k: usize| norm(&minus(found[k], &right[k])) / norm(&right[k]).max(f64::MIN_POSITIVE);
+    Some((off(0).max(off(1)), TELLING))
+}
+
+/// The largest defect over its size, and what differences allow.
+fn worst(defects: &[f64], sizes: &[f64]) -> Option<(f64, f64)> {
+    let strains = defects.iter().zip(sizes).map(|(d, s)| d / s);
+    Some((strains.fold(0.0, f64::max), CONFIRMED))
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// The first derivative if that is wrong, the second otherwise.
 fn either(
     of: Mapped<'_>,
@@ -309,7 +347,6 @@ fn either(
     found: [&Vec<f64>; 2],
     right: &[Vec<f64>; 2],
 ) -> Vec<Block> {
-    let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let gap = norm(&minus(found[0], &right[0]));
     let k = usize::from(gap <= TELLING * norm(&right[0]));
     of.compared(names[k], found[k], &right[k])

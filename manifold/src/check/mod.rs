@@ -51,5 +51,5 @@ pub use layout::{Group, Layout};
 pub use map::{map, shortened};
 pub use report::{Measure, Report, Row};
 pub use sample::Random;
-pub use tangents::CONFIRMED;
 pub use system::{dense, system, system_at, system_sizes};
+pub use tangents::CONFIRMED;

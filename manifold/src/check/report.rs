@@ -170,6 +170,16 @@ impl Report {
         }
     }
 
+    /// Drops the law noted last, to measure it anew; whether it was a slope that falls short.
+    pub fn retry(&mut self) -> bool {
+        let short = |row: &Row| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
+        let retry = self.rows.last().is_some_and(short);
+        if retry {
+            self.rows.pop();
+        }
+        retry
+    }
+
     /// Takes a second opinion where a slope noted last falls short: a defect by differences and what
     /// it is allowed, or nothing. Single numbers can bend a line where two terms cancel by chance.
     ///
@@ -260,20 +270,24 @@ impl Report {
             }
             step /= RATIO;
         }
-        let measures = found.iter().zip(&below).zip(scales).map(|((found, below), scale)| {
-            match (found.as_slice(), below) {
-                ([.., a, _, c], _) => Measure::Slope {
-                    slope: (a / c).ln() / (2.0 * RATIO.ln()),
-                    expected: order,
-                },
-                (_, Some(defect)) => Measure::Defect {
-                    defect: *defect,
-                    allowed: RESOLVED * scale,
-                },
-                // STEPS > 3, so remainders are found or fall below.
-                _ => Measure::Impossible("no remainder".to_owned()),
-            }
-        });
+        let measures = found
+            .iter()
+            .zip(&below)
+            .zip(scales)
+            .map(|((found, below), scale)| {
+                match (found.as_slice(), below) {
+                    ([.., a, _, c], _) => Measure::Slope {
+                        slope: (a / c).ln() / (2.0 * RATIO.ln()),
+                        expected: order,
+                    },
+                    (_, Some(defect)) => Measure::Defect {
+                        defect: *defect,
+                        allowed: RESOLVED * scale,
+                    },
+                    // STEPS > 3, so remainders are found or fall below.
+                    _ => Measure::Impossible("no remainder".to_owned()),
+                }
+            });
         let (worst, measure) = worst(measures);
         let passed = measure.strain() <= 1.0;
         self.push(law, at, measure, passed);

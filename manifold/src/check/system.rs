@@ -146,29 +146,26 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
 }
 
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.
-fn load_rate(
-    laws: &mut Laws<'_>,
-    system: &mut dyn System,
-    r: &[f64],
-    rate: &[f64],
-    sizes: &[f64],
-) {
+fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
     let (state, layout) = (laws.state, laws.layout);
     let kinks = system.kinks().into_iter().map(|k| k - state.t);
-    let next = kinks.filter(|&ahead| ahead > 0.0).fold(f64::INFINITY, f64::min);
+    let next = kinks
+        .filter(|&ahead| ahead > 0.0)
+        .fold(f64::INFINITY, f64::min);
     let rates = layout.forces(rate);
     let sizes: Vec<f64> = (rates.iter().zip(sizes))
         .map(|(rate, size)| size + rate * (1.0 + state.t.abs()))
         .collect();
     let first = FIRST.min(0.5 * next);
-    laws.report.slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
-        let t = state.t + e;
-        let later = State { t, ..state.clone() };
-        let there = residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()]);
-        let parts = there.iter().zip(r).zip(rate);
-        let left: Vec<f64> = parts.map(|((a, b), rate)| a - b - rate * e).collect();
-        layout.forces(&left)
-    });
+    laws.report
+        .slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
+            let t = state.t + e;
+            let later = State { t, ..state.clone() };
+            let there = residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+            let parts = there.iter().zip(r).zip(rate);
+            let left: Vec<f64> = parts.map(|((a, b), rate)| a - b - rate * e).collect();
+            layout.forces(&left)
+        });
 }
 
 fn point(s: &State) -> Point<'_> {

@@ -128,7 +128,14 @@ impl Tangents<'_> {
             }
             let matrix = format!("{} against its transpose", part.name());
             let (rows, values) = (laws.layout, columns);
-            Compared { matrix: &matrix, rows, columns: rows, forces: true, values }.worst()
+            Compared {
+                matrix: &matrix,
+                rows,
+                columns: rows,
+                forces: true,
+                values,
+            }
+            .worst()
         });
     }
 
@@ -176,17 +183,19 @@ fn tangent(
     let mut varied = state.clone();
     let base = part.of(&mut varied).clone();
     let nowhere = vec![f64::NAN; layout.groups().len()];
-    let worst = laws.report.slopes(part.law(), laws.at, 2.0, FIRST, sizes, |e| {
-        for ((x, base), d) in part.of(&mut varied).iter_mut().zip(&base).zip(&d) {
-            *x = base + d * e;
-        }
-        let Some(there) = residual(&varied) else {
-            return nowhere.clone();
-        };
-        let parts = there.iter().zip(all.r).zip(&slope);
-        let left: Vec<f64> = parts.map(|((a, b), s)| a - b + s * e).collect();
-        layout.forces(&left)
-    });
+    let worst = laws
+        .report
+        .slopes(part.law(), laws.at, 2.0, FIRST, sizes, |e| {
+            for ((x, base), d) in part.of(&mut varied).iter_mut().zip(&base).zip(&d) {
+                *x = base + d * e;
+            }
+            let Some(there) = residual(&varied) else {
+                return nowhere.clone();
+            };
+            let parts = there.iter().zip(all.r).zip(&slope);
+            let left: Vec<f64> = parts.map(|((a, b), s)| a - b + s * e).collect();
+            layout.forces(&left)
+        });
     let row = laws.report.rows().last();
     if row.is_none_or(|r| r.passed || matches!(r.measure, Measure::Impossible(_))) {
         return;
@@ -217,6 +226,12 @@ fn tangent(
     let allowed = CONFIRMED * sizes[worst];
     laws.report.second_opinion(|| Some((off, allowed)));
     let matrix = part.name();
-    let compared = Compared { matrix, rows: layout, columns: layout, forces: true, values };
+    let compared = Compared {
+        matrix,
+        rows: layout,
+        columns: layout,
+        forces: true,
+        values,
+    };
     laws.report.blame(|| compared.worst());
 }
