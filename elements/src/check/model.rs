@@ -50,7 +50,12 @@ impl Default for Options {
 ///   d(T + U)/dt is the power supplied less the power lost.
 ///
 /// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
+/// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
+/// coordinates the model has then is for its next change of charts to say.
+///
 /// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
+///
+/// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
 pub fn model(model: &mut Model, options: &Options) -> Report {
     let mut report = Report::new("model");
     let n = model.pattern().dim();
@@ -66,6 +71,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
         plan.push((format!("random {}", k + 1), size));
     }
     let mut seen: Vec<(String, Vec<State>)> = Vec::new();
+    let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
         let rest = match beside(model, options.t, &q, *size, &units, &mut random) {
             Ok(rest) => rest,
@@ -85,6 +91,9 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
         report.extend(system_at("model", &layout, model, &states));
         transport::laws(&mut report, model, &layout, &states[1], &mut random);
         joint::laws(&mut report, model, &units, &states[1], &mut random);
+        if k + 1 == plan.len() && model.rewrites() {
+            last = Some(states[1].clone());
+        }
         let all = 0..model.element_count();
         seen.push((
             at.clone(),
@@ -95,6 +104,9 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
         let places = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
         let own = component(model, k, &units, layout.rate, places, &mut random);
         report.extend(own);
+    }
+    if let Some(state) = last {
+        transport::rewriting(&mut report, model, &layout, &state);
     }
     report.worst()
 }

@@ -6,7 +6,7 @@ use crate::model::Model;
 use nalgebra::{DVector, Vector3};
 use pullback_manifold::check::{Random, State};
 use pullback_manifold::so3::{log_quaternion, quaternion};
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
 
 /// A field of displacements and rotations over the model, and how rough it is.
 #[derive(Clone, Copy, Debug)]
@@ -93,13 +93,15 @@ pub(super) fn beside(
     let mut factor = 1.0;
     loop {
         *random = seed.clone();
-        let mut x = moved(model, q, size.times(factor), units, random);
-        model.change_charts(t, &mut x, &mut [], &mut []);
-        let (q, v, a) = (&x[..], &[][..], &[][..]);
-        let mut r = vec![0.0; x.len()];
-        let out = pullback_manifold::system::Evaluation::residual(&mut r);
-        match model.evaluate(Point { t, q, v, a }, out) {
-            Ok(()) => return Ok(State::statics(t, DVector::from_vec(x))),
+        let x = moved(model, q, size.times(factor), units, random);
+        let mut state = State::statics(t, DVector::from_vec(x));
+        let settled = model.settle(&mut state).and_then(|()| {
+            let (q, v, a) = (state.x.as_slice(), &[][..], &[][..]);
+            let mut r = vec![0.0; q.len()];
+            model.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
+        });
+        match settled {
+            Ok(()) => return Ok(state),
             Err(error) if factor == 0.0 => return Err(error),
             Err(_) => factor = if factor > 1e-3 { 0.5 * factor } else { 0.0 },
         }

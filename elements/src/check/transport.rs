@@ -66,14 +66,14 @@ fn transport(
     s: &State,
     chosen: &[Rotation],
 ) -> Result<(), SystemError> {
-    let (before, energy) = spatial(model, s)?;
+    let before = spatial(model, s)?;
     let mut other = s.clone();
     if model.switch(chosen, &mut other)? == 0 {
         return Ok(());
     }
-    let (after, energy_after) = spatial(model, &other)?;
+    let after = spatial(model, &other)?;
     // Forces go back with the transpose of B_s.
-    let mut r = after.r.clone();
+    let mut r = after.0.r.clone();
     let mut bend: f64 = 1.0;
     for unknowns in chosen {
         let take = |x: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
@@ -83,14 +83,14 @@ fn transport(
         }
         let B = B_s(&psi);
         bend = bend.max(B.amax());
-        let f = B.tr_mul(&take(&after.r));
+        let f = B.tr_mul(&take(&after.0.r));
         for (u, f) in unknowns.iter().zip(f.iter()) {
             if let Some(u) = *u {
                 r[u] = *f;
             }
         }
     }
-    let gap: Vec<f64> = r.iter().zip(&before.r).map(|(a, b)| a - b).collect();
+    let gap: Vec<f64> = r.iter().zip(&before.0.r).map(|(a, b)| a - b).collect();
     let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s * bend * bend).collect();
     let law = "change of charts: forces stay";
     report.defects(law, at, &layout.forces(&gap), &allowed);
@@ -100,49 +100,34 @@ fn transport(
             rows: layout,
             columns: &Layout::single(),
             forces: true,
-            values: vec![(0, r.clone(), before.r.clone())],
+            values: vec![(0, r.clone(), before.0.r.clone())],
         }
         .worst()
     });
 
-    let rate = layout.rate;
-    let length = model.length();
-    let frames = before.frames.iter().zip(&after.frames);
-    let (mut worst, mut most) = ([0.0_f64; 5], [0.0_f64; 5]);
-    for (a, b) in frames {
-        for k in 0..5 {
-            worst[k] = worst[k].max((a[k] - b[k]).norm());
-            most[k] = most[k].max(a[k].norm());
-        }
-    }
-    // Places, orientations, velocities, angular velocities, accelerations.
-    let least = [length, 1.0, length * rate, rate, length * rate * rate];
-    let allowed: Vec<f64> = (0..5)
-        .map(|k| EXACT * bend * (least[k] + most[k]))
-        .collect();
-    report.defects("change of charts: motion stays", at, &worst, &allowed);
-
-    let total: f64 = sizes.iter().sum();
-    let pairs = [
-        (energy.kinetic, energy_after.kinetic, 1.0),
-        (energy.stored, energy_after.stored, 1.0),
-        (energy.supplied, energy_after.supplied, rate),
-        (energy.dissipated, energy_after.dissipated, rate),
-    ];
-    let defects = pairs.map(|(a, b, _)| (a - b).abs());
-    let allowed = pairs.map(|(a, _, unit)| EXACT * bend * bend * (a.abs() + total * unit));
-    let law = "change of charts: energies and powers stay";
-    report.defects(law, at, &defects, &allowed);
+    let total = sizes.iter().sum();
+    stays(
+        report,
+        "change of charts",
+        at,
+        [&before, &after],
+        [model.length(), layout.rate, total, bend],
+    );
 
     // And back, by what a run does after every step.
     let mut back = other.clone();
-    let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);
-    model.change_charts(
-        s.t,
-        q.as_mut_slice(),
-        v.as_mut_slice(),
-        &mut [a.as_mut_slice()],
-    );
+    if model.rewrites() {
+        model.switch(chosen, &mut back)?;
+    } else {
+        let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);
+        model.change_charts(
+            s.t,
+            q.as_mut_slice(),
+            v.as_mut_slice(),
+            &mut [a.as_mut_slice()],
+        );
+    }
+    let rate = layout.rate;
     let off = |a: &[f64], b: &[f64], rate: f64| {
         let gap: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - b) / rate).collect();
         layout.coordinates(&gap).into_iter().fold(0.0, f64::max)
@@ -160,6 +145,77 @@ fn transport(
     report.defects(law, at, &defects, &[EXACT * bend * bend * most; 3]);
     Ok(())
 }
+
+/// Notes that motion and energies are the same; given the model's length, its rate, a size of its
+/// energies, and the largest entry of what took one to the other.
+fn stays(
+    report: &mut Report,
+    law: &str,
+    at: &str,
+    [before, after]: [&(Snapshot, Energies); 2],
+    [length, rate, total, bend]: [f64; 4],
+) {
+    let frames = before.0.frames.iter().zip(&after.0.frames);
+    let (mut worst, mut most) = ([0.0_f64; 5], [0.0_f64; 5]);
+    for (a, b) in frames {
+        for k in 0..5 {
+            worst[k] = worst[k].max((a[k] - b[k]).norm());
+            most[k] = most[k].max(a[k].norm());
+        }
+    }
+    // Places, orientations, velocities, angular velocities, accelerations.
+    let least = [length, 1.0, length * rate, rate, length * rate * rate];
+    let allowed: Vec<f64> = (0..5)
+        .map(|k| EXACT * bend * (least[k] + most[k]))
+        .collect();
+    report.defects(&format!("{law}: motion stays"), at, &worst, &allowed);
+
+    let pairs = [
+        (before.1.kinetic, after.1.kinetic, 1.0),
+        (before.1.stored, after.1.stored, 1.0),
+        (before.1.supplied, after.1.supplied, rate),
+        (before.1.dissipated, after.1.dissipated, rate),
+    ];
+    let defects = pairs.map(|(a, b, _)| (a - b).abs());
+    let allowed = pairs.map(|(a, _, unit)| EXACT * bend * bend * (a.abs() + total * unit));
+    let law = format!("{law}: energies and powers stay");
+    report.defects(&law, at, &defects, &allowed);
+}
+
+/// Notes that motion and energies stay where a map gives its coordinates another meaning. Coordinates
+/// of before mean nothing to the model afterwards.
+pub(super) fn rewriting(
+    report: &mut Report,
+    model: &mut Model,
+    layout: &Layout,
+    (at, s): &(String, State),
+) {
+    let law = "change of coordinates";
+    let mut settled = s.clone();
+    let mut both = || -> Result<[(Snapshot, Energies); 2], SystemError> {
+        let before = spatial(model, &settled)?;
+        let State { t, x, v, a } = &mut settled;
+        model.change_charts(
+            *t,
+            x.as_mut_slice(),
+            v.as_mut_slice(),
+            &mut [a.as_mut_slice()],
+        );
+        Ok([before, spatial(model, &settled)?])
+    };
+    let pair = match both() {
+        Ok(pair) => pair,
+        Err(error) => return report.impossible(law, at, error.to_string()),
+    };
+    let Some(sizes) = system_sizes(layout, model, &settled) else {
+        return report.impossible(law, at, "outside of the domain");
+    };
+    let scale = [model.length(), layout.rate, sizes.iter().sum(), BEND];
+    stays(report, law, at, [&pair[0], &pair[1]], scale);
+}
+
+/// How much a change of coordinates may enlarge round-off: the condition of good ones.
+const BEND: f64 = 10.0;
 
 /// d(T + U)/dt = supplied − dissipated − q̇·r: the last is zero along a motion that obeys the
 /// equations, and any motion will do to check the books.

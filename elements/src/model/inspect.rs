@@ -10,7 +10,7 @@ use nalgebra::{DVector, Vector3};
 use pullback_manifold::check::{Group, Layout, State, shortened};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// One component, with its coordinates.
 pub(crate) struct Component<T> {
@@ -237,36 +237,42 @@ impl Model {
             .collect()
     }
 
-    /// Writes rotations of a state in their other charts, with everything that follows from that;
-    /// how many. Those too close to 0 or 2π, where the other chart ends, stay.
+    /// Writes rotations of a state in their other charts, with everything that follows from that, as
+    /// at the end of a step; how many. Those too close to 0 or 2π, where the other chart ends, stay.
     pub(crate) fn switch(
         &mut self,
         rotations: &[Rotation],
         s: &mut State,
     ) -> Result<usize, SystemError> {
-        let mut count = 0;
-        for unknowns in rotations {
-            let take =
-                |from: &DVector<f64>| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
-            let mut all = [take(&s.x), take(&s.v), take(&s.a)];
-            let psi = all[0].norm();
-            if !(CLEAR..TAU - CLEAR).contains(&psi) {
-                continue;
+        self.look_before(s.t, s.x.as_slice());
+        let count = rotations.iter().filter(|r| complement(r, s)).count();
+        self.update_maps(s.t, s.x.as_slice())?;
+        self.follow_element_charts(s.t);
+        Ok(count)
+    }
+
+    /// Charts as a run that starts here has them, but for maps that would give coordinates another
+    /// meaning.
+    pub(crate) fn settle(&mut self, s: &mut State) -> Result<(), SystemError> {
+        self.fold_driven_rotations(s.t);
+        for unknowns in self.free_rotations() {
+            let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
+            if parts.sum::<f64>().sqrt() > PI {
+                complement(&unknowns, s);
             }
-            let [x, v, a] = &mut all;
-            Complement::default().apply(x.as_mut_slice(), v.as_mut_slice(), a.as_mut_slice());
-            for (to, from) in [&mut s.x, &mut s.v, &mut s.a].into_iter().zip(all) {
-                for (u, x) in unknowns.iter().zip(from.iter()) {
-                    if let Some(u) = *u {
-                        to[u] = *x;
-                    }
-                }
-            }
-            count += 1;
         }
         self.update_maps(s.t, s.x.as_slice())?;
-        self.choose_element_charts();
-        Ok(count)
+        self.start(s.t, s.x.as_slice());
+        Ok(())
+    }
+
+    /// Whether a map may give coordinates another meaning.
+    pub(crate) fn rewrites(&self) -> bool {
+        let rewrites = |n: &u32| match &self.nodes[*n as usize].source {
+            Source::Mapped(d) => d.map.rewrites(),
+            Source::Own => false,
+        };
+        self.dependent.iter().any(rewrites)
     }
 
     /// Residual and configuration at a state in motion.
@@ -322,6 +328,28 @@ pub(crate) struct Snapshot {
     /// Of every frame: place, a direction that turns with it, velocity, angular velocity,
     /// acceleration.
     pub frames: Vec<[Vector3<f64>; 5]>,
+}
+
+/// Writes a rotation of a state, in motion or at rest, in its other chart; whether it has one.
+fn complement(unknowns: &Rotation, s: &mut State) -> bool {
+    let take = |from: &DVector<f64>| {
+        let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
+        Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))
+    };
+    let mut all = [take(&s.x), take(&s.v), take(&s.a)];
+    if !(CLEAR..TAU - CLEAR).contains(&all[0].norm()) {
+        return false;
+    }
+    let [x, v, a] = &mut all;
+    Complement::default().apply(x.as_mut_slice(), v.as_mut_slice(), a.as_mut_slice());
+    for (to, from) in [&mut s.x, &mut s.v, &mut s.a].into_iter().zip(all) {
+        for (u, x) in unknowns.iter().zip(from.iter()) {
+            if let Some(to) = u.and_then(|u| to.get_mut(u)) {
+                *to = *x;
+            }
+        }
+    }
+    true
 }
 
 /// Rotation vectors closer than this to 0 or 2π keep their chart.

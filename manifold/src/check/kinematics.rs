@@ -89,7 +89,8 @@ impl Mapped<'_> {
 
     /// The largest step along a direction, or along the motion, that stays inside the domain.
     fn first(&self, inside: impl Fn(f64) -> (f64, Vec<f64>)) -> f64 {
-        let mut step = FIRST;
+        let (t, q) = inside(0.0);
+        let mut step = (0.3 * self.map.margin(t, &q)).min(FIRST);
         for _ in 0..40 {
             let stays = |e: f64| {
                 let (t, q) = inside(e);
