@@ -199,7 +199,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
                 until,
                 until / steps as f64,
             );
-            let mut progress = Progress::new(start(&mut model, 0.0, &vec![0.0; n], &v).unwrap());
+            let mut progress = Progress::new(start(&model, 0.0, &vec![0.0; n], &v).unwrap());
             let mut errors = 0.0_f64;
             let mut go = |progress: &mut Progress, model: &mut Model| {
                 integrate(model, progress, &options, &mut |model, step| {
