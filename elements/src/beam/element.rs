@@ -6,7 +6,7 @@ use super::mass::MassPoint;
 use super::orientation::oriented;
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Stiffness, Strained};
+use super::strain::{Law, Line, Stiffness, Strained, extrapolated};
 use super::viscous::Viscous;
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
@@ -93,7 +93,10 @@ pub(super) type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 /// Coordinates are (d₁, Ψ₁, …) in global components.
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize> {
-    points: Vec<GaussPoint<NN>>,
+    /// The first integration point, the only one of two nodes, stands in the element itself: an
+    /// assembly waits for every detour through memory.
+    first: GaussPoint<NN>,
+    others: Vec<GaussPoint<NN>>,
     /// Points of inertia, where the section has mass.
     masses: Option<[MassPoint<NN>; NN]>,
     damping: Damping,
@@ -162,10 +165,11 @@ impl<const NN: usize> Beam<NN> {
                 law: Law::rotated(&section.C, &R0),
             })
         };
-        let points = gauss(NN - 1)
-            .into_iter()
-            .map(point)
-            .collect::<Result<_, _>>()?;
+        let mut rule = gauss(NN - 1).into_iter().map(point);
+        let Some(first) = rule.next() else {
+            return Err(BeamError::Nodes(NN));
+        };
+        let (first, others) = (first?, rule.collect::<Result<_, _>>()?);
         let masses = if section.inertia.is_zero() {
             None
         } else {
@@ -176,10 +180,17 @@ impl<const NN: usize> Beam<NN> {
             masses.try_into().ok()
         };
         Ok(Self {
-            points,
+            first,
+            others,
             masses,
             damping: section.damping,
         })
+    }
+
+    /// The integration points of internal forces.
+    #[inline]
+    fn points(&self) -> impl Iterator<Item = &GaussPoint<NN>> {
+        std::iter::once(&self.first).chain(&self.others)
     }
 
     /// x′, Ψ, Ψ′ at an integration point.
@@ -212,7 +223,7 @@ impl<const NN: usize> Beam<NN> {
         // Their tangents are added after the mirror: they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
         let damped = self.damping.stiffness > 0.0 && !at.v.is_empty();
-        for (p, viscous) in self.points.iter().zip(&mut viscous) {
+        for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
             if psi > EDGE {
@@ -238,10 +249,7 @@ impl<const NN: usize> Beam<NN> {
                 // Viscous stresses are not extrapolated.
                 let (N, M) = match previous.filter(|_| !damped) {
                     None => (strained.N, strained.M),
-                    Some(x) => {
-                        let from = Self::line(p, x);
-                        Strained::new(&from, &p.X_prime, &p.law).extrapolated(&from, &line, &p.law)
-                    }
+                    Some(x) => extrapolated(&Self::line(p, x), &line, &p.X_prime, &p.law),
                 };
                 let D = strained.stiffness(&line, &p.law, &N, &M);
                 p.spread(&D, p.weight * weights.K, K);
@@ -250,7 +258,7 @@ impl<const NN: usize> Beam<NN> {
         for (_, K) in tangents.iter_mut().flatten().filter(|t| t.0.K != 0.0) {
             mirror::<NN>(K);
         }
-        for (p, viscous) in self.points.iter().zip(&viscous) {
+        for (p, viscous) in self.points().zip(&viscous) {
             if let Some(viscous) = viscous {
                 viscous.add_tangents(&p.N, &p.dN, p.weight, tangents);
             }
@@ -296,8 +304,7 @@ impl<const NN: usize> Element for Beam<NN> {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        self.points
-            .iter()
+        self.points()
             .map(|p| p.weight * Strained::new(&Self::line(p, at.x), &p.X_prime, &p.law).energy())
             .sum()
     }
@@ -314,12 +321,12 @@ impl<const NN: usize> Element for Beam<NN> {
             p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
         };
         let drag = |p: &MassPoint<NN>| p.drag_power(at, self.damping.mass);
-        self.points.iter().map(viscous).sum::<f64>()
+        self.points().map(viscous).sum::<f64>()
             + self.masses.iter().flatten().map(drag).sum::<f64>()
     }
 
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
-        for p in &self.points {
+        for p in self.points() {
             let line = Self::line(p, at.x);
             let s = Strained::new(&line, &p.X_prime, &p.law);
             let d: Vector3<f64> =

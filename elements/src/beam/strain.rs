@@ -121,22 +121,6 @@ impl Strained {
         }
     }
 
-    /// Stress resultants extrapolated linearly to the line `to` from this one, `line`.
-    pub(super) fn extrapolated(
-        &self,
-        line: &Line,
-        to: &Line,
-        law: &Law,
-    ) -> (Vector3<f64>, Vector3<f64>) {
-        let psi = to.psi - line.psi;
-        let Gamma = self.R.tr_mul(&(to.x_prime - line.x_prime)) + self.g.cross(&(self.T * psi));
-        let K = self.T * (to.psi_prime - line.psi_prime) + self.C1 * psi;
-        (
-            self.N + law.GG * Gamma + law.GK * K,
-            self.M + law.GK.tr_mul(&Gamma) + law.KK * K,
-        )
-    }
-
     /// BᵀCB + K_σ, \[M04\] (167), with the stress resultants N, M in K_σ.
     #[inline]
     pub(super) fn stiffness(
@@ -172,4 +156,30 @@ impl Strained {
                 + so3::C2(&Nxg, &line.psi, quotients),
         }
     }
+}
+
+/// Stress resultants at the line `to`, extrapolated linearly from the line `from`.
+///
+/// Γ = Rᵀx′ − X′ is linear in x′ and K = TΨ′ in Ψ′, so that with δ = `to` − `from` and R, T at `from`
+/// Γ + DΓ·δ = Rᵀx′ − X′ + g×TδΨ and K + DK·δ = TΨ′ + C₁δΨ, where x′ and Ψ′ are those of `to`.
+#[inline]
+pub(super) fn extrapolated(
+    from: &Line,
+    to: &Line,
+    X_prime: &Vector3<f64>,
+    law: &Law,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let quotients = Quotients::new(from.psi.norm());
+    let c = quotients.tangent();
+    let d_psi = to.psi - from.psi;
+    let back = -from.psi;
+    let g = so3::turned(&back, &from.x_prime, &c);
+    let Gamma = so3::turned(&back, &to.x_prime, &c) - X_prime
+        + g.cross(&so3::spun(&from.psi, &d_psi, &c));
+    let K = so3::spun(&from.psi, &to.psi_prime, &c)
+        + so3::T_varied(&from.psi_prime, &d_psi, &from.psi, &quotients);
+    (
+        law.GG * Gamma + law.GK * K,
+        law.GK.tr_mul(&Gamma) + law.KK * K,
+    )
 }

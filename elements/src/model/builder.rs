@@ -2,7 +2,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
-use super::{Attached, Form, ModelError, Node, Source};
+use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
@@ -278,14 +278,15 @@ impl ModelBuilder {
         self.elements.push(Attached {
             name,
             dead: element.is_dead(),
+            load: element.is_load(),
             element,
-            nodes: nodes.iter().map(|n| n.0).collect(),
+            nodes: NodeList::new(nodes),
             switched: 0,
             mapped: false,
             pulled: 0,
             blocks: 0,
             first_block: 0,
-            first_position: 0,
+            first_place: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }

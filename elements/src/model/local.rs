@@ -235,7 +235,7 @@ impl Local {
 
     pub(super) fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
         let mut k = 0;
-        for &node in &e.nodes {
+        for &node in e.nodes.iter() {
             for kind in &nodes[node as usize].kinds {
                 let force = &mut scales.force[kind.index()];
                 *force = force.max(self.r[k].abs());
@@ -364,7 +364,7 @@ impl Local {
             return;
         }
         let mut slots = [Slot::default(); MAX_NODES];
-        for (slot, &node) in slots.iter_mut().zip(&e.nodes) {
+        for (slot, &node) in slots.iter_mut().zip(e.nodes.iter()) {
             *slot = nodes[node as usize].slot(operators, !statics);
         }
         let tangents = Tangents {

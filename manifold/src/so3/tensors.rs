@@ -35,6 +35,20 @@ pub fn C1(V: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
     C12(1.0, V, Psi, c)
 }
 
+/// C₁(V,Ψ) d = D_Ψ(T V)·d without forming C₁.
+#[inline]
+#[must_use]
+pub fn T_varied(
+    V: &Vector3<f64>,
+    d: &Vector3<f64>,
+    Psi: &Vector3<f64>,
+    c: &Quotients,
+) -> Vector3<f64> {
+    let (s, along) = (Psi.dot(V), Psi.dot(d));
+    V * (c.c1 * along) - Psi.cross(V) * (c.c2 * along) + d * (c.c5 * s) - V.cross(d) * c.c4
+        + Psi * (c.c3 * s * along + c.c5 * V.dot(d))
+}
+
 /// C₂(V,Ψ) = D_Ψ(Tᵀ V), V fixed; equals C₁(R V,Ψ) − Tᵀ V~ T; \[M04\] (47), (49).
 #[must_use]
 pub fn C2(V: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matrix3<f64> {
