@@ -6,7 +6,7 @@ use super::mass::MassPoint;
 use super::orientation::oriented;
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Stiffness, Strained, extrapolated};
+use super::strain::{Law, Line, Stiffness, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
@@ -305,8 +305,13 @@ impl<const NN: usize> Element for Beam<NN> {
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
         self.points()
-            .map(|p| p.weight * Strained::new(&Self::line(p, at.x), &p.X_prime, &p.law).energy())
+            .map(|p| p.weight * strain_energy(&Self::line(p, at.x), &p.X_prime, &p.law))
             .sum()
+    }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let masses = self.masses.iter().flatten();
+        Some(masses.map(|p| p.kinetic_energy(at)).sum())
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {

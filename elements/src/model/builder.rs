@@ -283,6 +283,7 @@ impl ModelBuilder {
             nodes: NodeList::new(nodes),
             switched: 0,
             mapped: false,
+            held: false,
             pulled: 0,
             blocks: 0,
             first_block: 0,

@@ -197,7 +197,10 @@ impl Local {
     ) -> Result<(), ElementError> {
         let n = e.element.dim();
         self.r[..n].fill(0.0);
-        self.M[..n * n].fill(0.0);
+        let moving = !statics && !e.dead;
+        if moving {
+            self.M[..n * n].fill(0.0);
+        }
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
@@ -209,12 +212,15 @@ impl Local {
             r: &mut self.r[..n],
             K: None,
             C: None,
-            M: (!statics).then_some(&mut self.M[..n * n]),
+            M: moving.then_some(&mut self.M[..n * n]),
             r_t: None,
         };
         e.element.evaluate(&at, &mut out)?;
         let p = &mut self.work[..end];
         p.fill(0.0);
+        if !moving {
+            return Ok(());
+        }
         for (v, M) in self.v.iter().zip(self.M.chunks_exact(n)).take(end) {
             for (p, M) in p.iter_mut().zip(M) {
                 *p += M * v;

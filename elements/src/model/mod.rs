@@ -168,6 +168,8 @@ struct Attached {
     switched: u32,
     /// Whether any node is mapped.
     mapped: bool,
+    /// Whether a coordinate of its nodes is prescribed or follows others.
+    held: bool,
     /// Whether it has no tangents.
     dead: bool,
     /// Whether it stands for applied loads.

@@ -63,6 +63,8 @@ impl Placement {
             e.first_block = self.nodes.len();
             e.first_place = self.places.len();
             e.mapped = false;
+            let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
+            e.held = e.nodes.iter().any(held);
             for &n in e.nodes.iter() {
                 match &nodes[n as usize].source {
                     Source::Own => self.nodes.push(n),
@@ -190,7 +192,10 @@ fn visit_block(
         }
         for (r, &row) in rows.iter().enumerate() {
             if row != NONE {
-                put(&mut values[row as usize + column as usize * height], S[r + c * d]);
+                put(
+                    &mut values[row as usize + column as usize * height],
+                    S[r + c * d],
+                );
             }
         }
     }
