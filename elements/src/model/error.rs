@@ -32,13 +32,14 @@ pub enum ModelError {
     },
     #[error(
         "the map of the joint at node {node} takes {} coordinates to {}, but it must take the \
-         {found} of its masters ({masters}) to 6", map.0, map.1
+         {found} of its masters ({masters}) to {dim}", map.0, map.1
     )]
     JointDimension {
         node: String,
         masters: String,
         map: (usize, usize),
         found: usize,
+        dim: usize,
     },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
@@ -73,6 +74,16 @@ pub enum ModelError {
          prescribe a coordinate of its masters {masters}"
     )]
     PrescribedSlave { coordinate: String, masters: String },
+    #[error(
+        "the coordinates {coordinates} of {node} change their meaning in a run, as others become \
+         better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \
+         choose the coordinates once and for all (`Choice::Fixed`)"
+    )]
+    Rewritten {
+        node: String,
+        coordinates: String,
+        user: String,
+    },
     #[error(
         "joint {joint}: its axis {axis:?} has no direction; give a finite vector that is not zero"
     )]

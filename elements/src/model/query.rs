@@ -47,6 +47,15 @@ impl Model {
         self.elements.len()
     }
 
+    /// What there is to say about the map that a node follows through, as it is now: its
+    /// independent coordinates and redundant equations, say.
+    pub fn note(&self, node: NodeId) -> Option<String> {
+        match &self.nodes[node.0 as usize].source {
+            Source::Own => None,
+            Source::Mapped(d) => d.map.note(),
+        }
+    }
+
     /// Name and nodes of an element.
     pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
         let e = &self.elements[id.0 as usize];
@@ -116,7 +125,7 @@ impl Model {
     }
 
     /// Coordinates of an element in its own chart, in the configuration last set.
-    fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
+    pub(super) fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
         let mut x = Vec::with_capacity(e.element.dim());
         for (k, &n) in e.nodes.iter().enumerate() {
             let first = x.len();
