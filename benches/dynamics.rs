@@ -301,7 +301,7 @@ fn costs(make: &dyn Fn(usize) -> Model, elements: usize, options: &DynamicOption
     let mut b = r.clone();
     let solve = seconds(count, || {
         b.copy_from_slice(&r);
-        solver.solve(&mut b).expect(regular);
+        solver.solve(Some(&S), &mut b).expect(regular);
     });
     let charts = seconds(count, || {
         let (q, v) = (&mut state.q, &mut state.v);

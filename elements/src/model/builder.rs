@@ -2,7 +2,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
-use super::{Attached, Form, ModelError, Node, Source};
+use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
@@ -310,8 +310,9 @@ impl ModelBuilder {
         self.elements.push(Attached {
             name,
             dead: element.is_dead(),
+            load: element.is_load(),
             element,
-            nodes: nodes.iter().map(|n| n.0).collect(),
+            nodes: NodeList::new(nodes),
             frames: (0..)
                 .zip(nodes)
                 .filter(|(_, n)| self.nodes[n.0 as usize].is_frame())
@@ -320,10 +321,11 @@ impl ModelBuilder {
             switched: 0,
             overturned: false,
             mapped: false,
+            held: false,
             pulled: 0,
             blocks: 0,
             first_block: 0,
-            first_position: 0,
+            first_place: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }
