@@ -5,13 +5,15 @@
 //! check::element(&NodalLoad::new(Which::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
 //! ```
 //!
-//! Places, slopes and reports are those of [`pullback_manifold::check`]. Objectivity is no law: the
+//! A joint has one line as well: [`map`] of [`Hung`](crate::joint::Hung) of it. Places, slopes and
+//! reports are those of [`pullback_manifold::check`]. Objectivity is no law: the
 //! interpolation of total rotation vectors has it only in the limit of small elements.
 
 #![allow(non_snake_case)]
 
 use crate::element::{Element, Motion, Response};
 use nalgebra::{DMatrix, DVector};
+pub use pullback_manifold::check::map;
 use pullback_manifold::check::{Forces, Random, Report, State, forces_at, states};
 use pullback_manifold::system::Weights;
 

@@ -222,6 +222,11 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].place
     }
 
+    /// Number of coordinates of a node: six of a frame.
+    pub fn dim(&self, node: NodeId) -> usize {
+        self.nodes[node.0 as usize].dim
+    }
+
     fn check_own(&self, nodes: &[NodeId], what: impl Fn() -> String) -> Result<(), ModelError> {
         if nodes.iter().all(|n| (n.0 as usize) < self.nodes.len()) {
             Ok(())
