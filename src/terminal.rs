@@ -1,8 +1,8 @@
 //! What the program shows while it works, and how it is stopped.
 
+use crate::gallery::Comparison;
+use crate::solve::{Advance, Counts};
 use indicatif::{ProgressBar, ProgressStyle};
-use pullback::gallery::Comparison;
-use pullback::solve::{Advance, Counts};
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl Interrupt {
         let flag = Arc::clone(&asked);
         let installed = ctrlc::set_handler(move || {
             if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(crate::INTERRUPTED));
+                std::process::exit(i32::from(crate::cli::INTERRUPTED));
             }
             eprintln!("\nstopping after this step (Ctrl-C again stops at once)");
         });

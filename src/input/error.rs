@@ -1,5 +1,6 @@
 //! Why a model file is refused: what is wrong, where it stands, what would be right.
 
+use super::registry::BoxedError;
 use super::suggest::closest;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use pullback_elements::beam::SectionError;
@@ -125,15 +126,18 @@ pub enum Problem {
     #[error("joint \"{joint}\": a joint of type {kind} needs {key}")]
     JointNeeds {
         joint: String,
-        kind: &'static str,
-        key: &'static str,
+        kind: String,
+        key: String,
     },
     #[error("joint \"{joint}\": a joint of type {kind} has no use for {key}")]
     JointKey {
         joint: String,
-        kind: &'static str,
-        key: &'static str,
+        kind: String,
+        key: String,
+        known: Vec<String>,
     },
+    #[error("joint \"{joint}\": {source}")]
+    Joint { joint: String, source: BoxedError },
     #[error("joint \"{joint}\" is driven, so {key} has no effect")]
     DrivenJoint { joint: String, key: &'static str },
     #[error(
@@ -207,7 +211,7 @@ fn list(words: &[&'static str]) -> String {
 }
 
 fn names(known: &[String]) -> String {
-    const SHOWN: usize = 12;
+    const SHOWN: usize = 24;
     let mut shown: Vec<String> = known.iter().take(SHOWN).map(|k| format!("`{k}`")).collect();
     if known.len() > SHOWN {
         shown.push(format!("... ({} in all)", known.len()));
@@ -229,6 +233,9 @@ impl Problem {
     pub fn advice(&self) -> Option<String> {
         let fixed = match self {
             Self::UnknownKey { found, known }
+            | Self::JointKey {
+                key: found, known, ..
+            }
             | Self::UnknownName {
                 name: found, known, ..
             } => {

@@ -18,7 +18,7 @@ pub use analysis::{
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
-pub use joint::{Acts, Joint, JointKind, JointSpring};
+pub use joint::{Acts, Joint, JointSpring};
 pub use line::{Arc, Line};
 pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
@@ -76,9 +76,4 @@ pub struct ModelFile {
     /// What to write.
     #[serde(default)]
     pub output: Output,
-}
-
-/// The JSON Schema of the model file, made from these types.
-pub fn schema() -> serde_json::Value {
-    schemars::schema_for!(ModelFile).to_value()
 }
