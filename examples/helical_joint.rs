@@ -5,7 +5,7 @@ use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A nut on a screw: as it turns it moves along the axis.
-#[derive(serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, serde::Deserialize, schemars::JsonSchema)]
 struct Screw {
     /// Axis, a unit vector of the reference configuration in global components.
     axis: [f64; 3],

@@ -4,6 +4,7 @@ use pullback::prelude::*;
 use std::error::Error;
 
 /// A pin that slides along a slot of its master, up to its ends, and turns in it.
+#[derive(Clone)]
 struct Slot {
     /// Along the slot: a unit vector of the reference configuration, global components.
     along: Vector3<f64>,

@@ -6,6 +6,7 @@ use std::error::Error;
 use std::f64::consts::PI;
 
 /// A point on a cycloid that is wound around an upright cylinder; it does not turn.
+#[derive(Clone)]
 struct Wound {
     /// Radius of the wheel that draws the cycloid: the lowest place has the parameter 0.
     wheel: f64,

@@ -2,16 +2,20 @@
 
 #![allow(non_snake_case)]
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SVector};
 use pullback::elements::beam::Damping;
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{offset, revolute, slide, spherical};
+use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::RigidMotion;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
 };
+use pullback::manifold::implicit::{Implicit, Solved};
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::system::Kind;
 use pullback::prelude::*;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System as Allocator;
@@ -40,9 +44,46 @@ fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -
     b.line(name, &axis, ends, &line).unwrap().nodes
 }
 
+/// Two angles a and b on a circle: neither can be the coordinate for long.
+struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x.dot(x) - 1.0)
+    }
+}
+
+/// Two bodies whose angles stay on a circle; the node of their coordinate.
+fn circle(b: &mut ModelBuilder) -> NodeId {
+    let ground = b.node("ground", [9.0, 0.0, 0.0]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let map = Solved::<_, 1, 2, 1>::new(Circle, 0.0, [1.0, 0.0]).unwrap();
+    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let angles = [Kind::Angle; 2];
+    let x = b
+        .mapped_coordinates("x", &angles, map.boxed(), &[q])
+        .unwrap();
+    for k in 0..2 {
+        let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
+        let angle = b.mapped_coordinates(format!("x{k}"), &angles[..1], pick, &[x]);
+        let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+        let frame = b.hang(
+            format!("flap {k}"),
+            [9.0, 0.0, 0.0],
+            hinge,
+            &[ground, angle.unwrap()],
+        );
+        let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
+        b.element(format!("flap {k}"), body, &[frame.unwrap()])
+            .unwrap();
+    }
+    q
+}
+
 /// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
-/// a body on a rigid link, and a ring on the first arm, all under gravity.
-fn everything() -> (Model, NodeId) {
+/// a body on a rigid link, and a ring on the first arm, all under gravity; two bodies whose angles
+/// close a loop beside them. The ring's way, and the coordinate of the loop.
+fn everything() -> (Model, [NodeId; 2]) {
     let mut b = ModelBuilder::new();
     let base = b.node("base", [0.0; 3]).unwrap();
     let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
@@ -88,13 +129,14 @@ fn everything() -> (Model, NodeId) {
     }
     // Several turns, so that driven and free rotations change charts.
     b.prescribe(base, Dof::RZ, Proportional(3.0));
-    (b.build().unwrap(), ring.way)
+    let q = circle(&mut b);
+    (b.build().unwrap(), [ring.way, q])
 }
 
 /// Allocations of a run of so many steps, what it did, and how often the ring came to another
 /// element.
 fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary, usize) {
-    let (mut model, way) = everything();
+    let (mut model, [way, q]) = everything();
     let n = model.pattern().dim();
     let mut v = vec![0.0; n];
     let turning = RigidMotion {
@@ -102,6 +144,7 @@ fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary, usize
         ..RigidMotion::default()
     };
     model.set_velocity(&vec![0.0; n], &mut v, None, &turning);
+    assert!(model.set(&mut v, q, 0, 3.0));
     let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
     let way = model.unknown_at(way, 0).unwrap();
     let (mut element, mut moves) = (1.0, 0);

@@ -49,6 +49,7 @@ fn moved(
 }
 
 /// The cycloid x = a (s + sin s), z = a (1 − cos s).
+#[derive(Clone)]
 struct Cycloid(f64);
 
 impl Curve for Cycloid {
@@ -77,6 +78,7 @@ fn a_bead_on_a_cycloid_takes_the_same_time_from_any_height() {
 }
 
 /// The helix of radius 0.7 and rise 0.2 per radian, about e3.
+#[derive(Clone)]
 struct Helix;
 
 impl Curve for Helix {
@@ -100,6 +102,7 @@ fn a_bead_runs_down_a_helix_with_constant_acceleration() {
 }
 
 /// The parabola z = ½ k x².
+#[derive(Clone)]
 struct Parabola(f64);
 
 impl Curve for Parabola {
@@ -134,6 +137,7 @@ fn a_bead_swings_on_a_parabola_in_the_time_of_an_elliptic_integral() {
 }
 
 /// The line through the master along e1.
+#[derive(Clone)]
 struct Wire;
 
 impl Curve for Wire {
@@ -170,6 +174,7 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
 
 /// The sphere of this radius about the master, without its poles on e2: angle u about e2 and
 /// latitude v, from the lowest point.
+#[derive(Clone)]
 struct Sphere(f64);
 
 impl Surface for Sphere {

@@ -121,6 +121,7 @@ fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
 }
 
 /// A line with ends.
+#[derive(Clone)]
 struct Rail;
 
 impl Curve for Rail {

@@ -45,6 +45,12 @@ pub enum ElementError {
         /// The rotation angle in radians.
         psi: f64,
     },
+    /// Two nodes have turned against each other by a whole turn.
+    #[error("its nodes have turned against each other by {psi:.6} rad, nearly a whole turn (2π)")]
+    Overturned {
+        /// The angle of the relative rotation in radians.
+        psi: f64,
+    },
     /// The two ends of a spring coincide.
     #[error("its ends coincide (length {length:.3e}): its force has no direction")]
     ZeroLength {

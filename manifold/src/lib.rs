@@ -1,12 +1,13 @@
 //! Manifolds, charts and maps: the mathematics under `pullback`.
 //!
 //! The one idea: **a holonomic constraint is a map** x = φ(t, q) from coordinates q into the
-//! coordinates x of ordinary elements. Three abstractions carry it:
+//! coordinates x of ordinary elements. Four abstractions carry it:
 //!
 //! | | trait | what its author writes |
 //! |---|---|---|
 //! | chart | [`chart::Chart`] | coordinates ↔ point, where it is valid, the change to another chart |
 //! | map | [`map::Map`], [`map::Parametrization`] | one generic function φ(t, q) |
+//! | implicit constraint | [`implicit::Implicit`] | one generic function h(t, x), a map by [`implicit::Solved`] |
 //! | system | [`system::System`] | residual and combined tangent of an equation of motion |
 //!
 //! Everything else follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over
@@ -26,6 +27,7 @@
 
 pub mod chart;
 pub mod check;
+pub mod implicit;
 pub mod jet;
 pub mod map;
 pub mod pullback;

@@ -13,7 +13,12 @@
 
 #![allow(non_snake_case)]
 
+mod composed;
 pub mod derived;
+mod linear;
+
+pub use composed::Composed;
+pub use linear::Linear;
 
 use crate::scalar::Scalar;
 use crate::system::{CHART_EDGE, ChartChanges};
@@ -45,6 +50,19 @@ pub struct Kinematics<const D: usize, const N: usize> {
     pub B_ddot: SMatrix<f64, N, D>,
 }
 
+/// Coordinates of a map in a new chart of their own: what [`Map::rewrite`] hands back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rewritten<const D: usize> {
+    /// The new coordinates of the same configuration.
+    pub q: SVector<f64, D>,
+    /// Their velocities.
+    pub v: SVector<f64, D>,
+    /// Derivative of the new coordinates by the old ones, D×D.
+    pub B: SMatrix<f64, D, D>,
+    /// Accelerations change by a ↦ B a + c; c holds what comes from velocities and time.
+    pub c: SVector<f64, D>,
+}
+
 /// A holonomic constraint x = φ(t, q) from D coordinates into N.
 ///
 /// Only [`Map::phi`] has to be written. The other methods follow from it by exact
@@ -72,6 +90,38 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let _ = (t, q);
         ChartChanges::default()
+    }
+
+    /// Changes the meaning of the coordinates q where other ones are better, and tells what they
+    /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
+    /// state, and never between. Nothing to do by default; a map that does
+    /// it says so by [`Map::rewrites`].
+    fn rewrite(
+        &mut self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+    ) -> Option<Rewritten<D>> {
+        let _ = (t, q, v);
+        None
+    }
+
+    /// Whether [`Map::rewrite`] may ever change q: nobody else can use these coordinates then.
+    fn rewrites(&self) -> bool {
+        false
+    }
+
+    /// Why q is outside of the domain, in words that follow "joint at node a: "; nothing by
+    /// default.
+    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        let _ = (t, q);
+        None
+    }
+
+    /// What there is to say about the map as it is now (its independent coordinates, redundant
+    /// equations), for reports; nothing by default.
+    fn note(&self) -> Option<String> {
+        None
     }
 
     /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
@@ -115,89 +165,6 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     }
 }
 
-/// The composed map `outer` ∘ `inner`: E^D → E^M → E^N.
-///
-/// Its pull-back is the pull-back of the pull-back.
-#[derive(Clone, Copy, Debug)]
-pub struct Composed<Outer, Inner, const M: usize> {
-    /// Applied last, E^M → E^N.
-    pub outer: Outer,
-    /// Applied first, E^D → E^M.
-    pub inner: Inner,
-}
-
-impl<Outer, Inner, const D: usize, const M: usize, const N: usize> Map<D, N>
-    for Composed<Outer, Inner, M>
-where
-    Outer: Map<M, N>,
-    Inner: Map<D, M>,
-{
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
-        self.outer.phi(t, &self.inner.phi(t, q))
-    }
-
-    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
-        let inner = self.inner.margin(t, q);
-        if inner > 0.0 {
-            inner.min(self.outer.margin(t, &self.inner.phi(t, q)))
-        } else {
-            inner
-        }
-    }
-
-    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
-        let inner = self.inner.change_charts(t, q);
-        let outer = self.outer.change_charts(t, &self.inner.phi(t, q));
-        ChartChanges {
-            charts: inner.charts + outer.charts,
-            residual: inner.residual || outer.residual,
-        }
-    }
-
-    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
-        let inner = self.inner.tangent(t, q);
-        let outer = self.outer.tangent(t, &inner.x);
-        Tangent {
-            x: outer.x,
-            B: outer.B * inner.B,
-        }
-    }
-
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-        a: &SVector<f64, D>,
-    ) -> Kinematics<D, N> {
-        let i = self.inner.kinematics(t, q, v, a);
-        let o = self.outer.kinematics(t, &i.x, &i.x_dot, &i.x_ddot);
-        Kinematics {
-            x: o.x,
-            x_dot: o.x_dot,
-            x_ddot: o.x_ddot,
-            B: o.B * i.B,
-            B_dot: o.B_dot * i.B + o.B * i.B_dot,
-            B_ddot: o.B_ddot * i.B + o.B_dot * i.B_dot * 2.0 + o.B * i.B_ddot,
-        }
-    }
-
-    fn geometric_stiffness(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        f: &SVector<f64, N>,
-    ) -> SMatrix<f64, D, D> {
-        let inner = self.inner.tangent(t, q);
-        let outer = self.outer.tangent(t, &inner.x);
-        let middle = self.outer.geometric_stiffness(t, &inner.x, f);
-        inner.B.transpose() * middle * inner.B
-            + self
-                .inner
-                .geometric_stiffness(t, q, &(outer.B.transpose() * f))
-    }
-}
-
 /// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
 #[allow(missing_docs)]
 pub struct KinematicsMut<'a> {
@@ -225,6 +192,26 @@ pub trait Parametrization: Send + Sync {
 
     /// See [`Map::change_charts`].
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
+
+    /// See [`Map::rewrite`]: the coordinates, which stand from `first` on, their velocities (zero
+    /// if empty) and any number of accelerations are changed in place; whether they were.
+    fn rewrite(
+        &mut self,
+        t: f64,
+        first: usize,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [&mut [f64]],
+    ) -> bool;
+
+    /// See [`Map::rewrites`].
+    fn rewrites(&self) -> bool;
+
+    /// See [`Map::trouble`].
+    fn trouble(&self, t: f64, q: &[f64]) -> Option<String>;
+
+    /// See [`Map::note`].
+    fn note(&self) -> Option<String>;
 
     /// See [`Map::segment`].
     fn segment(&self) -> usize;
@@ -260,6 +247,47 @@ where
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn rewrite(
+        &mut self,
+        t: f64,
+        first: usize,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [&mut [f64]],
+    ) -> bool {
+        let own = first..first + D;
+        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(&x[own.clone()]);
+        let velocity = if v.is_empty() {
+            SVector::zeros()
+        } else {
+            take(v)
+        };
+        let Some(new) = self.0.rewrite(t, &take(q), &velocity) else {
+            return false;
+        };
+        q[own.clone()].copy_from_slice(new.q.as_slice());
+        if !v.is_empty() {
+            v[own.clone()].copy_from_slice(new.v.as_slice());
+        }
+        for a in a {
+            let accelerations = new.B * take(a) + new.c;
+            a[own.clone()].copy_from_slice(accelerations.as_slice());
+        }
+        true
+    }
+
+    fn rewrites(&self) -> bool {
+        self.0.rewrites()
+    }
+
+    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.trouble(t, &SVector::from_column_slice(q))
+    }
+
+    fn note(&self) -> Option<String> {
+        self.0.note()
     }
 
     fn segment(&self) -> usize {

@@ -46,7 +46,7 @@ impl Site<'_> {
 /// use pullback::prelude::*;
 ///
 /// /// A frame that slides along an axis and turns about it.
-/// #[derive(serde::Deserialize, schemars::JsonSchema)]
+/// #[derive(Clone, serde::Deserialize, schemars::JsonSchema)]
 /// struct Screw {
 ///     /// Axis, global components of the reference configuration.
 ///     axis: [f64; 3],

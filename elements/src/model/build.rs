@@ -4,10 +4,9 @@ use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
 use super::dependence;
 use super::placement::Placement;
-use super::{Attached, Model, ModelError, NONE, Node, Prescribed, Source, Span};
+use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Point;
 
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
@@ -33,6 +32,7 @@ impl ModelBuilder {
         let operators = dependence::arrange(&mut nodes);
         check_connections(&nodes, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
+        check_rewritten(&nodes, &elements, &prescribed)?;
 
         // Numbering: block by block, away from the supports.
         let mut free: Vec<bool> = nodes
@@ -131,16 +131,7 @@ impl ModelBuilder {
             work,
         };
         let zero = vec![0.0; model.coordinates.len()];
-        let start = Point {
-            t: 0.0,
-            q: &zero,
-            v: &[],
-            a: &[],
-        };
-        // A joint outside its domain is named when the model is first evaluated.
-        if model.expand(start).is_ok() {
-            model.choose_element_charts();
-        }
+        model.start_element_charts(0.0, &zero);
         Ok(model)
     }
 }
@@ -231,6 +222,49 @@ fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelE
             node: nodes[n].name.clone(),
         }),
     }
+}
+
+/// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.
+fn check_rewritten(
+    nodes: &[Node],
+    elements: &[Attached],
+    prescribed: &[Prescribed],
+) -> Result<(), ModelError> {
+    for (n, node) in nodes.iter().enumerate() {
+        let Source::Mapped(d) = &node.source else {
+            continue;
+        };
+        for &m in d.masters().iter().filter(|_| d.map.rewrites()) {
+            let master = &nodes[m as usize];
+            let reads = |k: usize| match &nodes[k].source {
+                Source::Mapped(d) => d.segments.iter().flatten().any(|&x| x == m),
+                Source::Own => false,
+            };
+            let element = elements.iter().find(|e| e.nodes.contains(&m));
+            let other = (0..nodes.len()).find(|&k| k != n && reads(k));
+            let held = prescribed
+                .iter()
+                .any(|p| master.range().contains(&p.coordinate));
+            let user = if let Some(e) = element {
+                format!("element {}", e.name)
+            } else if let Some(k) = other {
+                format!("the joint at {}", nodes[k].name)
+            } else if held {
+                "a support or driven motion".to_owned()
+            } else if !master.is_own() || master.form != Form::Coordinates || d.direct != master.dim
+            {
+                "a joint with other masters".to_owned()
+            } else {
+                continue;
+            };
+            return Err(ModelError::Rewritten {
+                node: node.name.clone(),
+                coordinates: master.name.clone(),
+                user,
+            });
+        }
+    }
+    Ok(())
 }
 
 fn resolve_prescribed(

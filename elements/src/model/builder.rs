@@ -141,7 +141,38 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
-        let name = name.into();
+        let form = (Form::Frame, &FRAME_KINDS[..]);
+        self.add_mapped(name.into(), place, form, map, segments)
+    }
+
+    /// Adds coordinates that are no frame and follow from those of `masters` through a map: those of
+    /// a loop that is closed by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint,
+    /// one of them ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a
+    /// gear. Joints and elements take them as they take any coordinates.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`]. A map that changes the meaning of its own coordinates
+    /// ([`Map::rewrites`](pullback_manifold::map::Map::rewrites)) must be the only one that uses
+    /// them: [`ModelError::Rewritten`] when the model is built.
+    pub fn mapped_coordinates(
+        &mut self,
+        name: impl Into<String>,
+        kinds: &[Kind],
+        map: Box<dyn Parametrization>,
+        masters: &[NodeId],
+    ) -> Result<NodeId, ModelError> {
+        let form = (Form::Coordinates, kinds);
+        self.add_mapped(name.into(), [0.0; 3], form, map, &[masters])
+    }
+
+    fn add_mapped(
+        &mut self,
+        name: String,
+        place: [f64; 3],
+        (form, kinds): (Form, &[Kind]),
+        map: Box<dyn Parametrization>,
+        segments: &[&[NodeId]],
+    ) -> Result<NodeId, ModelError> {
         let (d, n) = map.dims();
         for masters in segments {
             self.check_own(masters, || format!("joint at node {name}"))?;
@@ -153,19 +184,20 @@ impl ModelBuilder {
                 });
             }
             let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-            if d != found || n != FRAME {
+            if d != found || n != kinds.len() {
                 return Err(ModelError::JointDimension {
                     node: name,
                     masters: self.names_of(masters),
                     map: (d, n),
                     found,
+                    dim: kinds.len(),
                 });
             }
         }
         let numbers = |masters: &&[NodeId]| masters.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
         let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
-        self.add_node(name, place, Form::Frame, &FRAME_KINDS, source)
+        self.add_node(name, place, form, kinds, source)
     }
 
     fn add_node(
@@ -285,7 +317,13 @@ impl ModelBuilder {
             dead: element.is_dead(),
             element,
             nodes: nodes.iter().map(|n| n.0).collect(),
+            frames: (0..)
+                .zip(nodes)
+                .filter(|(_, n)| self.nodes[n.0 as usize].is_frame())
+                .map(|(k, _)| 1 << k)
+                .sum(),
             switched: 0,
+            overturned: false,
             mapped: false,
             pulled: 0,
             blocks: 0,

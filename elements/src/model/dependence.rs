@@ -270,9 +270,13 @@ impl Model {
             collect(d.masters(), &self.spans, &w.a, &mut local.qa);
             let margin = d.map.margin(t, &local.q[..k]);
             if margin.is_nan() || margin <= 0.0 {
+                let what = format!("joint at node {}", node.name);
                 return Err(SystemError::OutsideChart {
                     edge: d.map.edge(),
-                    what: format!("joint at node {}", node.name),
+                    what: match d.map.trouble(t, &local.q[..k]) {
+                        Some(trouble) => format!("{what} ({trouble})"),
+                        None => what,
+                    },
                     margin,
                 });
             }

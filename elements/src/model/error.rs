@@ -33,13 +33,14 @@ pub enum ModelError {
     },
     #[error(
         "the map of the joint at node {node} takes {} coordinates to {}, but it must take the \
-         {found} of its masters ({masters}) to 6", map.0, map.1
+         {found} of its masters ({masters}) to {dim}", map.0, map.1
     )]
     JointDimension {
         node: String,
         masters: String,
         map: (usize, usize),
         found: usize,
+        dim: usize,
     },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
@@ -76,6 +77,16 @@ pub enum ModelError {
     PrescribedSlave { coordinate: String, masters: String },
     #[error("joint {joint}: {source}")]
     Axis { joint: String, source: AxisError },
+    #[error(
+        "the coordinates {coordinates} of {node} change their meaning in a run, as others become \
+         better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \
+         choose the coordinates once and for all (`Choice::Fixed`)"
+    )]
+    Rewritten {
+        node: String,
+        coordinates: String,
+        user: String,
+    },
     #[error(
         "joint {joint} cannot slide from start = {start}: that must lie between 0 and the length of \
          its chain ({nodes} nodes at different places are given, two at least are needed)"

@@ -15,6 +15,7 @@ mod local;
 mod motion;
 mod placement;
 mod query;
+mod sheets;
 mod slots;
 
 pub use audit::{Audit, Momentum};
@@ -136,8 +137,12 @@ struct Attached {
     name: String,
     element: Box<dyn Element>,
     nodes: Vec<u32>,
+    /// Bit k: node k is a frame.
+    frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,
+    /// Whether its nodes have turned so far against each other that no chart holds them all.
+    overturned: bool,
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether it has no tangents.

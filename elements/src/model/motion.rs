@@ -65,6 +65,14 @@ impl Model {
         (k < n.dim).then(|| [self.work.x[n.first + k], self.work.v[n.first + k]])
     }
 
+    /// As [`Model::coordinate`], with the acceleration: zero in statics, and after what has been
+    /// evaluated without one.
+    pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
+        let n = &self.nodes[node.0 as usize];
+        let (w, c) = (&self.work, n.first + k);
+        (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
+    }
+
     /// Unknown of coordinate `k` of any node, if it is free.
     pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
         let n = &self.nodes[node.0 as usize];

@@ -47,6 +47,15 @@ impl Model {
         self.elements.len()
     }
 
+    /// What there is to say about the map that a node follows through, as it is now: its
+    /// independent coordinates and redundant equations, say.
+    pub fn note(&self, node: NodeId) -> Option<String> {
+        match &self.nodes[node.0 as usize].source {
+            Source::Own => None,
+            Source::Mapped(d) => d.map.note(),
+        }
+    }
+
     /// Name and nodes of an element.
     pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
         let e = &self.elements[id.0 as usize];

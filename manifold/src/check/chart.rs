@@ -1,6 +1,6 @@
 //! The laws of a chart: coordinates and points determine each other, in every chart there is.
 
-use super::map::{laws, short_name};
+use super::map::{TIME, laws, short_name};
 use super::report::Report;
 use super::sample::{CLEARANCE, Random};
 use crate::chart::Chart;
@@ -82,6 +82,7 @@ where
             "transition: ",
             &transition,
             at,
+            TIME,
             &q,
             &mut random,
         );

@@ -6,14 +6,14 @@ use crate::map::{Kinematics, Map, derived};
 use nalgebra::{SMatrix, SVector};
 
 /// Time at which maps are asked: not zero, so that a forgotten t shows.
-const TIME: f64 = 0.37;
+pub(super) const TIME: f64 = 0.37;
 
 /// Largest relative difference between a closed form and the exact derivative.
 ///
 /// Both are sums of some hundred terms, each with a relative error of 1e-16, and cancel at worst
 /// like the third power of the distance 0.3 to the edge of a rotation chart: below 1e-12. A wrong
 /// formula differs in the first digits.
-const CLOSED_FORM: f64 = 1e-10;
+pub(super) const CLOSED_FORM: f64 = 1e-10;
 
 /// Checks every law of a map at every place within its domain.
 pub fn map<M, const D: usize, const N: usize>(map: &M) -> Report
@@ -28,7 +28,7 @@ where
         // Written so that a margin that is not a number is skipped, and shows as "no place".
         if map.margin(TIME, &q) > CLEARANCE {
             asked += 1;
-            laws(&mut report, "", map, name, &q, &mut random);
+            laws(&mut report, "", map, name, TIME, &q, &mut random);
         }
     }
     if asked == 0 {
@@ -56,19 +56,20 @@ pub(super) fn short_name<M>() -> String {
     out + &word
 }
 
-/// All laws of a map at one point.
+/// All laws of a map at one time and point.
+#[allow(clippy::too_many_arguments, reason = "what is checked, where and how")]
 pub(super) fn laws<M, const D: usize, const N: usize>(
     report: &mut Report,
     prefix: &str,
     map: &M,
     at: &str,
+    t: f64,
     q: &SVector<f64, D>,
     random: &mut Random,
 ) where
     M: Map<D, N>,
 {
     let law = |name: &str| format!("{prefix}{name}");
-    let t = TIME;
     let first = (0.3 * map.margin(t, q)).min(0.1);
     let mut direction = SVector::<f64, D>::zeros();
     random.direction(1.0, direction.as_mut_slice());
@@ -153,7 +154,7 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
     );
 }
 
-fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64]) {
+pub(super) fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64]) {
     // f64::max drops NaN: a sum keeps it.
     let worst = if differences.iter().any(|d| d.is_nan()) {
         f64::NAN
@@ -163,7 +164,7 @@ fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64]) {
     report.defect(law, at, worst, CLOSED_FORM);
 }
 
-fn relative<const R: usize, const C: usize>(
+pub(super) fn relative<const R: usize, const C: usize>(
     found: &SMatrix<f64, R, C>,
     exact: &SMatrix<f64, R, C>,
     unit: f64,

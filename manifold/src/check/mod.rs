@@ -8,6 +8,8 @@
 //! | verb | for | laws |
 //! |---|---|---|
 //! | [`map`] | a [`Map`](crate::map::Map) | B, ẋ, ẍ, Ḃ, B̈, K_σ follow from φ; closed forms agree with exact derivatives |
+//! | [`implicit`] | an [`Implicit`](crate::implicit::Implicit) constraint that is solved | h = 0; the laws of a map; a change of the coordinates q and back loses nothing |
+//! | [`rewriting`] | a map that changes the meaning of its q | x, ẋ, ẍ and forces stay; the way back |
 //! | [`chart`] | a [`Chart`](crate::chart::Chart) | coordinates and points determine each other; a change of chart loses nothing |
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
 //! | [`system`] | a [`System`](crate::system::System) | the same, with the tangent taken out of its pattern |
@@ -28,6 +30,7 @@
 
 mod chart;
 mod forces;
+mod implicit;
 mod map;
 mod report;
 mod sample;
@@ -35,6 +38,7 @@ mod system;
 
 pub use chart::chart;
 pub use forces::{Forces, State, forces, forces_at, states};
+pub use implicit::{implicit, rewriting};
 pub use map::map;
 pub use report::{Measure, Report, Row};
 pub use sample::Random;

@@ -1,0 +1,106 @@
+//! The first configuration: h(t, x) = 0 from a guess, before there are coordinates q.
+
+#![allow(non_snake_case)]
+
+use super::chart::{RANK, row_size, scaled, sizes};
+use super::factor::pivoted;
+use super::solve::{CONSISTENT, CONVERGED, ROUNDING};
+use super::{Implicit, ImplicitError, Residual, names};
+use crate::map::derived;
+use nalgebra::{SMatrix, SVector};
+
+/// Iterations at most.
+const ITERATIONS: usize = 200;
+
+/// The configuration near `guess` by Newton's method with steps of least length (of coordinates
+/// over their sizes), at most 1 long, on the X − D equations that are most independent.
+pub(super) fn assemble<H, const D: usize, const X: usize, const M: usize>(
+    constraint: &H,
+    t: f64,
+    guess: SVector<f64, X>,
+) -> Result<SVector<f64, X>, ImplicitError>
+where
+    H: Implicit<X, M>,
+{
+    let residual = Residual(constraint);
+    let mut x = guess;
+    let mut before = f64::INFINITY;
+    for iteration in 0..ITERATIONS {
+        let at = derived::tangent(&residual, t, &x);
+        if let Some(i) =
+            (0..M).find(|&i| !at.x[i].is_finite() || !row_size(constraint, &at.B, i).is_finite())
+        {
+            return Err(ImplicitError::NotFinite {
+                equation: constraint.equation(i),
+            });
+        }
+        let sizes = sizes(constraint, &at.B, &[0.0; M]);
+        let rows = scaled(constraint, &at.B, &sizes);
+        let found = pivoted(&rows.transpose());
+        let count = found.rank(RANK).min(X - D);
+        // With the basis Q of their gradients the equations are triangular in y, ξ = Q y.
+        let mut step = SVector::<f64, X>::zeros();
+        for k in 0..count {
+            let i = found.order[k];
+            let row = rows.row(i);
+            let h = at.x[i] / sizes[i];
+            let direction = found.basis.column(k);
+            let y = -(h + row.transpose().dot(&step)) / row.transpose().dot(&direction);
+            step += direction * y;
+        }
+        let size = step.norm();
+        step *= 1.0 / size.max(1.0);
+        for k in 0..X {
+            x[k] += step[k] * constraint.size(k);
+        }
+        if size <= CONVERGED || (size <= ROUNDING && size > 0.5 * before) {
+            return check::<H, D, X, M>(constraint, t, x);
+        }
+        // Where the rest of the equations contradict each other nothing converges.
+        if iteration + 1 == ITERATIONS {
+            let i = at.x.iamax();
+            return Err(ImplicitError::NotAssembled {
+                equation: constraint.equation(i),
+                residual: at.x[i],
+                iterations: ITERATIONS,
+            });
+        }
+        before = size;
+    }
+    Ok(x)
+}
+
+/// Whether all equations hold at x, and leave D coordinates free.
+fn check<H, const D: usize, const X: usize, const M: usize>(
+    constraint: &H,
+    t: f64,
+    x: SVector<f64, X>,
+) -> Result<SVector<f64, X>, ImplicitError>
+where
+    H: Implicit<X, M>,
+{
+    let at = derived::tangent(&Residual(constraint), t, &x);
+    let J: SMatrix<f64, M, X> = at.B;
+    let sizes = sizes(constraint, &J, &[0.0; M]);
+    let found = pivoted(&scaled(constraint, &J, &sizes).transpose());
+    let rank = found.rank(RANK);
+    if rank > X - D {
+        return Err(ImplicitError::TooManyEquations {
+            equation: constraint.equation(found.order[rank - 1]),
+            rank,
+            left: X - rank,
+            coordinates: X,
+            expected: D,
+        });
+    }
+    for i in 0..M {
+        if at.x[i].abs() > CONSISTENT * sizes[i] {
+            return Err(ImplicitError::Inconsistent {
+                equation: constraint.equation(i),
+                others: names::others(constraint, &J, &sizes, i),
+                residual: at.x[i],
+            });
+        }
+    }
+    Ok(x)
+}

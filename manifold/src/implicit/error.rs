@@ -1,0 +1,102 @@
+//! Why equations do not make a map, with the names of equations and coordinates.
+
+/// Why a constraint cannot be solved at its starting point.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ImplicitError {
+    /// The equations or their derivatives are not finite there.
+    #[error("{equation} or its derivative is not finite at the given point")]
+    NotFinite {
+        /// The first such equation.
+        equation: String,
+    },
+    /// Newton's method finds no configuration near the given one.
+    #[error(
+        "no configuration near the given one satisfies the equations: {equation} is {residual:.3e} \
+         after {iterations} iterations; start closer, or the parts do not fit together"
+    )]
+    NotAssembled {
+        /// The equation that is worst.
+        equation: String,
+        /// Its residual.
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
+    /// An equation depends on others and contradicts them.
+    #[error("{equation} contradicts {others}, on which it depends: it is {residual:.3e}, not zero")]
+    Inconsistent {
+        /// The equation.
+        equation: String,
+        /// Those on which it depends.
+        others: String,
+        /// Its residual where the others vanish.
+        residual: f64,
+    },
+    /// More independent equations than the number of coordinates q allows.
+    #[error(
+        "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \
+         {expected}: {equation} does not follow from the others; if it should, lengths do not fit"
+    )]
+    TooManyEquations {
+        /// The one that adds least to the others.
+        equation: String,
+        /// Rank of h_x.
+        rank: usize,
+        /// Coordinates left free.
+        left: usize,
+        /// Coordinates x.
+        coordinates: usize,
+        /// Coordinates q expected.
+        expected: usize,
+    },
+    /// A singular configuration, or more redundant equations than expected.
+    #[error(
+        "the configuration is singular: there {equations}, so that {left} coordinates are left \
+         free and not {expected}; undetermined are {coordinates}. Start from another \
+         configuration, or remove equations that say the same"
+    )]
+    Singular {
+        /// Which equations depend on which.
+        equations: String,
+        /// Names of the coordinates that the others do not determine.
+        coordinates: String,
+        /// Coordinates left free.
+        left: usize,
+        /// Coordinates q expected.
+        expected: usize,
+    },
+}
+
+/// Why a solved constraint cannot be evaluated at some q.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Trouble {
+    /// Newton's method does not contract from the last converged state: q is too far from it.
+    #[error("its equations find no solution near the last one; {equation} is {residual:.3e}")]
+    TooFar {
+        /// The equation that is worst.
+        equation: String,
+        /// Its residual.
+        residual: f64,
+    },
+    /// The dependent coordinates are no longer determined.
+    #[error(
+        "its equations become singular (condition {condition:.1e}): {equations}; undetermined are \
+         {coordinates}"
+    )]
+    Singular {
+        /// Condition number of A.
+        condition: f64,
+        /// Which equations depend on which.
+        equations: String,
+        /// Names of the coordinates concerned.
+        coordinates: String,
+    },
+    /// An equation that was redundant no longer follows from the others.
+    #[error("{equation} was redundant and no longer follows from the others: it is {residual:.3e}")]
+    Inconsistent {
+        /// The equation.
+        equation: String,
+        /// Its residual.
+        residual: f64,
+    },
+}

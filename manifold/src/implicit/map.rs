@@ -1,0 +1,165 @@
+//! The map of an implicit constraint: φ over any numbers, and its derivatives in closed form.
+
+#![allow(non_snake_case)]
+
+use super::{Implicit, Residual, Solved};
+use crate::jet::Taylor;
+use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
+use crate::scalar::Scalar;
+use crate::system::ChartChanges;
+use nalgebra::{SMatrix, SVector};
+
+impl<H, const D: usize, const X: usize, const M: usize> Map<D, X> for Solved<H, D, X, M>
+where
+    H: Implicit<X, M>,
+{
+    /// The value by Newton's method. Over jets each further correction −P h, P of plain numbers, is
+    /// right to one order more; as many as the order of the jet make all derivatives exact.
+    ///
+    /// Not a number where the equations cannot be solved, and the margin is negative there.
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, X> {
+        let value = q.map(|q| q.re());
+        let Ok(at) = self.solve(t.re(), &value) else {
+            return SVector::repeat(S::constant(f64::NAN));
+        };
+        let mut x = at.x.map(S::constant);
+        for j in 0..D {
+            let dq = q[j] - value[j];
+            for k in 0..X {
+                x[k] += dq * at.inverse.B[(k, j)];
+            }
+        }
+        for _ in 0..S::ORDER {
+            let h = self.constraint.h(t, &x);
+            for i in (0..M).filter(|&i| self.chart.used[i]) {
+                for k in 0..X {
+                    x[k] -= h[i] * at.inverse.P[(k, i)];
+                }
+            }
+        }
+        x
+    }
+
+    /// Inverse condition number of A, less that at which it counts as singular; −1 where the
+    /// equations cannot be solved near the last converged state.
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        match self.solve(t, q) {
+            Ok(at) => 1.0 / at.inverse.condition - super::chart::RANK,
+            Err(_) => -1.0,
+        }
+    }
+
+    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        self.solve(t, q).err().map(|trouble| trouble.to_string())
+    }
+
+    /// The charts of x are what they are; the state is where Newton's method starts from next.
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
+        self.remember(t, q);
+        ChartChanges::default()
+    }
+
+    fn rewrites(&self) -> bool {
+        self.choice() != super::Choice::Fixed
+    }
+
+    fn rewrite(
+        &mut self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+    ) -> Option<Rewritten<D>> {
+        self.settle(t, q, v)
+    }
+
+    fn note(&self) -> Option<String> {
+        let chart = match self.independent() {
+            Some(independent) => {
+                let names = independent.map(|k| self.constraint.coordinate(k));
+                format!("independent: {}", names.join(", "))
+            }
+            None => "coordinates in the tangent space".to_owned(),
+        };
+        let redundant = self.redundant();
+        Some(if redundant.is_empty() {
+            chart
+        } else {
+            format!("{chart}; redundant: {}", redundant.join(", "))
+        })
+    }
+
+    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, X> {
+        match self.solve(t, q) {
+            Ok(at) => Tangent {
+                x: at.x,
+                B: at.inverse.B,
+            },
+            Err(_) => Tangent {
+                x: SVector::repeat(f64::NAN),
+                B: SMatrix::repeat(f64::NAN),
+            },
+        }
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, X> {
+        let Ok(at) = self.solve(t, q) else {
+            let nothing = SMatrix::repeat(f64::NAN);
+            let nowhere = SVector::repeat(f64::NAN);
+            return Kinematics {
+                x: nowhere,
+                x_dot: nowhere,
+                x_ddot: nowhere,
+                B: nothing,
+                B_dot: nothing,
+                B_ddot: nothing,
+            };
+        };
+        let (x, B, P) = (at.x, at.inverse.B, at.inverse.P);
+        // h along t + τ and the motion x + ẋτ, of which two things are not known yet.
+        let along = |x_dot: &SVector<f64, X>| {
+            let time = Taylor {
+                v: t,
+                d: 1.0,
+                dd: 0.0,
+            };
+            let x = SVector::from_fn(|k, _| Taylor {
+                v: x[k],
+                d: x_dot[k],
+                dd: 0.0,
+            });
+            self.constraint.h(time, &x)
+        };
+        let x_dot = B * v - P * along(&SVector::zeros()).map(|h| h.d);
+        let x_ddot = B * a - P * along(&x_dot).map(|h| h.dd);
+        let h = derived::kinematics(&Residual(&self.constraint), t, &x, &x_dot, &x_ddot);
+        let B_dot = -P * (h.B_dot * B);
+        Kinematics {
+            x,
+            x_dot,
+            x_ddot,
+            B,
+            B_dot,
+            B_ddot: -P * (h.B_ddot * B + h.B_dot * B_dot * 2.0),
+        }
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, X>,
+    ) -> SMatrix<f64, D, D> {
+        let Ok(at) = self.solve(t, q) else {
+            return SMatrix::repeat(f64::NAN);
+        };
+        let lambda = at.inverse.P.tr_mul(f);
+        let bend = derived::geometric_stiffness(&Residual(&self.constraint), t, &at.x, &lambda);
+        -at.inverse.B.tr_mul(&(bend * at.inverse.B))
+    }
+}

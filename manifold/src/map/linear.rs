@@ -1,0 +1,54 @@
+//! Coordinates that follow from others by a constant matrix: a choice among them, a gear.
+
+#![allow(non_snake_case)]
+
+use super::Map;
+use crate::scalar::Scalar;
+use nalgebra::{SMatrix, SVector};
+
+/// x = A q + b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear<const D: usize, const N: usize> {
+    /// A, N×D.
+    pub A: SMatrix<f64, N, D>,
+    /// b.
+    pub b: SVector<f64, N>,
+}
+
+impl<const D: usize> Linear<D, 1> {
+    /// Coordinate `k` of D, less `origin`: x = q_k − origin. Zero where there is no such coordinate.
+    pub fn pick(k: usize, origin: f64) -> Self {
+        Self {
+            A: SMatrix::from_fn(|_, j| f64::from(u8::from(j == k))),
+            b: SVector::repeat(-origin),
+        }
+    }
+
+    /// The sum of coordinates with these factors: gears on crossed ways, an angle in the fixed
+    /// frame as the sum of relative ones.
+    pub fn sum(factors: [f64; D], offset: f64) -> Self {
+        Self {
+            A: SMatrix::from_fn(|_, j| factors[j]),
+            b: SVector::repeat(offset),
+        }
+    }
+}
+
+impl Linear<1, 1> {
+    /// A gear, a rack: x = ratio · q + offset.
+    pub fn ratio(ratio: f64, offset: f64) -> Self {
+        Self::sum([ratio], offset)
+    }
+}
+
+impl<const D: usize, const N: usize> Map<D, N> for Linear<D, N> {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, D>) -> SVector<S, N> {
+        SVector::from_fn(|i, _| {
+            let mut x = S::constant(self.b[i]);
+            for j in (0..D).filter(|&j| self.A[(i, j)] != 0.0) {
+                x += q[j] * self.A[(i, j)];
+            }
+            x
+        })
+    }
+}

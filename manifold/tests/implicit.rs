@@ -1,0 +1,452 @@
+//! Implicit constraints: exact derivatives, changes of split, ranks, and errors with names.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
+use pullback_manifold::check;
+use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, Solved};
+use pullback_manifold::map::{Composed, Kinematics, Linear, Map, Rewritten};
+use pullback_manifold::scalar::Scalar;
+
+/// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
+/// ground pivot may move, and the length of the coupler may breathe.
+#[derive(Clone, Copy, Debug)]
+struct FourBar {
+    lengths: [f64; 3],
+    d: f64,
+    drive: f64,
+}
+
+const GRASHOF: FourBar = FourBar {
+    lengths: [1.0, 3.0, 2.5],
+    d: 2.8,
+    drive: 0.0,
+};
+
+impl Implicit<3, 2> for FourBar {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let [a, b, c] = self.lengths;
+        let b = (t * 2.0).sin() * (0.1 * self.drive) + b;
+        Vector2::new(
+            x[0].cos() * a + x[1].cos() * b - x[2].cos() * c - self.d,
+            x[0].sin() * a + x[1].sin() * b - x[2].sin() * c + t * t * (0.2 * self.drive),
+        )
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        ["crank", "coupler", "rocker"][k].to_owned()
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ["closure along e1", "closure along e2"][i].to_owned()
+    }
+}
+
+/// A point on two surfaces, in units of their own: the ellipsoid and a moving saddle.
+#[derive(Clone, Copy, Debug)]
+struct Curve;
+
+impl Implicit<3, 2> for Curve {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        Vector2::new(
+            (x[0] * x[0] + x[1] * x[1] * 0.5 + x[2] * x[2] * 2.0 - 2.0) * 1e3,
+            x[2] - x[0] * x[1] * (t.cos() * 0.3) - 0.2,
+        )
+    }
+}
+
+/// A point on a sphere: two coordinates of their own.
+#[derive(Clone, Copy, Debug)]
+struct Sphere;
+
+impl Implicit<3, 1> for Sphere {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 1> {
+        let radius = t.sin() * 0.1 + 1.0;
+        SVector::<S, 1>::new(x.dot(x) - radius * radius)
+    }
+}
+
+/// Two equations and combinations of them.
+#[derive(Clone, Copy, Debug)]
+struct Redundant {
+    shift: f64,
+}
+
+impl Implicit<4, 4> for Redundant {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 4>) -> SVector<S, 4> {
+        let first = x[0] * x[0] + x[1] - x[2] * 0.5 - 1.0 + t.sin();
+        let second = x[3].sin() + x[2] * x[1];
+        let last = x[0] + x[3] - 0.3;
+        SVector::<S, 4>::new(first, second, first * 2.0 - second * 3.0 + self.shift, last)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ["a", "b", "c", "d"][i].to_owned()
+    }
+}
+
+#[test]
+fn all_laws_hold() {
+    for drive in [0.0, 1.0] {
+        let linkage = FourBar { drive, ..GRASHOF };
+        for choice in [Choice::Split, Choice::Fixed, Choice::Tangent] {
+            for crank in [0.4, 2.0, 5.0] {
+                let map = Solved::<_, 1, 3, 2>::with(linkage, 0.3, [crank, 0.5, 1.5], choice);
+                check::implicit(&map.unwrap(), 0.3).assert();
+            }
+        }
+    }
+    check::implicit(
+        &Solved::<_, 1, 3, 2>::new(Curve, 0.2, [1.0, 0.5, 0.3]).unwrap(),
+        0.2,
+    )
+    .assert();
+    for choice in [Choice::Split, Choice::Tangent] {
+        let sphere = Solved::<_, 2, 3, 1>::with(Sphere, 0.5, [0.3, -0.9, 0.4], choice).unwrap();
+        check::implicit(&sphere, 0.5).assert();
+    }
+    let redundant = Solved::<_, 1, 4, 4>::new(Redundant { shift: 0.0 }, 0.1, [0.5, 0.7, 0.1, 0.0]);
+    check::implicit(&redundant.unwrap(), 0.1).assert();
+    check::map(&Linear::<4, 1>::pick(2, 0.5)).assert();
+    check::map(&Linear::<1, 1>::ratio(-2.5, 0.1)).assert();
+    check::map(&Linear::<3, 1>::sum([1.0, 0.0, -2.0], 0.1)).assert();
+}
+
+#[test]
+fn a_circle_is_known() {
+    // x = cos θ, y = sin θ in the coordinate x: y = √(1 − x²) in closed form.
+    #[derive(Clone, Copy)]
+    struct Circle;
+    impl Implicit<2, 1> for Circle {
+        fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+            SVector::<S, 1>::new(x.dot(x) - 1.0)
+        }
+    }
+    let map = Solved::<_, 1, 2, 1>::new(Circle, 0.0, [0.1, 0.9]).unwrap();
+    assert_eq!(map.independent(), Some([0]));
+    let x = 0.3_f64;
+    let q = map.coordinates(&Vector2::new(x, 0.0));
+    let (v, a) = (0.7, -0.4);
+    let k = map.kinematics(
+        0.0,
+        &q,
+        &SVector::<f64, 1>::new(v),
+        &SVector::<f64, 1>::new(a),
+    );
+    let y = (1.0 - x * x).sqrt();
+    let (y1, y2) = (-x / y, -1.0 / y.powi(3));
+    let (y3, y4) = (-3.0 * x / y.powi(5), -(3.0 + 12.0 * x * x) / y.powi(7));
+    let exact = [
+        (k.x[1], y),
+        (k.x_dot[1], y1 * v),
+        (k.x_ddot[1], y1 * a + y2 * v * v),
+        (k.B[1], y1),
+        (k.B_dot[1], y2 * v),
+        (k.B_ddot[1], y3 * v * v + y2 * a),
+        (
+            map.geometric_stiffness(0.0, &q, &Vector2::new(3.0, 2.0))[0],
+            2.0 * y2,
+        ),
+    ];
+    for (found, exact) in exact {
+        assert!(
+            (found - exact).abs() < 1e-14 * (1.0 + exact.abs()),
+            "{found} {exact}"
+        );
+    }
+    let _ = y4;
+}
+
+/// Laws that fail, each once.
+fn broken(report: &check::Report) -> Vec<String> {
+    let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
+    laws.sort();
+    laws.dedup();
+    laws
+}
+
+/// A constraint whose equations over plain numbers are not those over jets.
+#[derive(Clone, Copy, Debug)]
+struct Slip(f64);
+
+impl Implicit<3, 2> for Slip {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let mut h = GRASHOF.h(t, x);
+        if S::ORDER > 1 {
+            h[0] += x[1] * x[0] * x[2] * self.0;
+        }
+        h
+    }
+}
+
+#[test]
+fn errors_in_equations_are_found() {
+    let guess = [0.4, 0.5, 1.5];
+    let good = Solved::<_, 1, 3, 2>::new(Slip(0.0), 0.0, guess).unwrap();
+    check::implicit(&good, 0.0).assert();
+    let bad = Solved::<_, 1, 3, 2>::new(Slip(0.03), 0.0, guess).unwrap();
+    let laws = broken(&check::implicit(&bad, 0.0));
+    for law in [
+        "B_dot, B_ddot along the motion",
+        "K_sigma = d(B'f)/dq",
+        "x_dot, x_ddot along the motion",
+    ] {
+        assert!(laws.iter().any(|l| l == law), "{law}: {laws:?}");
+    }
+}
+
+/// A solved constraint with an error in its derivatives or in its change of coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Planted {
+    map: Solved<FourBar, 1, 3, 2>,
+    error: &'static str,
+}
+
+impl Map<1, 3> for Planted {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 1>) -> SVector<S, 3> {
+        self.map.phi(t, q)
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, 1>,
+        v: &SVector<f64, 1>,
+        a: &SVector<f64, 1>,
+    ) -> Kinematics<1, 3> {
+        let mut k = self.map.kinematics(t, q, v, a);
+        if self.error == "half B_dot" {
+            k.B_dot *= 0.5;
+        }
+        k
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, 1>,
+        f: &Vector3<f64>,
+    ) -> SMatrix<f64, 1, 1> {
+        let K = self.map.geometric_stiffness(t, q, f);
+        if self.error == "sign of K" { -K } else { K }
+    }
+
+    fn rewrites(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn errors_in_a_change_of_coordinates_are_found() {
+    let linkage = FourBar {
+        drive: 1.0,
+        ..GRASHOF
+    };
+    let map = Solved::<_, 1, 3, 2>::new(linkage, 0.3, [0.4, 0.5, 1.5]).unwrap();
+    let own = map.independent().unwrap();
+    let other = [(own[0] + 1) % 3];
+    let t = 0.3;
+    let q = SVector::<f64, 1>::new(0.02);
+    let cases: [(&str, &[&str]); 7] = [
+        ("nothing", &[]),
+        (
+            "half B_dot",
+            &[
+                "changed: B_dot, B_ddot along the motion",
+                "changed: kinematics = derived",
+            ],
+        ),
+        (
+            "sign of K",
+            &[
+                "changed: K_sigma = d(B'f)/dq",
+                "changed: geometric_stiffness = derived",
+            ],
+        ),
+        (
+            "q",
+            &[
+                "change and back",
+                "change: forces stay",
+                "change: x, x_dot, x_ddot stay",
+            ],
+        ),
+        ("v", &["change and back", "change: x, x_dot, x_ddot stay"]),
+        (
+            "no c",
+            &["change and back", "change: x, x_dot, x_ddot stay"],
+        ),
+        (
+            "B",
+            &[
+                "change and back",
+                "change: forces stay",
+                "change: x, x_dot, x_ddot stay",
+            ],
+        ),
+    ];
+    for (error, laws) in cases {
+        let planted = Planted { map, error };
+        let change = |m: &mut Planted, q: &SVector<f64, 1>, v: &SVector<f64, 1>| {
+            let mut new = m.map.switch(t, q, v, Some(other))?;
+            match m.error {
+                "q" => new.q[0] += 1e-6,
+                "v" => new.v[0] *= 1.0 + 1e-6,
+                "no c" => new.c[0] = 0.0,
+                "B" => new.B[0] *= -1.0,
+                _ => {}
+            }
+            Some(new)
+        };
+        let back = |m: &mut Planted,
+                    q: &SVector<f64, 1>,
+                    v: &SVector<f64, 1>|
+         -> Option<Rewritten<1>> { m.map.switch(t, q, v, Some(own)) };
+        let report = check::rewriting(&planted, t, &q, &change, Some(&back));
+        assert_eq!(broken(&report), laws, "{error}: {report}");
+    }
+}
+
+/// The same four-bar linkage in coordinates that all turn back: the places of its two pins.
+#[derive(Clone, Copy, Debug)]
+struct Pins;
+
+impl Implicit<4, 3> for Pins {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 4>) -> SVector<S, 3> {
+        let FourBar {
+            lengths: [a, b, c],
+            d,
+            ..
+        } = GRASHOF;
+        let square = |x: S, y: S, l: f64| x * x + y * y - l * l;
+        Vector3::new(
+            square(x[0], x[1], a),
+            square(x[2] - x[0], x[3] - x[1], b),
+            square(x[2] - d, x[3], c),
+        )
+    }
+}
+
+#[test]
+fn splits_change_where_others_are_better() {
+    let turns = 3.0;
+    for choice in [Choice::Split, Choice::Tangent] {
+        let guess = [1.0, 0.0, 2.5, 2.5];
+        let mut map = Solved::<_, 1, 4, 3>::with(Pins, 0.0, guess, choice).unwrap();
+        let mut q = SVector::<f64, 1>::zeros();
+        let (mut changes, mut worst, mut gone) = (0, 0.0_f64, 0.0);
+        let steps = 6000;
+        let dt = turns * std::f64::consts::TAU / f64::from(steps);
+        for _ in 0..steps {
+            // Along the motion with crank velocity one, in whatever the coordinate is.
+            let rate = |map: &Solved<Pins, 1, 4, 3>, q| {
+                let k = map.tangent(0.0, q);
+                (k.x[0] * k.B[1] - k.x[1] * k.B[0]).recip()
+            };
+            let half = q + SVector::<f64, 1>::new(0.5 * dt * rate(&map, &q));
+            let before = map.phi(0.0, &q);
+            q += SVector::<f64, 1>::new(dt * rate(&map, &half));
+            let x = map.phi(0.0, &q);
+            gone +=
+                (before[0] * x[1] - before[1] * x[0]).atan2(before[0] * x[0] + before[1] * x[1]);
+            worst = worst.max(Pins.h(0.0, &x).norm());
+            let (v, a) = (SVector::<f64, 1>::new(0.3), SVector::<f64, 1>::new(-0.2));
+            let before = map.kinematics(0.0, &q, &v, &a);
+            if let Some(new) = map.rewrite(0.0, &q, &v) {
+                changes += 1;
+                let after = map.kinematics(0.0, &new.q, &new.v, &(new.B * a + new.c));
+                assert!((after.x - before.x).norm() < 1e-14);
+                assert!((after.x_dot - before.x_dot).norm() < 1e-14);
+                assert!((after.x_ddot - before.x_ddot).norm() < 1e-13);
+                q = new.q;
+            }
+            let condition = map.condition(0.0, &q);
+            assert!(condition < 40.0, "{condition}");
+        }
+        println!("{choice:?}: {changes} changes, residual {worst:.1e}");
+        assert!((6..60).contains(&changes), "{changes} changes");
+        assert!(
+            (gone - turns * std::f64::consts::TAU).abs() < 1e-3,
+            "the crank went {gone}"
+        );
+        assert!(worst < 1e-14, "{worst}");
+    }
+}
+
+#[test]
+fn redundant_equations_are_named_and_dropped() {
+    let guess = [0.5, 0.7, 0.1, 0.0];
+    let map = Solved::<_, 1, 4, 4>::new(Redundant { shift: 0.0 }, 0.0, guess).unwrap();
+    assert_eq!(map.redundant().len(), 1);
+    assert!(["a", "b", "c"].contains(&map.redundant()[0].as_str()));
+    let note = map.note().unwrap();
+    assert!(note.contains("redundant: "), "{note}");
+    let error = Solved::<_, 1, 4, 4>::new(Redundant { shift: 1e-3 }, 0.0, guess).unwrap_err();
+    let ImplicitError::Inconsistent {
+        others, residual, ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert!(residual.abs() > 1e-4, "{error}");
+    assert_eq!(others.len(), "a and b".len(), "{error}");
+    // No redundancy where one is expected, and the reverse.
+    let error = Solved::<_, 2, 3, 2>::new(GRASHOF, 0.0, [0.4, 0.5, 1.5]).unwrap_err();
+    assert!(
+        matches!(error, ImplicitError::TooManyEquations { rank: 2, .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn singular_configurations_are_named() {
+    // A parallelogram stretched out flat: both equations' gradients are parallel.
+    let flat = FourBar {
+        lengths: [1.0, 2.0, 1.0],
+        d: 2.0,
+        drive: 0.0,
+    };
+    let error = Solved::<_, 1, 3, 2>::new(flat, 0.0, [0.0, 0.0, 0.0]).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        matches!(
+            error,
+            ImplicitError::Singular {
+                left: 2,
+                expected: 1,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    for name in ["closure along", "crank", "coupler", "rocker"] {
+        assert!(text.contains(name), "{text}");
+    }
+    // Run into: margin and words, no panic.
+    let map = Solved::<_, 1, 3, 2>::with(flat, 0.0, [1.0, 0.0, 1.0], Choice::Fixed).unwrap();
+    assert!(map.margin(0.0, &SVector::zeros()) > 0.0);
+    let q = SVector::<f64, 1>::new(-map.reference()[map.independent().unwrap()[0]]);
+    assert!(map.margin(0.0, &q) <= 0.0);
+    let words = map.trouble(0.0, &q).unwrap();
+    assert!(words.contains("closure along"), "{words}");
+    assert!(map.phi(0.0, &q).iter().all(|x| x.is_nan()));
+    // Parts that do not fit together.
+    let short = FourBar { d: 9.0, ..GRASHOF };
+    let error = Solved::<_, 1, 3, 2>::new(short, 0.0, [0.0, 0.0, 3.0]).unwrap_err();
+    assert!(error.to_string().contains("closure along"), "{error}");
+    let error = Solved::<_, 1, 3, 2>::new(GRASHOF, 0.0, [f64::NAN, 0.0, 3.0]).unwrap_err();
+    assert!(matches!(error, ImplicitError::NotFinite { .. }), "{error}");
+}
+
+#[test]
+fn solved_constraints_compose() {
+    let inner = Solved::<_, 1, 3, 2>::new(GRASHOF, 0.0, [0.4, 0.5, 1.5]).unwrap();
+    let map = Composed::<_, _, 3> {
+        outer: Linear::<3, 1>::pick(2, 0.0),
+        inner,
+    };
+    let q = SVector::<f64, 1>::new(0.05);
+    let x = inner.phi(0.0, &q);
+    assert_eq!(map.phi(0.0, &q)[0], x[2]);
+    assert!(map.rewrites() && map.note().is_some());
+}

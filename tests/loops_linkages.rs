@@ -1,0 +1,339 @@
+//! Linkages of rigid bars that are closed by h(t, x) = 0, against their closed-form kinematics and
+//! the equation of motion of their one freedom, integrated here.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+mod dynamics_support;
+mod loops_support;
+
+use dynamics_support::*;
+use loops_support::*;
+use nalgebra::{SVector, Vector2, Vector3};
+use pullback::elements::body::PointMass;
+use pullback::elements::joint::{Joint, Pose};
+use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::elements::time::Constant;
+use pullback::manifold::implicit::{Choice, Implicit, Solved};
+use pullback::manifold::jet::Taylor;
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::so3::Quaternion;
+use pullback::manifold::system::Kind;
+
+// Slider-crank ---------------------------------------------------------------------------------
+
+const CRANK: f64 = 0.4;
+const ROD: f64 = 1.0;
+
+/// Crank pin (x, y) and slider s: coordinates that all turn back in every revolution.
+#[derive(Clone, Copy, Debug)]
+struct SliderCrank;
+
+impl Implicit<3, 2> for SliderCrank {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let along = x[2] - x[0];
+        Vector2::new(
+            x[0] * x[0] + x[1] * x[1] - CRANK * CRANK,
+            along * along + x[1] * x[1] - ROD * ROD,
+        )
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        ["x", "y", "s"][k].to_owned()
+    }
+}
+
+/// A point with two coordinates in the plane.
+#[derive(Clone, Copy)]
+struct InPlane;
+
+impl Joint<2> for InPlane {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose {
+            d: Vector3::new(q[0], q[1], S::zero()),
+            turn: Quaternion::about(&Vector3::z(), S::zero()),
+        }
+    }
+}
+
+const PIN: f64 = 1.5;
+const SLIDER: f64 = 0.8;
+const STIFF: f64 = 6.0;
+
+fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
+    let mut b = ModelBuilder::new();
+    let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+    // The crank turns with 12 rad/s at the start.
+    let rate = map.rates(&Vector3::new(0.0, 12.0 * CRANK, 0.0));
+    let q = b.coordinates("q", &[Kind::Length]).unwrap();
+    let x = b
+        .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+        .unwrap();
+    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(&mut b, x, k, Kind::Length));
+    let zero = Linear::<1, 1>::ratio(0.0, 0.0).boxed();
+    let height = b
+        .mapped_coordinates("0", &[Kind::Length], zero, &[s])
+        .unwrap();
+    for (name, at, m) in [("pin", [px, py], PIN), ("slider", [s, height], SLIDER)] {
+        let frame = b.hang(name, [0.0; 3], InPlane, &at).unwrap();
+        let mass = PointMass::new(m).unwrap();
+        let weight = mass.weight(DOWN, Box::new(Constant(1.0)));
+        b.element(name, mass, &[frame]).unwrap();
+        b.element(format!("weight of {name}"), weight, &[frame])
+            .unwrap();
+    }
+    let law = CoordinateLaw {
+        k: STIFF,
+        x0: 1.0,
+        ..CoordinateLaw::default()
+    };
+    b.element("spring", CoordinateSpring::new(law).unwrap(), &[s])
+        .unwrap();
+    (b.build().unwrap(), x, rate.as_slice().to_vec())
+}
+
+/// (x, y, s) and their rates from the crank angle and its rate, in closed form.
+fn slider_crank_exact(to: f64) -> Vec<f64> {
+    let place = |angle: f64| {
+        let angle = Taylor {
+            v: angle,
+            d: 1.0,
+            dd: 0.0,
+        };
+        let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
+        (x, y, x + (-(y * y) + ROD * ROD).sqrt())
+    };
+    let ode = |_: f64, z: &Vector2<f64>| {
+        let (_, y, s) = place(z[0]);
+        let M = Taylor {
+            v: PIN * CRANK * CRANK + SLIDER * s.d * s.d,
+            d: 2.0 * SLIDER * s.d * s.dd,
+            dd: 0.0,
+        };
+        let V = y * (PIN * G) + (s - 1.0) * (s - 1.0) * (0.5 * STIFF);
+        Vector2::new(z[1], one_freedom(M, V, z[1]))
+    };
+    let z = integrate_ode(&ode, Vector2::new(0.0, 12.0), to, 20_000);
+    let (x, y, s) = place(z[0]);
+    assert!(
+        z[0] > 2.0 * std::f64::consts::TAU,
+        "the crank went {}",
+        z[0]
+    );
+    vec![x.v, y.v, s.v, x.d * z[1], y.d * z[1], s.d * z[1]]
+}
+
+#[test]
+fn a_slider_crank_in_coordinates_that_turn_back() {
+    let to = 4.0;
+    let exact = slider_crank_exact(to);
+    for choice in [Choice::Split, Choice::Tangent] {
+        let runs = [2400, 4800, 9600].map(|n| {
+            let (model, x, v) = slider_crank(choice);
+            let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
+            run(model, x, &v, &h, [to, to / f64::from(n)])
+        });
+        for run in &runs {
+            let changes = run.progress.summary.chart_changes;
+            println!(
+                "{choice:?}: {changes} changes, gap {:.2e}, drift {:.2e}, residual {:.1e}",
+                gap(&run.end, &exact),
+                run.drift,
+                run.residual
+            );
+            assert!(changes >= 6, "{changes} changes: {:?}", run.notes);
+            assert!(run.residual < 1e-15, "{:e}", run.residual);
+        }
+        let errors: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|r| vec![gap(&r.end, &exact), r.drift])
+            .collect();
+        assert_slopes("slider-crank", &["motion", "energy"], &errors, 2.0, 0.2);
+    }
+}
+
+// Four-bar linkage -----------------------------------------------------------------------------
+
+/// Crank, coupler, rocker: where the crank points along the base the others are nearly parallel, so
+/// that its angle hardly determines theirs.
+const BARS: [f64; 3] = [1.0, 1.6, 1.5];
+const BASE: f64 = 1.3;
+const MASSES: [f64; 3] = [2.0, 1.0, 1.2];
+
+/// Angles of crank, coupler and rocker.
+#[derive(Clone, Copy, Debug)]
+struct FourBar;
+
+impl Implicit<3, 2> for FourBar {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let [a, b, c] = BARS;
+        Vector2::new(
+            x[0].cos() * a + x[1].cos() * b - x[2].cos() * c - BASE,
+            x[0].sin() * a + x[1].sin() * b - x[2].sin() * c,
+        )
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        ["crank", "coupler", "rocker"][k].to_owned()
+    }
+}
+
+/// Angles of coupler and rocker from that of the crank: the circles of their ends meet.
+fn closed_form<S: Scalar>(crank: S) -> [S; 2] {
+    let [a, b, c] = BARS;
+    let (px, py) = (crank.cos() * a, crank.sin() * a);
+    let (ux, uy) = (-px + BASE, -py);
+    let r = (ux * ux + uy * uy).sqrt();
+    let cosine = (r * r + (b * b - c * c)) / (r * (2.0 * b));
+    let opening = (-(cosine * cosine) + 1.0).sqrt().atan2(cosine);
+    let coupler = uy.atan2(ux) + opening;
+    let (ex, ey) = (px + coupler.cos() * b, py + coupler.sin() * b);
+    [coupler, ey.atan2(ex - BASE)]
+}
+
+const CRANK_START: f64 = 1.2;
+const CRANK_RATE: f64 = 6.0;
+
+fn four_bar() -> (Model, NodeId, Vec<f64>) {
+    let [coupler, rocker] = closed_form(CRANK_START);
+    let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
+    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, guess).unwrap();
+    // From the assembled configuration to the one that is wanted: the crank as q.
+    let map = map.with_independent(0.0, [0]).unwrap();
+    let x = map.phi(
+        0.0,
+        &SVector::<f64, 1>::new(CRANK_START - map.reference()[0]),
+    );
+    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, *x.as_ref()).unwrap();
+    assert!((map.reference() - Vector3::new(CRANK_START, coupler, rocker)).norm() < 1e-15);
+    let rate = map.tangent(0.0, &SVector::zeros()).B[0].recip() * CRANK_RATE;
+    let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let x = b
+        .mapped_coordinates("x", &[Kind::Angle; 3], map.boxed(), &[q])
+        .unwrap();
+    let crank = pick::<3>(&mut b, x, 0, Kind::Angle);
+    let relative = Linear::sum([-1.0, 1.0, 0.0], 0.0).boxed();
+    let coupler = b
+        .mapped_coordinates("relative", &[Kind::Angle], relative, &[x])
+        .unwrap();
+    let third = pick::<3>(&mut b, x, 2, Kind::Angle);
+    let first = bar(&mut b, ground, [0.0; 3], crank, BARS[0], MASSES[0]);
+    bar(
+        &mut b,
+        first,
+        [BARS[0], 0.0, 0.0],
+        coupler,
+        BARS[1],
+        MASSES[1],
+    );
+    bar(&mut b, ground, [BASE, 0.0, 0.0], third, BARS[2], MASSES[2]);
+    (b.build().unwrap(), x, vec![rate])
+}
+
+fn four_bar_exact(to: f64) -> Vec<f64> {
+    let ode = |_: f64, z: &Vector2<f64>| {
+        let angle = Taylor {
+            v: z[0],
+            d: 1.0,
+            dd: 0.0,
+        };
+        let [coupler, rocker] = closed_form(angle);
+        let rate = |x: Taylor<f64>| Taylor {
+            v: x.d,
+            d: x.dd,
+            dd: 0.0,
+        };
+        let (k2, k3) = (rate(coupler), rate(rocker));
+        let ([a, b, c], [m1, m2, m3]) = (BARS, MASSES);
+        let between = (angle - coupler).cos();
+        let M = k2 * k2 * (m2 * b * b / 3.0)
+            + k2 * between * (m2 * a * b)
+            + k3 * k3 * (m3 * c * c / 3.0)
+            + (m1 * a * a / 3.0 + m2 * a * a);
+        let V = angle.sin() * ((0.5 * m1 + m2) * G * a)
+            + coupler.sin() * (0.5 * m2 * G * b)
+            + rocker.sin() * (0.5 * m3 * G * c);
+        Vector2::new(z[1], one_freedom(M, V, z[1]))
+    };
+    let z = integrate_ode(&ode, Vector2::new(CRANK_START, CRANK_RATE), to, 40_000);
+    assert!((z[0] - CRANK_START).abs() > std::f64::consts::TAU, "{z}");
+    let angle = Taylor {
+        v: z[0],
+        d: z[1],
+        dd: 0.0,
+    };
+    let [coupler, rocker] = closed_form(angle);
+    vec![z[0], coupler.v, rocker.v, z[1], coupler.d, rocker.d]
+}
+
+#[test]
+fn a_four_bar_linkage_goes_around() {
+    let to = 3.0;
+    let exact = four_bar_exact(to);
+    let runs = [2400, 4800, 9600].map(|n| {
+        let (model, x, v) = four_bar();
+        let h = |x: &Vector3<f64>| FourBar.h(0.0, x).amax();
+        run(model, x, &v, &h, [to, to / f64::from(n)])
+    });
+    for run in &runs {
+        println!(
+            "gap {:.2e}, drift {:.2e}, residual {:.1e}, {:?}",
+            gap(&run.end, &exact),
+            run.drift,
+            run.residual,
+            run.notes
+        );
+        // Not before the first step, but on the way.
+        let changed = run.notes.iter().any(|(t, _)| *t > 0.01 * to);
+        assert!(changed, "no change: {:?}", run.notes);
+        assert!(run.residual < 1e-14, "{:e}", run.residual);
+    }
+    let errors: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|r| vec![gap(&r.end, &exact), r.drift])
+        .collect();
+    assert_slopes("four-bar", &["motion", "energy"], &errors, 2.0, 0.2);
+}
+
+#[test]
+fn the_residual_stays_at_round_off_for_long() {
+    // 20 000 steps, some hundred revolutions.
+    let (model, x, v) = slider_crank(Choice::Split);
+    let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
+    let run = run(model, x, &v, &h, [100.0, 5e-3]);
+    println!(
+        "long: {} changes, residual {:.1e}, drift {:.1e}",
+        run.progress.summary.chart_changes, run.residual, run.drift
+    );
+    assert!(run.progress.summary.chart_changes > 100);
+    assert!(run.residual < 1e-15, "{:e}", run.residual);
+}
+
+// What cannot be built -------------------------------------------------------------------------
+
+#[test]
+fn coordinates_that_change_their_meaning_are_nobody_elses() {
+    let build = |choice: Choice| {
+        let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+        let mut b = ModelBuilder::new();
+        let q = b.coordinates("q", &[Kind::Length]).unwrap();
+        let x = b
+            .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+            .unwrap();
+        pick::<3>(&mut b, x, 0, Kind::Length);
+        let law = CoordinateLaw {
+            k: 1.0,
+            ..CoordinateLaw::default()
+        };
+        b.element("spring", CoordinateSpring::new(law).unwrap(), &[q])
+            .unwrap();
+        b.build().map(|_| ())
+    };
+    let error = build(Choice::Split).unwrap_err();
+    assert!(matches!(error, ModelError::Rewritten { .. }), "{error}");
+    assert!(error.to_string().contains("element spring"), "{error}");
+    assert_eq!(build(Choice::Fixed), Ok(()));
+}
