@@ -104,8 +104,8 @@ pub mod prelude {
     pub use pullback_elements::inertia::Inertia;
     pub use pullback_elements::joint::{
         Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
-        helical, offset, on_curve, on_surface, planar, prismatic, revolute, slide, spherical,
-        universal, weld,
+        gear, helical, offset, on_curve, on_surface, planar, prismatic, rack, revolute, slide,
+        spherical, universal, weld,
     };
     pub use pullback_elements::load::{CoordinateForce, LineLoad, NodalLoad, Which};
     pub use pullback_elements::model::{

@@ -160,6 +160,8 @@ pub enum Problem {
     },
     #[error("this initial condition says nothing")]
     InitialNothing,
+    #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
+    Geared { joint: String, key: &'static str },
     #[error("the node \"{node}\" hangs on a joint and has no {key} of its own")]
     InitialHung { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
@@ -277,6 +279,7 @@ impl Problem {
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
             Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
+            Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",

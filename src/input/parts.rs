@@ -6,6 +6,7 @@ use super::file::{Joint, ModelFile};
 use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;
+use pullback_elements::joint;
 use pullback_elements::model::{ModelBuilder, NodeId};
 use std::collections::BTreeMap;
 
@@ -77,6 +78,14 @@ pub(super) fn make(
         if waiting.len() == before {
             return Err(stuck(source, nodes, file, &waiting));
         }
+    }
+    for (k, gear) in file.gears.iter().enumerate() {
+        let index = k.to_string();
+        let path = |inner: &'static str| ["gears", index.as_str(), "joints", inner];
+        let first = released.find(source, &path("0"), &gear.joints[0])?;
+        let second = released.find(source, &path("1"), &gear.joints[1])?;
+        joint::gear(builder, [first, second], gear.ratio)
+            .map_err(|error| source.value(&["gears", &index], Problem::Model(error)))?;
     }
     Ok(Parts {
         lines: laid.into_iter().flatten().collect(),

@@ -6,6 +6,7 @@ use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
+use serde_path_to_error::Segment;
 use std::collections::BTreeMap;
 
 /// An error of any type, as a joint's maker hands it back.
@@ -193,7 +194,13 @@ fn read<K: DeserializeOwned>(keys: &Map<String, Value>) -> Result<K, Refusal> {
     }
     taken.map_err(|error| {
         let path = track.path();
-        let mut path: Vec<String> = path.iter().map(ToString::to_string).collect();
+        let mut path: Vec<String> = path
+            .iter()
+            .map(|segment| match segment {
+                Segment::Seq { index } => index.to_string(),
+                other => other.to_string(),
+            })
+            .collect();
         let message = error.to_string();
         let named = message.split('`').nth(1).unwrap_or_default().to_owned();
         if message.starts_with("missing field") && path.is_empty() {

@@ -18,10 +18,12 @@
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
 //! | [`OnCurve`] | the parameter of a space curve, and all rotations | |
 //! | [`OnSurface`] | two parameters of a surface, and all rotations | |
+//! | [`gear`], [`rack`] | none: they couple what two joints release | Shabana 2013, 3.3 |
 
 mod axes;
 mod constant_velocity;
 mod cylindrical;
+mod gear;
 mod helical;
 mod nodes;
 mod offset;
@@ -37,6 +39,7 @@ mod universal;
 pub use axes::AxisError;
 pub use constant_velocity::{ConstantVelocity, constant_velocity};
 pub use cylindrical::{Cylindrical, cylindrical};
+pub use gear::{GearError, gear, rack};
 pub use helical::{Helical, helical};
 pub use nodes::JointNodes;
 pub use offset::{Offset, offset, weld};

@@ -1,7 +1,7 @@
 //! What can be wrong with a model, each with the name of the thing and what to do.
 
 use crate::beam::{BeamError, SectionError};
-use crate::joint::AxisError;
+use crate::joint::{AxisError, GearError};
 use crate::time::TimeFunctionError;
 
 /// Why a model cannot be built.
@@ -77,6 +77,12 @@ pub enum ModelError {
     PrescribedSlave { coordinate: String, masters: String },
     #[error("joint {joint}: {source}")]
     Axis { joint: String, source: AxisError },
+    #[error("gear between {first} and {second}: {source}")]
+    Gear {
+        first: String,
+        second: String,
+        source: GearError,
+    },
     #[error(
         "the coordinates {coordinates} of {node} change their meaning in a run, as others become \
          better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \

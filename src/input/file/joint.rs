@@ -45,6 +45,17 @@ pub struct Joint {
     pub keys: Map<String, Value>,
 }
 
+/// A pair of gears, a rack on a pinion: coordinates of two joints in a fixed ratio.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gear {
+    /// The two joints; of one that releases several coordinates name one, as in `"hub angle 2"`.
+    pub joints: [String; 2],
+    /// Second coordinate over first one: -z1/z2 for gears with z1 and z2 teeth, the radius of the
+    /// pinion (or less it) for the way of a rack over its angle.
+    pub ratio: f64,
+}
+
 /// What acts on a released coordinate.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
