@@ -81,6 +81,7 @@
 //!
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
 
+pub mod check;
 pub mod cli;
 pub mod gallery;
 pub mod input;
@@ -96,11 +97,11 @@ pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::check;
     pub use crate::input::Registry;
     pub use nalgebra::{Matrix3, SVector, Unit, Vector3};
     pub use pullback_elements::beam::{Material, Section};
     pub use pullback_elements::body::{PointMass, RigidBody};
-    pub use pullback_elements::check;
     pub use pullback_elements::inertia::Inertia;
     pub use pullback_elements::joint::{
         Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,

@@ -8,6 +8,7 @@ mod dynamics_support;
 
 use dynamics_support::{slopes, tight};
 use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
 use pullback::elements::spring::Bushing;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
@@ -20,8 +21,10 @@ const GJ: f64 = 0.7;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum By {
-    /// This many beam elements with this many nodes.
+    /// This many beam elements of this order.
     Beams(usize, usize),
+    /// The same with geodesic interpolation.
+    Geodesic(usize, usize),
     Bushing,
 }
 
@@ -32,7 +35,7 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     let root = b.node("root", places[0].into()).unwrap();
     let tip = b.node("tip", places[1].into()).unwrap();
     match by {
-        By::Beams(elements, order) => {
+        By::Beams(elements, order) | By::Geodesic(elements, order) => {
             let axis = Straight {
                 from: places[0],
                 to: places[1],
@@ -45,7 +48,12 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
                 order,
                 section,
             };
-            b.line("shaft", &axis, [root, tip], &line).unwrap();
+            let interpolation = match by {
+                By::Geodesic(..) => Interpolation::Geodesic,
+                _ => Interpolation::Total,
+            };
+            b.line_with("shaft", &axis, [root, tip], &line, interpolation)
+                .unwrap();
         }
         By::Bushing => {
             let K = Matrix6::from_diagonal(&[1e3, 1e3, 1e3, GJ, 0.5, 0.5].into());
@@ -80,10 +88,13 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
     Ok(model.strain_energy(1.0))
 }
 
-const SHAFTS: [By; 4] = [
+const SHAFTS: [By; 7] = [
     By::Beams(1, 1),
     By::Beams(1, 2),
     By::Beams(1, 3),
+    By::Geodesic(1, 1),
+    By::Geodesic(1, 2),
+    By::Geodesic(1, 3),
     By::Bushing,
 ];
 
@@ -146,6 +157,8 @@ fn beyond_a_turn_the_error_names_the_element() {
     for (by, name) in [
         (By::Beams(1, 1), "shaft:1"),
         (By::Beams(1, 2), "shaft:1"),
+        (By::Geodesic(1, 1), "shaft:1"),
+        (By::Geodesic(1, 2), "shaft:1"),
         (By::Bushing, "bushing"),
     ] {
         for base in [0.0, 0.5, 7.0, -11.0] {
@@ -186,7 +199,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
                 until,
                 until / steps as f64,
             );
-            let mut progress = Progress::new(start(&mut model, 0.0, &vec![0.0; n], &v).unwrap());
+            let mut progress = Progress::new(start(&model, 0.0, &vec![0.0; n], &v).unwrap());
             let mut errors = 0.0_f64;
             let mut go = |progress: &mut Progress, model: &mut Model| {
                 integrate(model, progress, &options, &mut |model, step| {

@@ -165,6 +165,17 @@ pub trait Element: Send + Sync {
         true
     }
 
+    /// Whether its forces turn with a rigid motion of all its nodes, as internal ones do; what is
+    /// tied to space besides its nodes says no. So do loads by default.
+    fn is_objective(&self) -> bool {
+        !self.is_load()
+    }
+
+    /// The name of its type, for reports.
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
+
     /// Whether it stands for applied loads, which set the scale of a convergence test.
     fn is_load(&self) -> bool {
         false

@@ -92,6 +92,12 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         ChartChanges::default()
     }
 
+    /// Whether a frame that hangs on the map moves with a rigid motion of all frames that the map
+    /// reads: true for joints between bodies, and by default; false for what is tied to space.
+    fn is_objective(&self) -> bool {
+        true
+    }
+
     /// Changes the meaning of the coordinates q where other ones are better, and tells what they
     /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
     /// state, and never between. Nothing to do by default; a map that does
@@ -165,6 +171,63 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     }
 }
 
+/// A map that is looked at: what would change its charts does nothing.
+impl<M, const D: usize, const N: usize> Map<D, N> for &M
+where
+    M: Map<D, N>,
+{
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
+        (**self).phi(t, q)
+    }
+
+    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
+        (**self).margin(t, q)
+    }
+
+    fn edge(&self) -> &'static str {
+        (**self).edge()
+    }
+
+    fn is_objective(&self) -> bool {
+        (**self).is_objective()
+    }
+
+    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        (**self).trouble(t, q)
+    }
+
+    fn note(&self) -> Option<String> {
+        (**self).note()
+    }
+
+    fn segment(&self) -> usize {
+        (**self).segment()
+    }
+
+    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
+        (**self).tangent(t, q)
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+        a: &SVector<f64, D>,
+    ) -> Kinematics<D, N> {
+        (**self).kinematics(t, q, v, a)
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+        f: &SVector<f64, N>,
+    ) -> SMatrix<f64, D, D> {
+        (**self).geometric_stiffness(t, q, f)
+    }
+}
+
 /// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
 #[allow(missing_docs)]
 pub struct KinematicsMut<'a> {
@@ -181,6 +244,9 @@ pub struct KinematicsMut<'a> {
 /// Implemented for every map by [`Map::boxed`]; nobody else needs to implement it. Slices have
 /// the lengths that [`Parametrization::dims`] says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
+    /// The name of the map's type.
+    fn kind(&self) -> &'static str;
+
     /// (d, n): number of coordinates q and number of embedding coordinates x.
     fn dims(&self) -> (usize, usize);
 
@@ -192,6 +258,9 @@ pub trait Parametrization: Send + Sync {
 
     /// See [`Map::change_charts`].
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
+
+    /// See [`Map::is_objective`].
+    fn is_objective(&self) -> bool;
 
     /// See [`Map::rewrite`]: the coordinates, which stand from `first` on, their velocities (zero
     /// if empty) and any number of accelerations are changed in place; whether they were.
@@ -227,12 +296,16 @@ pub trait Parametrization: Send + Sync {
 }
 
 /// The bridge from fixed sizes to slices.
-struct Erased<M, const D: usize, const N: usize>(M);
+pub(crate) struct Erased<M, const D: usize, const N: usize>(pub M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
 where
     M: Map<D, N>,
 {
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<M>()
+    }
+
     fn dims(&self) -> (usize, usize) {
         (D, N)
     }
@@ -247,6 +320,10 @@ where
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 
     fn rewrite(

@@ -233,9 +233,13 @@ fn tangents_of_the_pulled_back_residual() {
         // A revolute joint between rotations of 2π − 0.3 each is beyond 2π.
         .filter(|(at, _)| !at.starts_with("2pi"))
         .collect();
-    check::forces_at("pull-back", &states, false, |s| {
-        Some(forces(&mut places, s))
-    })
+    check::forces_at(
+        "pull-back",
+        &check::Layout::plain(states[0].1.x.len()),
+        &states,
+        false,
+        |s| Some(forces(&mut places, s)),
+    )
     .assert();
 }
 

@@ -2,8 +2,8 @@
 
 use super::registry::Registry;
 use pullback_elements::joint::{
-    constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute, slide, spherical,
-    universal, weld,
+    constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute, slide_on,
+    spherical, universal, weld,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -103,7 +103,7 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             spherical(at.builder, at.name, at.master)
         })
         .joint_along("slide", |at, keys: Slide| {
-            slide(at.builder, at.name, at.chain, keys.start)
+            slide_on(at.builder, at.name, at.chain, keys.start, at.interpolation)
         })
         .joint("universal", |at, keys: Universal| {
             let axes = [keys.axis, keys.second_axis];

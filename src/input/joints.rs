@@ -5,6 +5,7 @@ use super::file::{Acts, Joint, ModelFile};
 use super::loads::{drive, function};
 use super::registry::{JointType, Refusal, Registry, Site};
 use super::{InputError, Problem, Text, plain};
+use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::JointNodes;
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
@@ -111,7 +112,7 @@ pub(super) fn make(
         made,
         index,
     };
-    let chain = hangs_on(&entry, nodes, file, laid)?;
+    let (chain, interpolation) = hangs_on(&entry, nodes, file, laid)?;
     let Some(&master) = chain.first() else {
         return Err(entry.missing("lines"));
     };
@@ -120,6 +121,7 @@ pub(super) fn make(
         name: &joint.name,
         master,
         chain: &chain,
+        interpolation,
     };
     let JointNodes { frame, released } =
         (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
@@ -129,13 +131,13 @@ pub(super) fn make(
     Ok(JointNodes { frame, released })
 }
 
-/// The nodes that a joint hangs on.
+/// The nodes that a joint hangs on, and the interpolation of rotations between them.
 fn hangs_on(
     entry: &Entry<'_>,
     nodes: &Names<NodeId>,
     file: &ModelFile,
     laid: &[Option<LineGeometry>],
-) -> Result<Vec<NodeId>, InputError> {
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let Entry { joint, made, .. } = *entry;
     if made.along {
         if joint.master.is_some() {
@@ -148,7 +150,7 @@ fn hangs_on(
     }
     let master = (joint.master.as_ref()).ok_or_else(|| entry.missing("master"))?;
     let node = nodes.find(entry.source, &entry.path(&["master"]), master)?;
-    Ok(vec![node])
+    Ok((vec![node], Interpolation::default()))
 }
 
 /// Puts on the released coordinates what the file says about them.
@@ -197,14 +199,15 @@ fn acts(
     Ok(())
 }
 
-/// The nodes along a joint's lines.
+/// The nodes along a joint's lines, and the interpolation of rotations between them.
 fn chain(
     entry: &Entry<'_>,
     file: &ModelFile,
     laid: &[Option<LineGeometry>],
-) -> Result<Vec<NodeId>, InputError> {
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let Entry { source, joint, .. } = *entry;
     let mut chain: Vec<NodeId> = Vec::new();
+    let mut interpolation = None;
     for (i, name) in joint.lines.iter().enumerate() {
         let index = i.to_string();
         let at = entry.path(&["lines", index.as_str()]);
@@ -218,7 +221,8 @@ fn chain(
             source.value(&at, problem)
         })?;
         let follows = chain.last().is_none_or(|last| *last == line.nodes[0]);
-        if line.order != 1 || !follows {
+        let same = *interpolation.get_or_insert(line.interpolation) == line.interpolation;
+        if line.order != 1 || !follows || !same {
             let problem = Problem::SlideLine {
                 joint: joint.name.clone(),
                 line: name.clone(),
@@ -229,7 +233,7 @@ fn chain(
         let first = usize::from(!chain.is_empty());
         chain.extend(&line.nodes[first..]);
     }
-    Ok(chain)
+    Ok((chain, interpolation.unwrap_or_default()))
 }
 
 /// Spring, motor and drive of the released coordinate `name`; `at` is where they stand.

@@ -1,6 +1,7 @@
 //! The types of joints that model files may name: those of the library, and a program's own.
 
 use super::joint_types;
+use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{Joint, JointNodes};
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -22,6 +23,8 @@ pub struct Site<'a> {
     pub master: NodeId,
     /// Nodes it hangs on: the master alone, or all along `lines`.
     pub chain: &'a [NodeId],
+    /// How the beams along `lines` interpolate rotations between those nodes.
+    pub interpolation: Interpolation,
 }
 
 impl Site<'_> {

@@ -48,7 +48,7 @@ pub use on_surface::{OnSurface, Surface, on_surface};
 pub use planar::{Planar, planar};
 pub use prismatic::{Prismatic, prismatic};
 pub use revolute::{Revolute, RevoluteNodes, revolute};
-pub use slide::{Slide, SlideNodes, slide};
+pub use slide::{Slide, SlideNodes, slide, slide_on};
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 
@@ -191,6 +191,12 @@ pub trait Joint<const D: usize>: Send + Sync {
         CHART_EDGE
     }
 
+    /// Whether the frame moves along when all masters move like one rigid body: true by default;
+    /// false for a joint that is tied to space.
+    fn is_objective(&self) -> bool {
+        true
+    }
+
     /// The kinematics in closed form, where there is a faster one than the derived one.
     fn kinematics(
         &self,
@@ -262,6 +268,10 @@ where
 
     fn edge(&self) -> &'static str {
         self.joint.edge()
+    }
+
+    fn is_objective(&self) -> bool {
+        self.joint.is_objective()
     }
 
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {

@@ -126,7 +126,7 @@ impl Model {
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
     /// slave, something of the rotation is free, and what is prescribed is and stays zero. (A
     /// component that is driven means another constraint in the other chart.)
-    fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
+    pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
         let unknowns = std::array::from_fn(|i| {
