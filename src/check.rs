@@ -1,6 +1,6 @@
 //! Checks of components and models: the library's side of `pullback check MODEL.toml`.
 //!
-//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file`] and [`job`] that of a file;
+//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
 //! [`element`] and [`same`] are the conformance kit for elements of one's own, [`map`] is that for
 //! joints (of [`Hung`](crate::prelude::Hung) of them), and [`manifold::check`](crate::manifold::check)
 //! has more for maps and charts. All hand back one [`Report`]: [`table`] and [`entries`] make it readable.

@@ -69,7 +69,7 @@ impl Joint<8> for ConstantVelocity {
 /// node the second), and the nodes `name tilt 1` and `name tilt 2`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for an axis without a direction, [`ModelError::Parallel`] for shafts
+/// [`ModelError::Axis`] for an axis without a direction, `AxisError::Parallel` in it for shafts
 /// against each other; as [`ModelBuilder::mapped_node`].
 pub fn constant_velocity(
     b: &mut ModelBuilder,

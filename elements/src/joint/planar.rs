@@ -55,7 +55,7 @@ impl Joint<9> for Planar {
 /// coordinates are `name way 1`, `name way 2` and `name angle`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for axes without a direction, [`ModelError::Parallel`] for a first
+/// [`ModelError::Axis`] for axes without a direction, `AxisError::Parallel` in it for a first
 /// direction along the normal; as [`ModelBuilder::mapped_node`].
 pub fn planar(
     b: &mut ModelBuilder,
