@@ -79,7 +79,12 @@ enum Command {
         #[arg(long, value_delimiter = ',', required = true)]
         schemes: Vec<String>,
         /// Step sizes, from large to small.
-        #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
+        #[arg(
+            long,
+            value_delimiter = ',',
+            required = true,
+            allow_negative_numbers = true
+        )]
         steps: Vec<f64>,
         /// Scheme of the reference; that of the model file by default.
         #[arg(long)]

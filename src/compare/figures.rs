@@ -32,7 +32,8 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     add(
         "convergence.svg",
         "Root mean square error over the step size, at all common times and frame nodes. Triangles \
-         have the orders of theory.",
+         have the orders of theory. Where no broken line stands, the error of the reference is \
+         smaller than a hundredth of all errors shown.",
         convergence(comparison),
     )?;
     add(
@@ -83,6 +84,20 @@ fn error(row: &Row, quantity: Quantity) -> Option<f64> {
         .map(|e| e.of(quantity))
 }
 
+/// How far below all errors, as a factor, the error of the reference is drawn.
+const FAR: f64 = 1e-2;
+
+/// The error of the reference where it is near the errors that are drawn.
+fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
+    let level = comparison.reference.as_ref()?.error.of(quantity);
+    let errors = comparison
+        .rows
+        .iter()
+        .filter_map(|row| error(row, quantity));
+    let least = errors.filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min);
+    (level > FAR * least).then_some(level)
+}
+
 fn slopes(comparison: &Comparison) -> Vec<f64> {
     let mut slopes: Vec<usize> = comparison.orders.iter().map(|o| o.theory).collect();
     slopes.sort_unstable();
@@ -100,7 +115,7 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
         curves: curves(comparison, &|row| Some((row.step, error(row, quantity)?))),
         marked: true,
         slopes: slopes(comparison),
-        level: comparison.reference.as_ref().map(|r| r.error.of(quantity)),
+        level: level(comparison, quantity),
     };
     shown(comparison).into_iter().map(graph).collect()
 }
@@ -132,7 +147,7 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         curves: curves(comparison, &|row| Some((of(row)?, error(row, quantity)?))),
         marked: true,
         slopes: Vec::new(),
-        level: comparison.reference.as_ref().map(|r| r.error.of(quantity)),
+        level: level(comparison, quantity),
     };
     pairs.map(graph).collect()
 }
@@ -146,7 +161,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
     let mut kept: Vec<(String, Box<dyn Fn(&Row, usize) -> f64>)> = Vec::new();
     if reference.kept.energy {
         kept.push((
-            "change of energy".to_owned(),
+            "|change of energy|".to_owned(),
             Box::new(|row, j| row.samples[j].energy),
         ));
     }
@@ -167,7 +182,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
         let worst = (0..3).filter(|&i| keeps[i]);
         let worst = worst.max_by(|a, b| largest(a).total_cmp(&largest(b)));
         if let Some(i) = worst.filter(|i| largest(i) > 0.0) {
-            let description = format!("change of {name}, component {}", i + 1);
+            let description = format!("|change of {name}|, component {}", i + 1);
             kept.push((description, Box::new(momentum(k, i))));
         }
     }
@@ -184,14 +199,14 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
                     .of(&scheme.scheme)
                     .filter(move |r| r.step == step);
                 rows.map(move |row| {
-                    let change = |j: usize| (row.samples[j].t, value(row, j) - value(row, 0));
-                    let points = (0..row.samples.len()).map(change);
+                    let change = |j: usize| (value(row, j) - value(row, 0)).abs();
+                    let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
                     Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
                 })
             });
             out.push(Graph {
                 description: [format!("time t,  h = {step}"), name.clone()],
-                division: [Division::Linear; 2],
+                division: [Division::Linear, Division::Logarithmic],
                 curves: curves.collect(),
                 marked: false,
                 slopes: Vec::new(),

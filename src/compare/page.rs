@@ -14,17 +14,17 @@ p{margin:.5em 0}code{font-family:'DejaVu Sans Mono',monospace;font-size:.92em}\
 .command{background:#f3f3f3;padding:.5em .8em;overflow-wrap:anywhere}\
 .warning{border-left:4px solid #d55e00;padding:.3em .8em;background:#fdf3ec}\
 table{border-collapse:collapse;font-size:.86em;margin:.6em 0}\
-caption{caption-side:top;text-align:left;padding:.3em 0}\
-th,td{padding:.22em .7em;text-align:right;white-space:nowrap}\
-th{border-bottom:1px solid #444;font-weight:600}thead tr:first-child th{border-top:1.5px solid #444}\
+p.caption{font-size:.88em;color:#444;break-after:avoid}sup{line-height:0}small{color:#666}\
+th,td{padding:.22em .7em;text-align:right;white-space:nowrap;vertical-align:top}\
+th{border-bottom:1px solid #444;font-weight:600;white-space:normal;vertical-align:bottom}thead tr:first-child th{border-top:1.5px solid #444}\
 tbody tr:last-child td{border-bottom:1.5px solid #444}\
 td.l,th.l{text-align:left}tr.next td{border-top:1px solid #ccc}td.reason{white-space:pre-wrap;\
 text-align:left;color:#a33c00}\
 figure{margin:1.2em 0;break-inside:avoid}figure svg{max-width:100%;height:auto}\
 figcaption{font-size:.9em;color:#444}\
 @page{size:A4;margin:15mm}\
-@media print{body{font-size:10pt;max-width:none;margin:0;padding:0}table{font-size:8pt}\
-th,td{padding:.15em .4em}h2{break-after:avoid}tr{break-inside:avoid}}";
+@media print{body{font-size:10pt;max-width:none;margin:0;padding:0}table{font-size:7.5pt}\
+th,td{padding:.12em .45em}h2{break-after:avoid}tr{break-inside:avoid}}";
 
 /// The page with its figures inside.
 pub(super) fn html(comparison: &Comparison, figures: &[Figure]) -> String {
@@ -86,10 +86,11 @@ fn head(out: &mut String, c: &Comparison) {
     put(
         out,
         &format!(
-            "<p>Schemes of time integration compared on <code>{}</code>: {} unknowns, time from 0 to \
+            "<p>Schemes of time integration compared on <code>{}</code>: {} unknown{}, time from 0 to \
              {}.</p>",
             escaped(&c.model),
             c.unknowns,
+            if c.unknowns == 1 { "" } else { "s" },
             c.to
         ),
     );
@@ -125,7 +126,10 @@ fn head(out: &mut String, c: &Comparison) {
 
 /// The head of a table: a caption, and names of columns, the first ones of words.
 fn table(out: &mut String, caption: &str, columns: &[String], words: usize) {
-    put(out, &format!("<table>\n<caption>{caption}</caption>"));
+    if !caption.is_empty() {
+        put(out, &format!("<p class=\"caption\">{caption}</p>"));
+    }
+    put(out, "<table>");
     let mut head = String::from("<thead><tr>");
     for (k, column) in columns.iter().enumerate() {
         let class = if k < words { " class=\"l\"" } else { "" };
@@ -159,7 +163,7 @@ fn orders(out: &mut String, c: &Comparison) {
         .collect();
     let caption = format!(
         "Slope of log error over log step by least squares, ± half of its 95 % confidence interval \
-         (Student), and in brackets the number of step sizes in the asymptotic range: from the two \
+         (Student), and the number of step sizes in the asymptotic range: from the two \
          finest on while slopes between neighbours differ by at most {STRAIGHT}, errors below {} \
          times the error of the reference and runs with rejected steps left out. A line through two \
          points has no interval.",
@@ -168,7 +172,14 @@ fn orders(out: &mut String, c: &Comparison) {
     table(out, &caption, &columns, 1);
     for scheme in &c.orders {
         let mut row = vec![escaped(&scheme.scheme), scheme.theory.to_string()];
-        row.extend(scheme.observed.map(order));
+        row.extend(scheme.observed.map(|o| match o {
+            None => "–".to_owned(),
+            Some(o) => format!(
+                "{}<br><small>{} steps</small>",
+                escaped(&order(&o)),
+                o.points
+            ),
+        }));
         cells(out, false, 1, &row);
     }
     end_table(out);
@@ -184,9 +195,9 @@ fn describe(out: &mut String, r: &Reference) {
              and the estimate of its error is the distance from the extrapolation of A and B. {} \
              evaluations, {} changes of chart in C.</p>",
             escaped(&r.scheme),
-            short(a),
-            short(b),
-            short(c),
+            exact(a),
+            exact(b),
+            exact(c),
             r.evaluations,
             r.chart_changes
         ),
@@ -247,7 +258,13 @@ fn errors(out: &mut String, c: &Comparison) {
 }
 
 fn step(row: &Row) -> String {
-    short(row.step)
+    exact(row.step)
+}
+
+/// A step size with all its digits where they are few.
+fn exact(h: f64) -> String {
+    let all = h.to_string();
+    if all.len() <= 9 { all } else { short(h) }
 }
 
 /// What there is to say about a run, in a word.

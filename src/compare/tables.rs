@@ -99,13 +99,13 @@ pub fn summary(comparison: &Comparison) -> String {
     let width = width.max().unwrap_or(0).max("scheme".len());
     let mut out = format!("{:width$}  theory", "scheme");
     for quantity in Quantity::ALL {
-        let _ = write!(out, "  {:>16}", quantity.name());
+        let _ = write!(out, "  {:>18}", quantity.name());
     }
     for scheme in &comparison.orders {
         let _ = write!(out, "\n{:width$}  {:>6}", scheme.scheme, scheme.theory);
         for observed in scheme.observed {
-            let text = order(observed).replace("&lt;", "<");
-            let _ = write!(out, "  {text:>16}");
+            let text = observed.map_or("-".to_owned(), |o| format!("{} ({})", order(&o), o.points));
+            let _ = write!(out, "  {text:>18}");
         }
     }
     let failed = comparison.rows.iter().filter(|row| row.failure.is_some());
@@ -137,18 +137,15 @@ pub(super) fn short(x: f64) -> String {
 }
 
 /// An order with its confidence.
-pub(super) fn order(order: Option<Order>) -> String {
-    let Some(order) = order else {
-        return "–".to_owned();
-    };
+pub(super) fn order(order: &Order) -> String {
     let digits = match order.confidence {
         Some(c) if c < 0.005 => 3,
         _ => 2,
     };
     let confidence = match order.confidence {
         None => String::new(),
-        Some(c) if c < 5e-4 => " ± <0.001".replace('<', "&lt;"),
+        Some(c) if c < 5e-4 => " ± <0.001".to_owned(),
         Some(c) => format!(" ± {c:.digits$}"),
     };
-    format!("{:.digits$}{confidence} ({})", order.order, order.points)
+    format!("{:.digits$}{confidence}", order.order)
 }

@@ -199,12 +199,12 @@ fn grid(area: &Area<'_>, graph: &Graph, frame: &Frame) -> Result<(), PlotError> 
     ];
     area.draw(&PathElement::new(corners.to_vec(), ink))?;
     let [across, up] = &graph.description;
-    let under = font(TEXT).pos(Pos::new(HPos::Center, VPos::Bottom));
-    area.draw_text(across, &under, ((left + right) / 2, (SIZE[1] - 6) * FINE))?;
+    let under = bottom + 30 * FINE;
+    area.draw_text(across, &below, ((left + right) / 2, under))?;
     let upward = font(TEXT)
         .transform(FontTransform::Rotate270)
         .pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw_text(up, &upward, (8 * FINE, (top + bottom) / 2))?;
+    area.draw_text(up, &upward, (14 * FINE, (top + bottom) / 2))?;
     Ok(())
 }
 
