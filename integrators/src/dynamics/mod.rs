@@ -24,6 +24,7 @@ pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};
 pub use scheme::Scheme;
+pub(crate) use step::Stepper;
 pub use step::{Predictor, Tangent};
 
 /// A state of motion: what a scheme carries from step to step.

@@ -40,7 +40,7 @@ pub enum Tangent {
 const ROUNDING: f64 = 1e-13;
 
 /// Buffers of the step routine, made once per run.
-pub(super) struct Stepper {
+pub(crate) struct Stepper {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
     /// Residuals, then corrections, of the stages that are solved together.
@@ -95,7 +95,7 @@ impl Group {
 }
 
 impl Stepper {
-    pub(super) fn new<Y: System + ?Sized>(
+    pub(crate) fn new<Y: System + ?Sized>(
         system: &Y,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
@@ -144,7 +144,7 @@ impl Stepper {
     }
 
     /// From `state` to the time `t`; the result is in `next`, `state` is not touched.
-    pub(super) fn step<Y: System + ?Sized>(
+    pub(crate) fn step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,

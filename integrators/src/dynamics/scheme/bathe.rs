@@ -10,6 +10,17 @@ pub(super) const BATHE: Family = Family {
     word: "bathe",
     long: "bathe",
     usage: "bathe (gamma = 2 - sqrt 2), or bathe:GAMMA, where its first substep ends, in [0.01, 0.99]",
+    // Its own formulas for q̇ = λq, h = 1: z q_γ by the trapezoidal rule, z qₙ₊₁ = c₁ + c₂ q_γ + c₃ qₙ₊₁.
+    stability: Some(|scheme, z| {
+        let gamma = scheme.stages()[0].c;
+        let middle = (1.0 + z * (0.5 * gamma)) / (1.0 - z * (0.5 * gamma));
+        let [c1, c2, c3] = [
+            (1.0 - gamma) / gamma,
+            -1.0 / ((1.0 - gamma) * gamma),
+            (2.0 - gamma) / (1.0 - gamma),
+        ];
+        (c1 + c2 * middle) / (z - c3)
+    }),
     make: |numbers| match *numbers {
         [] => Some(Ok(Scheme {
             arguments: [None; 2],

@@ -7,6 +7,7 @@ pub(super) const CENTRAL_DIFFERENCE: Family = Family {
     word: "central-difference",
     long: "central-difference",
     usage: "central-difference (explicit, stable for h of at most 2 / largest frequency)",
+    stability: None,
     make: |numbers| numbers.is_empty().then(|| Ok(Scheme::central_difference())),
 };
 
@@ -19,7 +20,7 @@ impl Scheme {
     pub fn central_difference() -> Self {
         let numbers = [0.0, 0.0, 0.0, 0.5];
         let word = "central-difference";
-        let scheme = Self::family("central difference", word, [None; 2], numbers);
+        let scheme = Self::newmark_form("central difference", word, [None; 2], numbers);
         let claims = Claims {
             limit: Some(2.0),
             ..scheme.claims

@@ -9,6 +9,7 @@ pub(super) const NEWMARK: Family = Family {
     long: "newmark",
     usage: "newmark (the trapezoidal rule), or newmark:BETA:GAMMA with gamma in [1/2, 1], beta in \
             [gamma/2, 1]",
+    stability: None,
     make: |numbers| match *numbers {
         [] => Some(Ok(Scheme::trapezoidal())),
         [beta, gamma] => Some(Scheme::newmark(beta, gamma)),
@@ -21,6 +22,7 @@ pub(super) const HHT: Family = Family {
     word: "hht",
     long: "hht",
     usage: "hht:ALPHA with alpha in [-1/3, 0], or hht:RHO with the spectral radius in [1/2, 1]",
+    stability: None,
     make: |numbers| match *numbers {
         // ρ = (1 + α)/(1 − α) at infinity; no α is a ρ.
         [rho] if rho > 0.0 => Some(
@@ -37,6 +39,7 @@ pub(super) const WBZ: Family = Family {
     word: "wbz",
     long: "wbz",
     usage: "wbz:RHO with the spectral radius in [0, 1]",
+    stability: None,
     make: |numbers| match *numbers {
         [rho] => Some(Scheme::wbz(rho)),
         _ => None,
@@ -48,6 +51,7 @@ pub(super) const CHUNG_HULBERT: Family = Family {
     word: "ga",
     long: "generalised-alpha",
     usage: "ga:RHO with the spectral radius in [0, 1]",
+    stability: None,
     make: |numbers| match *numbers {
         [rho] => Some(Scheme::chung_hulbert(rho)),
         _ => None,
@@ -77,7 +81,7 @@ pub struct Coefficients {
 
 impl Scheme {
     pub(super) fn trapezoidal() -> Self {
-        Self::family("Newmark", "newmark", [None; 2], [0.0, 0.0, 0.25, 0.5])
+        Self::newmark_form("Newmark", "newmark", [None; 2], [0.0, 0.0, 0.25, 0.5])
     }
 
     /// Newmark(β, γ): α_m = α_f = 0, a = q̈ (Newmark 1959). β = 1/4, γ = 1/2 is the trapezoidal
@@ -95,7 +99,7 @@ impl Scheme {
         }
         let arguments = [Some(beta), Some(gamma)];
         let numbers = [0.0, 0.0, beta, gamma];
-        Ok(Self::family("Newmark", "newmark", arguments, numbers))
+        Ok(Self::newmark_form("Newmark", "newmark", arguments, numbers))
     }
 
     /// HHT(α) (Hilber, Hughes & Taylor 1977): α_m = 0, α_f = −α, γ = ½ − α, β = (1−α)²/4; the
@@ -134,11 +138,11 @@ impl Scheme {
     fn optimal(names: [&'static str; 2], argument: f64, [alpha_m, alpha_f]: [f64; 2]) -> Self {
         let shift = alpha_f - alpha_m;
         let numbers = [alpha_m, alpha_f, 0.25 * (1.0 + shift).powi(2), 0.5 + shift];
-        Self::family(names[0], names[1], [Some(argument), None], numbers)
+        Self::newmark_form(names[0], names[1], [Some(argument), None], numbers)
     }
 
     /// One stage: of order 2 where γ = ½ − α_m + α_f, otherwise 1.
-    pub(super) fn family(
+    pub(super) fn newmark_form(
         name: &'static str,
         word: &'static str,
         arguments: [Option<f64>; 2],

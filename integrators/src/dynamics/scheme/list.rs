@@ -2,6 +2,7 @@
 
 use super::{Scheme, bathe, central_difference, generalised_alpha, radau};
 use crate::dynamics::DynamicsError;
+use num_complex::Complex;
 use std::str::FromStr;
 
 /// Schemes that differ in numbers, by the word that makes them: `word`, or `word:number` ...
@@ -13,12 +14,15 @@ pub struct Family {
     pub long: &'static str,
     /// How it is used, with the ranges of its numbers.
     pub usage: &'static str,
+    /// The stability function R(z) of a Runge-Kutta method, z = λh for ẏ = λy, from where it is
+    /// published; the generalised-α family has its characteristic polynomial instead.
+    pub stability: Option<fn(&Scheme, Complex<f64>) -> Complex<f64>>,
     /// The scheme with these numbers; `None` when there are too many or too few of them.
     pub make: fn(&[f64]) -> Option<Result<Scheme, DynamicsError>>,
 }
 
 /// All schemes of the library. A new one is its own file and its line here.
-pub const SCHEMES: [Family; 7] = [
+pub static SCHEMES: [Family; 7] = [
     generalised_alpha::NEWMARK,
     generalised_alpha::HHT,
     generalised_alpha::WBZ,
@@ -29,6 +33,11 @@ pub const SCHEMES: [Family; 7] = [
 ];
 
 impl Scheme {
+    /// Its line in the list; `None` for a scheme from elsewhere.
+    pub fn family(&self) -> Option<&'static Family> {
+        SCHEMES.iter().find(|family| family.word == self.word)
+    }
+
     /// The scheme of a word of [`SCHEMES`] (either one) with these numbers.
     ///
     /// # Errors

@@ -7,6 +7,8 @@ pub(super) const RADAU: Family = Family {
     word: "radau",
     long: "radau-iia",
     usage: "radau (two stages, order 3)",
+    // Hairer & Wanner, (IV.3.20): the Padé approximation of degrees 1 and 2.
+    stability: Some(|_, z| (1.0 + z / 3.0) / (1.0 - z * 2.0 / 3.0 + z * z / 6.0)),
     make: |numbers| numbers.is_empty().then(|| Ok(Scheme::radau())),
 };
 
