@@ -1,6 +1,5 @@
 //! Why a comparison cannot be made.
 
-use super::contender::NAMES;
 use crate::input::InputError;
 use crate::output::OutputError;
 use pullback_integrators::dynamics::DynamicsError;
@@ -17,22 +16,8 @@ pub enum CompareError {
         "the analysis of this model is not dynamic: give it [analysis.dynamic] with `to` and `step`"
     )]
     Static,
-    /// A scheme of no known name.
-    #[error("unknown scheme `{found}`: schemes are {}", NAMES.join(", "))]
-    UnknownScheme {
-        /// What was asked for.
-        found: String,
-    },
-    /// A parameter of a scheme outside its range.
-    #[error("scheme `{name}`: {source}")]
-    Scheme {
-        /// The scheme asked for.
-        name: String,
-        /// What is wrong with it.
-        source: DynamicsError,
-    },
     /// No scheme at all.
-    #[error("no scheme to compare: schemes are {}", NAMES.join(", "))]
+    #[error("no scheme to compare: name one at least, such as `newmark`")]
     NoScheme,
     /// A scheme twice.
     #[error("scheme `{name}` is asked for twice: name it once")]
@@ -40,8 +25,10 @@ pub enum CompareError {
         /// Its name.
         name: String,
     },
-    /// A reference that is not accurate enough to be one.
-    #[error("scheme `{name}` is of order 1: a reference takes one of order 2")]
+    /// A reference that is not accurate, or not stable, enough to be one.
+    #[error(
+        "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
+    )]
     Reference {
         /// Its name.
         name: String,
@@ -94,9 +81,9 @@ pub enum CompareError {
         /// Number of steps.
         count: usize,
     },
-    /// The motion cannot begin.
+    /// There is no such scheme, or the motion cannot begin.
     #[error(transparent)]
-    Start(#[from] DynamicsError),
+    Dynamics(#[from] DynamicsError),
     /// The report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -6,7 +6,7 @@
 //! ([`fit`]). Runs go side by side on threads; nothing but times depends on how many.
 //!
 //! ```
-//! use pullback::compare::{Contender, Options, Quantity, Watch, compare};
+//! use pullback::compare::{Options, Quantity, Watch, compare};
 //! use pullback::input;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -26,8 +26,8 @@
 //! step = 0.01
 //! "#;
 //! let file = input::parse("body.toml", text)?;
-//! let schemes = [Contender::parse("newmark")?, Contender::parse("ga:0.8")?];
-//! let options = Options::new(schemes.to_vec(), vec![0.04, 0.02, 0.01]);
+//! let schemes = vec!["newmark".parse()?, "ga:0.8".parse()?];
+//! let options = Options::new(schemes, vec![0.04, 0.02, 0.01]);
 //! let make = || input::job("body.toml", &file);
 //! let comparison = compare(&make, "body.toml", &options, &Watch::NOBODY)?;
 //! for scheme in &comparison.orders {
@@ -38,7 +38,6 @@
 //! # }
 //! ```
 
-mod contender;
 mod error;
 mod figures;
 mod grid;
@@ -50,7 +49,6 @@ mod sample;
 mod tables;
 mod write;
 
-pub use contender::Contender;
 pub use error::CompareError;
 pub use order::{ABOVE_REFERENCE, Order, STRAIGHT, fit};
 pub use reference::Reference;
@@ -59,10 +57,9 @@ pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
 pub use write::{FILES, default_directory, run};
 
-use crate::input::{Analysis, Job};
 use crate::solve::{Counts, begin};
 use grid::Grid;
-use pullback_integrators::dynamics::{Progress, start};
+use pullback_integrators::dynamics::{Progress, Scheme, start};
 use run::{Failure, Ran, Task, dynamic, side_by_side};
 use serde::Serialize;
 use std::num::NonZeroUsize;
@@ -73,12 +70,12 @@ use std::sync::PoisonError;
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The schemes.
-    pub schemes: Vec<Contender>,
+    pub schemes: Vec<Scheme>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
-    /// Scheme of the reference; by default the one of the model file where that is of order 2, the
+    /// Scheme of the reference; by default the one of the model file where that can be one, the
     /// trapezoidal rule otherwise.
-    pub reference: Option<Contender>,
+    pub reference: Option<Scheme>,
     /// Runs at a time; as many as the machine has cores by default.
     pub threads: Option<NonZeroUsize>,
     /// Whether each run is made again alone on the machine, to take its time.
@@ -87,7 +84,7 @@ pub struct Options {
 
 impl Options {
     /// Schemes at step sizes, everything else by default.
-    pub fn new(schemes: Vec<Contender>, steps: Vec<f64>) -> Self {
+    pub fn new(schemes: Vec<Scheme>, steps: Vec<f64>) -> Self {
         Self {
             schemes,
             steps,
@@ -217,7 +214,7 @@ impl Comparison {
 /// What has been checked before anything runs.
 struct Prepared {
     grid: Grid,
-    reference: Contender,
+    reference: Scheme,
     unknowns: usize,
     title: Option<String>,
 }
@@ -229,22 +226,21 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
     if options.schemes.is_empty() {
         return Err(CompareError::NoScheme);
     }
-    for (k, contender) in options.schemes.iter().enumerate() {
-        if options.schemes[..k]
-            .iter()
-            .any(|c| c.name == contender.name)
-        {
-            let name = contender.name.clone();
+    for (k, scheme) in options.schemes.iter().enumerate() {
+        let name = scheme.to_string();
+        if options.schemes[..k].iter().any(|s| s.to_string() == name) {
             return Err(CompareError::SchemeTwice { name });
         }
     }
-    let reference = match &options.reference {
-        Some(contender) if contender.scheme.order() < 2 => {
-            let name = contender.name.clone();
+    let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
+    let reference = match options.reference {
+        Some(scheme) if !usable(&scheme) => {
+            let name = scheme.to_string();
             return Err(CompareError::Reference { name });
         }
-        Some(contender) => contender.clone(),
-        None => usual_reference(&job)?,
+        Some(scheme) => scheme,
+        None if usable(&plan.options.scheme) => plan.options.scheme,
+        None => Scheme::default(),
     };
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
     let unknowns = start.q.len();
@@ -255,18 +251,6 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
         unknowns,
         title: job.title,
     })
-}
-
-/// The scheme of the model file, where it can be a reference.
-fn usual_reference(job: &Job) -> Result<Contender, CompareError> {
-    let Analysis::Dynamic(dynamic) = &job.file.analysis else {
-        return Err(CompareError::Static);
-    };
-    let own = Contender::of_file(&dynamic.scheme)?;
-    match own.scheme.order() {
-        2 => Ok(own),
-        _ => Contender::parse("newmark"),
-    }
 }
 
 /// Compares schemes on the model that `make` makes; `model` is what results call it.
@@ -298,10 +282,10 @@ fn carry_out(
         title,
     } = prepared;
     let mut tasks = reference::tasks(&reference, &grid).to_vec();
-    let own = options.schemes.iter().flat_map(|contender| {
-        grid.counts.iter().map(|&steps| Task {
-            name: contender.name.clone(),
-            scheme: contender.scheme,
+    let own = options.schemes.iter().flat_map(|&scheme| {
+        grid.counts.iter().map(move |&steps| Task {
+            name: scheme.to_string(),
+            scheme,
             steps,
             relative: f64::INFINITY,
         })
@@ -341,7 +325,7 @@ fn carry_out(
         unknowns,
         threads,
         orders: orders(&options.schemes, &rows, judged.as_ref()),
-        reference_failure: failure.map(|f| format!("{}: {f}", reference.name)),
+        reference_failure: failure.map(|f| format!("{reference}: {f}")),
         reference: judged,
         rows,
     }
@@ -394,9 +378,9 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
     }
 }
 
-fn orders(schemes: &[Contender], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
-    let observed = |contender: &Contender, quantity: Quantity| {
-        let own = rows.iter().filter(|row| row.scheme == contender.name);
+fn orders(schemes: &[Scheme], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
+    let observed = |name: &str, quantity: Quantity| {
+        let own = rows.iter().filter(|row| row.scheme == name);
         let error = |row: &Row| {
             row.error
                 .filter(|_| row.is_regular())
@@ -405,10 +389,13 @@ fn orders(schemes: &[Contender], rows: &[Row], reference: Option<&Reference>) ->
         let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
         fit(&errors, reference?.error.of(quantity))
     };
-    let of = |contender: &Contender| SchemeOrders {
-        scheme: contender.name.clone(),
-        theory: contender.scheme.order(),
-        observed: Quantity::ALL.map(|quantity| observed(contender, quantity)),
+    let of = |scheme: &Scheme| {
+        let name = scheme.to_string();
+        SchemeOrders {
+            theory: scheme.order(),
+            observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
+            scheme: name,
+        }
     };
     schemes.iter().map(of).collect()
 }

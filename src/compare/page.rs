@@ -34,7 +34,7 @@ pub(super) fn html(comparison: &Comparison, figures: &[Figure]) -> String {
     put(
         &mut out,
         &format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}: \
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<title>{title}: \
              schemes compared</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>"
         ),
     );
@@ -175,7 +175,7 @@ fn orders(out: &mut String, c: &Comparison) {
         row.extend(scheme.observed.map(|o| match o {
             None => "–".to_owned(),
             Some(o) => format!(
-                "{}<br><small>{} steps</small>",
+                "{}<br/><small>{} steps</small>",
                 escaped(&order(&o)),
                 o.points
             ),
@@ -192,7 +192,7 @@ fn describe(out: &mut String, r: &Reference) {
         &format!(
             "<p>Reference: <code>{}</code> with step sizes A = {}, B = {} and C = {}. A quantity \
              whose observed order is that in theory is extrapolated from B and C after Richardson, \
-             and the estimate of its error is the distance from the extrapolation of A and B. {} \
+             and the estimate of its error is twice the distance from the extrapolation of A and B. {} \
              evaluations, {} changes of chart in C.</p>",
             escaped(&r.scheme),
             exact(a),

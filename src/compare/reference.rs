@@ -1,10 +1,11 @@
 //! The reference solution, and how far it can be trusted.
 
+use super::Kept;
 use super::grid::Grid;
 use super::run::{Ran, Task};
 use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
-use super::{Contender, Kept};
 use nalgebra::Vector3;
+use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 
 /// Steps of the three runs behind a reference, over those of the finest run compared.
@@ -24,8 +25,8 @@ const STEADY: f64 = 1e-3;
 ///
 /// Three runs A, B, C of one scheme of an order p ≥ 2, their steps 1/2, 1/4 and 1/8 of the finest
 /// step compared. Where log₂ |A − B|/|B − C| is close to p for a quantity, Richardson's extrapolation
-/// C + (C − B)/(2ᵖ − 1) is the reference and its distance from the one of A and B the estimate of its
-/// error, which is too large rather than too small. Where it is not, C is the reference, with the
+/// C + (C − B)/(2ᵖ − 1) is the reference and twice its distance from the one of A and B the estimate of its
+/// error: an upper bound where extrapolations fall to two thirds with every halving of the step. Where it is not, C is the reference, with the
 /// error that the observed order leaves, |B − C| or more.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reference {
@@ -51,19 +52,19 @@ pub struct Reference {
 }
 
 /// The three runs of a reference.
-pub(super) fn tasks(contender: &Contender, grid: &Grid) -> [Task; 3] {
+pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
-        name: format!("reference, {}", contender.name),
-        scheme: contender.scheme,
+        name: format!("reference, {scheme}"),
+        scheme: *scheme,
         steps: factor * grid.finest(),
         relative: TIGHT,
     })
 }
 
 /// Judges three runs that have come to their ends.
-pub(super) fn judge(contender: &Contender, grid: &Grid, runs: &[Ran]) -> Option<Reference> {
+pub(super) fn judge(scheme: &Scheme, grid: &Grid, runs: &[Ran]) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
-    let theory = contender.scheme.order();
+    let theory = scheme.order();
     let (first, second) = (
         distances(&a.samples, &b.samples),
         distances(&b.samples, &c.samples),
@@ -85,7 +86,7 @@ pub(super) fn judge(contender: &Contender, grid: &Grid, runs: &[Ran]) -> Option<
         order[k] = (first.0[k] / second.0[k]).log2();
         extrapolated[k] = (order[k] - theory as f64).abs() <= NEAR;
         error[k] = if extrapolated[k] {
-            between.0[k]
+            2.0 * between.0[k]
         } else if order[k] > 0.0 {
             second.0[k] / (order[k].exp2() - 1.0).min(1.0)
         } else {
@@ -95,7 +96,7 @@ pub(super) fn judge(contender: &Contender, grid: &Grid, runs: &[Ran]) -> Option<
     }
     let error = Values(error);
     Some(Reference {
-        scheme: contender.name.clone(),
+        scheme: scheme.to_string(),
         steps: REFINED.map(|factor| grid.step(factor * grid.finest())),
         order: Values(order),
         extrapolated,
