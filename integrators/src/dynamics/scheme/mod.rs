@@ -62,8 +62,8 @@ impl Stage {
     }
 }
 
-/// What a scheme is said to do; the conformance kit
-/// (conformance kit) measures it.
+/// What a scheme is said to do; the conformance kit ([`check::scheme`](crate::check::scheme))
+/// measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claims {
     /// Order of accuracy of coordinates and velocities.
