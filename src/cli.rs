@@ -1,5 +1,6 @@
 //! The program `pullback`, and programs like it with joints of their own.
 
+use crate::compare::{self, CompareError, Contender, Options, Watch};
 use crate::input::Registry;
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
@@ -9,6 +10,7 @@ use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -63,6 +65,43 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Compares schemes of time integration on a model file, at several step sizes: errors against
+    /// a reference solution, observed orders, cost, drift of what the motion keeps.
+    ///
+    /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures.
+    /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
+    /// is no reference; 2: the model or an argument is refused, or the results cannot be written;
+    /// 130: interrupted.
+    Compare {
+        /// Model file (TOML; see docs/model_file.md) with a dynamic analysis.
+        model: PathBuf,
+        /// Schemes: newmark, newmark:BETA:GAMMA, hht:ALPHA, wbz:RHO, ga:RHO.
+        #[arg(long, value_delimiter = ',', required = true)]
+        schemes: Vec<String>,
+        /// Step sizes, from large to small.
+        #[arg(
+            long,
+            value_delimiter = ',',
+            required = true,
+            allow_negative_numbers = true
+        )]
+        steps: Vec<f64>,
+        /// Scheme of the reference; that of the model file by default.
+        #[arg(long)]
+        reference: Option<String>,
+        /// Directory of the results; beside the model file by default, `MODEL.compare`.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Runs at a time; as many as there are cores by default. Results do not depend on it.
+        #[arg(long)]
+        threads: Option<NonZeroUsize>,
+        /// Makes each run again, alone on the machine, to take its time.
+        #[arg(long)]
+        timed: bool,
+        /// Says nothing unless something goes wrong.
+        #[arg(long, short)]
+        quiet: bool,
+    },
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -87,6 +126,8 @@ pub fn main(registry: &Registry) -> ExitCode {
 
 /// Does what a command line says, the program's name first; the exit code.
 pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let command_line = quoted(&arguments);
     let command = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments.command,
         Err(error) => {
@@ -103,6 +144,25 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
             quiet,
         } => run_model(registry, &model, out, resume, quiet),
         Command::Check { model, seed, json } => check(registry, &model, seed, json),
+        Command::Compare {
+            model,
+            schemes,
+            steps,
+            reference,
+            out,
+            threads,
+            timed,
+            quiet,
+        } => {
+            let asked = Asked {
+                schemes: &schemes,
+                steps,
+                reference: reference.as_deref(),
+                threads,
+                timed,
+            };
+            compare(registry, &model, asked, out, &command_line, quiet)
+        }
         Command::Schema => print_schema(registry),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
     }
@@ -237,6 +297,97 @@ fn check(registry: &Registry, model: &Path, seed: u64, json: bool) -> u8 {
         0 if report.is_ok() => 0,
         0 => FAILED,
         code => code,
+    }
+}
+
+/// What a command line asks of a comparison.
+struct Asked<'a> {
+    schemes: &'a [String],
+    steps: Vec<f64>,
+    reference: Option<&'a str>,
+    threads: Option<NonZeroUsize>,
+    timed: bool,
+}
+
+impl Asked<'_> {
+    fn options(self) -> Result<Options, CompareError> {
+        let schemes = self.schemes.iter().map(|name| Contender::parse(name));
+        Ok(Options {
+            schemes: schemes.collect::<Result<_, _>>()?,
+            steps: self.steps,
+            reference: self.reference.map(Contender::parse).transpose()?,
+            threads: self.threads,
+            timed: self.timed,
+        })
+    }
+}
+
+/// A command line as a shell would take it, the program by its bare name.
+fn quoted(arguments: &[OsString]) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
+    let word = |(k, word): (usize, &OsString)| {
+        let word = match (k, Path::new(word).file_name()) {
+            (0, Some(name)) => name.to_string_lossy(),
+            _ => word.to_string_lossy(),
+        };
+        match !word.is_empty() && word.chars().all(plain) {
+            true => word.into_owned(),
+            false => format!("'{}'", word.replace('\'', "'\\''")),
+        }
+    };
+    let words: Vec<String> = arguments.iter().enumerate().map(word).collect();
+    words.join(" ")
+}
+
+fn compare(
+    registry: &Registry,
+    model: &Path,
+    asked: Asked<'_>,
+    out: Option<PathBuf>,
+    command: &str,
+    quiet: bool,
+) -> u8 {
+    let directory = out.unwrap_or_else(|| compare::default_directory(model));
+    let interrupt = Interrupt::install();
+    let progress = Progress::new(quiet);
+    let watch = Watch {
+        flow: &|| interrupt.flow(),
+        ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
+    };
+    let source = model.display().to_string();
+    let ran = asked.options().and_then(|options| {
+        // Every run has a model of its own, of the file as it is now.
+        let file = registry.load(model)?.file;
+        let make = || registry.job(&source, &file);
+        compare::run(&make, &source, Some(command), &directory, &options, &watch)
+    });
+    progress.clear();
+    let comparison = match ran {
+        Ok(comparison) => comparison,
+        Err(CompareError::Input(error)) => {
+            complain(&error);
+            return REFUSED;
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            return REFUSED;
+        }
+    };
+    let kept = directory.display();
+    if !comparison.complete {
+        eprintln!("interrupted: what was found is kept in {kept}, marked incomplete");
+        return INTERRUPTED;
+    }
+    if let Some(failure) = &comparison.reference_failure {
+        eprintln!("error: there is no reference, hence no error: {failure}\nresults are in {kept}");
+        return FAILED;
+    }
+    match quiet {
+        true => 0,
+        false => print(&format!(
+            "{}\nthe page is {kept}/compare.html\n",
+            compare::summary(&comparison)
+        )),
     }
 }
 

@@ -83,6 +83,7 @@
 
 pub mod check;
 pub mod cli;
+pub mod compare;
 pub mod gallery;
 pub mod input;
 pub mod output;
