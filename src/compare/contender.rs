@@ -58,13 +58,13 @@ impl Contender {
 impl Contender {
     /// The scheme of a model file, under the name that [`Contender::parse`] reads.
     pub(super) fn of_file(scheme: &crate::input::Scheme) -> Result<Self, CompareError> {
-        use crate::input::Scheme;
-        Self::parse(&match *scheme {
-            Scheme::Newmark([0.25, 0.5]) => "newmark".to_owned(),
-            Scheme::Newmark([beta, gamma]) => format!("newmark:{beta}:{gamma}"),
-            Scheme::Hht(alpha) => format!("hht:{alpha}"),
-            Scheme::Wbz(rho) => format!("wbz:{rho}"),
-            Scheme::GeneralisedAlpha(rho) => format!("ga:{rho}"),
+        let named = scheme.scheme().map_err(|source| CompareError::Scheme {
+            name: scheme.word().to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            name: named.to_string(),
+            scheme: named,
         })
     }
 }

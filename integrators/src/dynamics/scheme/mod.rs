@@ -188,6 +188,11 @@ impl Scheme {
         self.claims.order
     }
 
+    /// Whether its local error can be estimated, as adaptive steps want it: it is of order 1 or 2.
+    pub fn estimates_error(&self) -> bool {
+        self.error_factor().is_some()
+    }
+
     /// Stages that are solved together, from the first to the last.
     pub(crate) fn groups(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let mut start = 0;
