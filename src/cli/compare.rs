@@ -22,10 +22,10 @@ pub(super) struct Arguments {
         long,
         value_delimiter = ',',
         required = true,
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     steps: Vec<f64>,
-    /// Scheme of the reference; that of the model file by default.
+    /// Scheme of the reference; radau by default.
     #[arg(long)]
     reference: Option<String>,
     /// Directory of the results; beside the model file by default, `MODEL.compare`.

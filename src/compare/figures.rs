@@ -205,7 +205,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
                 })
             });
             out.push(Graph {
-                description: [format!("time t,  h = {step}"), name.clone()],
+                description: [format!("time t,  h = {}", rounded(step)), name.clone()],
                 division: [Division::Linear, Division::Logarithmic],
                 curves: curves.collect(),
                 marked: false,
@@ -215,6 +215,16 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
         }
     }
     out
+}
+
+/// A step size to three digits.
+fn rounded(h: f64) -> String {
+    let text = format!("{h:.2e}");
+    let number: f64 = text.parse().unwrap_or(h);
+    match (1e-4..1e4).contains(&number) {
+        true => number.to_string(),
+        false => text.replace('-', "−"),
+    }
 }
 
 fn iterations(comparison: &Comparison) -> Vec<Graph> {

@@ -4,8 +4,11 @@ use super::CompareError;
 
 /// Common times at most: enough to see a motion, and little to keep.
 const MOST_TIMES: usize = 128;
-/// Common times that step sizes are rounded for, where they have no more of their own.
-const FEW_TIMES: usize = 8;
+/// Common times below which step sizes are rounded by more than a little.
+const FEW_TIMES: usize = 4;
+/// By how much numbers of steps are rounded up, as a part of them.
+const LITTLE: f64 = 0.01;
+const MUCH: f64 = 0.25;
 /// More steps than a user would wait for; the reference makes eight times as many.
 const MOST_STEPS: f64 = 1e8;
 
@@ -23,8 +26,8 @@ pub(super) struct Grid {
 impl Grid {
     /// Checks step sizes, from large to small.
     ///
-    /// A step size becomes the number of equal steps that are at most so large. Where these
-    /// numbers have too few divisors in common they are rounded up, which makes steps smaller.
+    /// A step size becomes the number of equal steps that are at most so large; for the sake of
+    /// common times these numbers are rounded up a little, or more where there would be too few.
     pub fn new(to: f64, steps: &[f64]) -> Result<Self, CompareError> {
         for &value in steps {
             if !(value > 0.0 && value.is_finite()) {
@@ -49,17 +52,9 @@ impl Grid {
             return Err(CompareError::FewSteps { found });
         }
         let count = |h: &f64| (to / h - 1e-6).ceil().max(1.0) as usize;
-        let mut counts: Vec<usize> = steps.iter().map(count).collect();
-        let mut common = counts.iter().copied().fold(0, gcd);
-        let wanted = FEW_TIMES.min(counts[0]);
-        if common < wanted {
-            counts
-                .iter_mut()
-                .for_each(|n| *n = n.next_multiple_of(wanted));
-            common = counts.iter().copied().fold(0, gcd);
-        }
+        let counts: Vec<usize> = steps.iter().map(count).collect();
         for (k, pair) in counts.windows(2).enumerate() {
-            if pair[0] == pair[1] {
+            if pair[0] >= pair[1] {
                 let ([before, after], count) = ([steps[k], steps[k + 1]], pair[0]);
                 return Err(CompareError::Close {
                     before,
@@ -68,14 +63,22 @@ impl Grid {
                 });
             }
         }
-        let times = (1..=common.min(MOST_TIMES))
-            .rev()
-            .find(|d| common.is_multiple_of(*d));
-        Ok(Self {
-            to,
-            counts,
-            times: times.unwrap_or(1),
-        })
+        let rounded = |times: usize| -> Vec<usize> {
+            counts.iter().map(|n| n.next_multiple_of(times)).collect()
+        };
+        let close = |rounded: &[usize], part: f64| {
+            let pairs = rounded.iter().zip(&counts);
+            let mut parts = pairs.map(|(more, n)| (more - n) as f64 / *n as f64);
+            parts.all(|p| p <= part) && rounded.windows(2).all(|n| n[0] < n[1])
+        };
+        let most = |from: usize, to: usize, part: f64| {
+            let times = (from..=to).rev();
+            times.map(|m| (m, rounded(m))).find(|(_, n)| close(n, part))
+        };
+        let few = most(FEW_TIMES, MOST_TIMES, LITTLE);
+        let found = few.or_else(|| most(1, 2 * FEW_TIMES, MUCH));
+        let (times, counts) = found.unwrap_or((1, counts));
+        Ok(Self { to, counts, times })
     }
 
     /// Common time `k`, from 1.
@@ -98,10 +101,6 @@ impl Grid {
     }
 }
 
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -115,8 +114,14 @@ mod tests {
             (&[10, 20, 40][..], 10)
         );
         assert_eq!((grid.time(5), grid.time(10)), (0.5, 1.0));
-        // 10, 15 and 20 steps would meet at five times only.
-        let grid = Grid::new(1.0, &[0.1, 0.07, 0.05]).unwrap();
-        assert_eq!((grid.counts.as_slice(), grid.times), (&[16, 24, 32][..], 8));
+        // 187.5 steps make 188, and 94 common times cost three in a thousand of the others.
+        let grid = Grid::new(1.5, &[0.008, 0.004, 0.002]).unwrap();
+        assert_eq!(
+            (grid.counts.as_slice(), grid.times),
+            (&[188, 376, 752][..], 94)
+        );
+        // 10, 13 and 17 steps would meet at the end only.
+        let grid = Grid::new(1.0, &[0.1, 0.077, 0.06]).unwrap();
+        assert_eq!((grid.counts.as_slice(), grid.times), (&[10, 15, 20][..], 5));
     }
 }

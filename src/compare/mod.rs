@@ -73,8 +73,8 @@ pub struct Options {
     pub schemes: Vec<Scheme>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
-    /// Scheme of the reference; by default the one of the model file where that can be one, the
-    /// trapezoidal rule otherwise.
+    /// Scheme of the reference; by default Radau IIA of two stages, of order 3, which damps what no
+    /// step resolves.
     pub reference: Option<Scheme>,
     /// Runs at a time; as many as the machine has cores by default.
     pub threads: Option<NonZeroUsize>,
@@ -233,15 +233,11 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
         }
     }
     let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
-    let reference = match options.reference {
-        Some(scheme) if !usable(&scheme) => {
-            let name = scheme.to_string();
-            return Err(CompareError::Reference { name });
-        }
-        Some(scheme) => scheme,
-        None if usable(&plan.options.scheme) => plan.options.scheme,
-        None => Scheme::default(),
-    };
+    let reference = options.reference.unwrap_or_else(Scheme::radau);
+    if !usable(&reference) {
+        let name = reference.to_string();
+        return Err(CompareError::Reference { name });
+    }
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
     let unknowns = start.q.len();
     begin(&mut job.model, &plan.options, &mut Progress::new(start))?;

@@ -38,8 +38,8 @@ pub enum DynamicsError {
     /// A scheme that is stable for small steps only, and a larger one.
     #[error(
         "step {step:?} is too large for {scheme}, which is stable for steps of at most \
-         {stable:.6e} here: the largest frequency is {frequency:.6e} (per unit of time; {what} moves \
-         most in it); take smaller steps, or an implicit scheme"
+         {stable:.6e} here: the largest frequency is {frequency:.6e} ({what} is stiffest \
+         for its mass); take smaller steps, or an implicit scheme"
     )]
     StepTooLarge {
         /// Name of the scheme.

@@ -74,7 +74,7 @@ pub(super) fn check<Y: System + ?Sized>(
             });
         }
     }
-    if options.adaptivity.is_some() && options.scheme.error_factor().is_none() {
+    if options.adaptivity.is_some() && !options.scheme.estimates_error() {
         return Err(DynamicsError::Option {
             name: "adaptivity",
             value: options.scheme.order() as f64,

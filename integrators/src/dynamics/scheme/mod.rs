@@ -62,8 +62,8 @@ impl Stage {
     }
 }
 
-/// What a scheme is said to do; the conformance kit
-/// (conformance kit) measures it.
+/// What a scheme is said to do; the conformance kit ([`check::scheme`](crate::check::scheme))
+/// measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claims {
     /// Order of accuracy of coordinates and velocities.
@@ -186,6 +186,11 @@ impl Scheme {
     /// Order of accuracy.
     pub fn order(&self) -> usize {
         self.claims.order
+    }
+
+    /// Whether its local error can be estimated, as adaptive steps want it: it is of order 1 or 2.
+    pub fn estimates_error(&self) -> bool {
+        self.error_factor().is_some()
     }
 
     /// Stages that are solved together, from the first to the last.
