@@ -26,13 +26,11 @@ pub const FILES: [&str; 4] = [
 ];
 
 /// Schemes whose spectra are shown unless others are named.
-pub const SCHEMES: [&str; 9] = [
+pub const SCHEMES: [&str; 7] = [
     "newmark",
     "hht:-0.1",
     "wbz:0.5",
-    "ga:0.8",
     "ga:0.5",
-    "ga:0",
     "bathe",
     "radau",
     "central-difference",
@@ -75,7 +73,8 @@ pub struct Spectrum {
     pub points: Vec<Point>,
 }
 
-/// What a scheme does to a vibration at one Ω; see [`Numbers`].
+/// What a scheme does to a vibration at one Ω; see [`Numbers`]. Beyond the limit of a scheme there is
+/// no vibration, and neither damping nor elongation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Point {
     /// Ω = ω h.
@@ -118,12 +117,21 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             let gaps = steps.iter().zip(closed).map(|(a, b)| (a - b).abs());
             defect = defect.map(|d| gaps.fold(d, f64::max));
         }
-        let closed = closed.map(|polynomial| Numbers::of(polynomial, Omega));
+        let vibrates = limit.is_none_or(|limit| Omega <= limit);
+        let known = |numbers: Numbers| match vibrates {
+            true => numbers,
+            false => Numbers {
+                damping: None,
+                elongation: None,
+                ..numbers
+            },
+        };
+        let closed = closed.map(|polynomial| known(Numbers::of(polynomial, Omega)));
         let Numbers {
             radius,
             damping,
             elongation,
-        } = measured.numbers;
+        } = known(measured.numbers);
         let [rest_place, rest_velocity] = measured.first_step.from_rest;
         let [origin_place, origin_velocity] = measured.first_step.from_origin;
         points.push(Point {
@@ -180,7 +188,12 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
         "{:width$}  {:>8}  {:>11}  {:>11}  {:>11}  {:>10}  {:>12}\n",
         "scheme", "Ω", "radius", "damping", "elongation", "|q₁/q₀|", "|q̇₁/(ω q₀)|"
     );
-    let number = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.6}"));
+    let number = |x: Option<f64>| match x {
+        None => "-".to_owned(),
+        // Rounding errors have a sign, zero has none.
+        Some(x) if x.abs() < 5e-7 => format!("{:.6}", 0.0),
+        Some(x) => format!("{x:.6}"),
+    };
     for (scheme, spectrum) in spectra {
         let places = [TAU / 10.0, 1.0, 10.0, 100.0];
         for p in run(scheme, &places)?.points {
@@ -255,11 +268,8 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             let points = |pick: Pick| -> Vec<(f64, f64)> {
                 inside().filter_map(|p| pick(p).map(|y| at(p, y))).collect()
             };
-            // Marks stand apart, and not above each other.
             let all = points(steps);
-            let stride = all.len().div_ceil(MARKS).max(1);
-            let first = k * stride / spectra.len();
-            let marks = all.iter().skip(first).step_by(stride).copied().collect();
+            let marks = marks(&all, division[0], k as f64 / spectra.len() as f64);
             let known = points(closed);
             let line = if known.is_empty() { all } else { known };
             curves.push(Curve::new(s.scheme.clone(), line).colored(k));
@@ -313,8 +323,12 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
     ];
     let none: Pick = |_| None;
     let place: Pick = |p| (p.radius <= HIGHEST).then_some(p.rest_place.abs());
-    let velocity: Pick = |p| (p.radius <= HIGHEST).then_some(p.rest_velocity.abs());
-    let overshoot = [
+    // Where it passes zero, a logarithm falls without end.
+    let velocity: Pick = |p| {
+        let seen = p.radius <= HIGHEST && p.rest_velocity.abs() >= 1e-3;
+        seen.then_some(p.rest_velocity.abs())
+    };
+    let mut overshoot = [
         graph(
             "|q₁/q₀|, first step from rest",
             [log, linear],
@@ -330,14 +344,43 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             [velocity, none],
         ),
     ];
+    overshoot
+        .iter_mut()
+        .for_each(|graph| graph.level = Some(1.0));
     Ok([
         ("spectrum.svg", graphs(Some(TITLE), "", &spectra_graphs)?),
-        ("overshoot.svg", graphs(None, "", &overshoot)?),
+        (
+            "overshoot.svg",
+            graphs(None, "largest value of exact motion", &overshoot)?,
+        ),
     ])
 }
 
 /// Marks on a curve, about.
-const MARKS: usize = 12;
+const MARKS: usize = 10;
+
+/// Points of a curve at equal distances along an axis; a `shift` by a part of them keeps the marks of
+/// several curves from lying above each other.
+fn marks(points: &[(f64, f64)], division: Division, shift: f64) -> Vec<(f64, f64)> {
+    let place = |p: &(f64, f64)| match division {
+        Division::Linear => p.0,
+        Division::Logarithmic => p.0.ln(),
+    };
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return Vec::new();
+    };
+    let (from, step) = (place(first), (place(last) - place(first)) / MARKS as f64);
+    let aims = (0..MARKS).map(|k| from + (k as f64 + shift) * step);
+    aims.filter_map(|aim| {
+        let gap = |p: &&(f64, f64)| (place(p) - aim).abs();
+        points
+            .iter()
+            .min_by(|a, b| gap(a).total_cmp(&gap(b)))
+            .copied()
+    })
+    .collect()
+}
+
 /// Spectral radii above this are beyond the stable step.
 const HIGHEST: f64 = 1.1;
 /// Ω up to which vibrations are resolved, about π steps in a period.

@@ -113,4 +113,6 @@ fn tables_that_are_none_are_refused() {
             .to_string();
         assert!(error.contains(text), "{error}");
     }
+    let error = Scheme::new("bathe", &[good], claims).unwrap_err();
+    assert!(error.to_string().contains("has this name"), "{error}");
 }
