@@ -50,6 +50,8 @@ pub struct Outcome {
     pub parameter: &'static str,
     /// What looks doubtful about it.
     pub warnings: Vec<String>,
+    /// How the loops of the model close, and from which coordinates they start.
+    pub notes: Vec<String>,
     /// Where the results are.
     pub directory: PathBuf,
     /// Names of the files.
@@ -140,6 +142,7 @@ fn execute(
         geometry: &geometry,
         output,
     };
+    let notes = model.notes();
     // Whatever refuses to begin leaves the directory as it is.
     let mut progress = Progress::default();
     let mut every = 0;
@@ -147,7 +150,7 @@ fn execute(
         every = plan.checkpoint_every;
         progress = match &checkpoint {
             Some(checkpoint) => {
-                model.set_element_charts(checkpoint.element_charts());
+                checkpoint.restore(&mut model, directory)?;
                 checkpoint.progress().clone()
             }
             None => Progress::new(start(&model, 0.0, &initial.q, &initial.v)?),
@@ -204,6 +207,7 @@ fn execute(
         t,
         parameter: plan.parameter(),
         warnings,
+        notes,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
     })

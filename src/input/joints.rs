@@ -254,6 +254,9 @@ fn act(
     coordinate: NodeId,
 ) -> Result<(), InputError> {
     let path = |key: &'static str| [at, &[key]].concat();
+    if let Some(value) = acts.value {
+        builder.start(coordinate, 0, value);
+    }
     if let Some(time) = &acts.driven {
         for (key, given) in [
             ("spring", acts.spring.is_some()),

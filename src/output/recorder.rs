@@ -323,6 +323,7 @@ impl<'a> Recorder<'a> {
         })?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
         checkpoint.element_charts = model.element_charts();
+        checkpoint.maps = model.map_memories();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();

@@ -318,7 +318,7 @@ impl ModelBuilder {
         masters: &[NodeId],
     ) -> Result<JointNodes, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         let mut released = Vec::new();
         for &coordinate in joint.released() {
@@ -345,7 +345,7 @@ impl ModelBuilder {
         masters: &[NodeId],
     ) -> Result<NodeId, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
     }

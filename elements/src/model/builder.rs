@@ -2,6 +2,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
+use super::loops::Closing;
 use super::{Attached, Form, ModelError, Node, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
@@ -76,6 +77,9 @@ pub struct ModelBuilder {
     names: HashMap<String, NodeId>,
     pub(super) elements: Vec<Attached>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+    pub(super) closings: Vec<Closing>,
+    /// Where coordinates of loops should start.
+    pub(super) starts: HashMap<(NodeId, usize), f64>,
 }
 
 impl ModelBuilder {
@@ -217,13 +221,8 @@ impl ModelBuilder {
             Entry::Vacant(entry) => entry.insert(id),
         };
         self.nodes.push(Node {
-            name,
             place: place.into(),
-            form,
-            dim: kinds.len(),
-            kinds: kinds.to_vec(),
-            first: 0,
-            source,
+            ..Node::new(name, form, kinds, source)
         });
         Ok(id)
     }
@@ -254,7 +253,11 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].place
     }
 
-    fn check_own(&self, nodes: &[NodeId], what: impl Fn() -> String) -> Result<(), ModelError> {
+    pub(super) fn check_own(
+        &self,
+        nodes: &[NodeId],
+        what: impl Fn() -> String,
+    ) -> Result<(), ModelError> {
         if nodes.iter().all(|n| (n.0 as usize) < self.nodes.len()) {
             Ok(())
         } else {

@@ -180,10 +180,30 @@ pub(super) fn alternatives(nodes: &[Node], group: &[u32]) -> Vec<Vec<u32>> {
     sets
 }
 
+/// Nodes that follow others, masters first.
+pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
+    fn visit(nodes: &[Node], n: u32, done: &mut [bool], out: &mut Vec<u32>) {
+        if std::mem::replace(&mut done[n as usize], true) {
+            return;
+        }
+        if let Source::Mapped(d) = &nodes[n as usize].source {
+            for &m in d.segments.iter().flatten() {
+                visit(nodes, m, done, out);
+            }
+            out.push(n);
+        }
+    }
+    let (mut done, mut out) = (vec![false; nodes.len()], Vec::new());
+    for n in 0..nodes.len() as u32 {
+        visit(nodes, n, &mut done, &mut out);
+    }
+    out
+}
+
 /// Finds ancestors and reserves room for operators; the number of values needed.
-pub(super) fn arrange(nodes: &mut [Node]) -> usize {
+pub(super) fn arrange(nodes: &mut [Node], order: &[u32]) -> usize {
     let mut len = 0;
-    for n in 0..nodes.len() {
+    for n in order.iter().map(|&n| n as usize) {
         let Source::Mapped(d) = &nodes[n].source else {
             continue;
         };
@@ -208,8 +228,8 @@ pub(super) fn arrange(nodes: &mut [Node]) -> usize {
             }
         }
     }
-    for n in 0..nodes.len() {
-        find_ancestors(nodes, n);
+    for &n in order {
+        find_ancestors(nodes, n as usize);
     }
     len
 }
@@ -322,6 +342,9 @@ impl Model {
             let K_sigma = &mut local.K_sigma[..k * k];
             d.map
                 .geometric_stiffness(t, &local.q[..k], &w.r[node.range()], K_sigma);
+            if K_sigma.iter().all(|k| *k == 0.0) {
+                continue;
+            }
             // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
             let minus = Weights {
                 K: -weights.K,
@@ -384,8 +407,8 @@ impl Model {
             }
             if d.map.segment() != before {
                 self.work.handed_over = true;
-                for n in 0..self.nodes.len() {
-                    find_ancestors(&mut self.nodes, n);
+                for &n in &self.dependent {
+                    find_ancestors(&mut self.nodes, n as usize);
                 }
                 self.placement
                     .locate(&self.nodes, &mut self.elements, &self.pattern);

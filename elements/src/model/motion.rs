@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::builder::NodeId;
+use super::dependence::collect;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
 use pullback_manifold::so3;
@@ -92,7 +93,35 @@ impl Model {
         };
         let (r, psi) = (&self.work.r, three(&self.work.x, 3));
         // The covector of a spatial moment m is T m.
-        Some([-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))])
+        let mut out = [-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))];
+        if let Some(child) = self.closing_force(node) {
+            (out[0], out[1]) = (out[0] + child[0], out[1] + child[1]);
+        }
+        Some(out)
+    }
+
+    /// Force and moment on the child of a joint that closes a loop: with the multipliers μ of the
+    /// equations in the child's axes they are −R μ.
+    fn closing_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
+        let w = &self.work;
+        for report in &self.reports {
+            let ends = |&(frame, _): &(u32, u32)| frame == node.0;
+            let (Some(k), Some(x)) = (report.closures.iter().position(ends), report.map) else {
+                continue;
+            };
+            let n = &self.nodes[x as usize];
+            let Source::Mapped(d) = &n.source else {
+                continue;
+            };
+            let mut q = vec![0.0; d.direct];
+            collect(d.masters(), &self.spans, &w.x, &mut q);
+            let mut mu = vec![0.0; 6 * report.closures.len()];
+            d.map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            let three = |k: usize| Vector3::new(mu[k], mu[k + 1], mu[k + 2]);
+            let R = self.node_state(NodeId(report.closures[k].1)).R;
+            return Some([-(R * three(6 * k)), -(R * three(6 * k + 3))]);
+        }
+        None
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; whether it is one.
@@ -210,6 +239,61 @@ impl Model {
             }
         }
         Ok(())
+    }
+
+    /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
+    /// follow from others, and all of them together are changed as little as possible. How far off
+    /// the worst remains: zero to rounding where the loops allow the rates.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn fit_coordinate_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        rates: &[(NodeId, usize, f64)],
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let mut unknowns: Vec<usize> = Vec::new();
+        for (n, ..) in rates {
+            let own = match &self.nodes[n.0 as usize].source {
+                Source::Own => std::slice::from_ref(&n.0),
+                Source::Mapped(d) => &d.ancestors[..],
+            };
+            for c in own.iter().flat_map(|&m| self.nodes[m as usize].range()) {
+                if self.unknowns[c] != NONE {
+                    unknowns.push(self.unknowns[c] as usize);
+                }
+            }
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            let t = 0.0;
+            self.expand(Point { t, q, v, a: &a })?;
+            let rate =
+                |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];
+            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
+        };
+        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
+        let missing = wanted - now(v)?;
+        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
+        let start = now(v)?;
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(now(v)? - &start));
+            v[u] -= 1.0;
+        }
+        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            Ok(more) if !unknowns.is_empty() => {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more;
+                }
+                missing - columns * more
+            }
+            _ => missing,
+        };
+        Ok(left.amax())
     }
 
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation
