@@ -1,6 +1,6 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, ModelFile, Plan, Time};
+use crate::input::{self, InputError, Job, Joint, ModelFile, Plan, Time};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
 };
@@ -158,7 +158,7 @@ fn execute(
         begin(&mut model, &plan.options, &mut progress)?;
     }
     let warnings = match &checkpoint {
-        None => strained(&file, &progress),
+        None => strained(&model, &file, &progress),
         Some(_) => Vec::new(),
     };
     let directory = match &checkpoint {
@@ -215,13 +215,22 @@ fn execute(
 
 /// A word about energy that is stored at the start of a motion because driven coordinates, or
 /// initial values, are not where the model is drawn.
-fn strained(file: &ModelFile, progress: &Progress) -> Vec<String> {
+fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
+    // The coordinates of a loop are where they are together.
+    let looped = |j: &&Joint| {
+        let own = format!("{} ", j.name);
+        let mut all = model
+            .released()
+            .filter(|(_, name, _)| name.starts_with(&own));
+        all.any(|(node, ..)| !model.is_own(node))
+    };
     let joints = file
         .joints
         .iter()
-        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off));
+        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off))
+        .filter(|j| !looped(j));
     let joints = joints.map(|j| format!("joint {}", j.name));
     let supports = file.supports.iter().filter(|s| {
         let driven = s.driven.as_ref();

@@ -152,7 +152,7 @@ const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V
 
 fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../examples/models/four_bar.toml"))?;
-    let runs = halved(context, &file, &["coupler tip", "rocker tip"], 2e-3)?;
+    let runs = halved(context, &file, &["coupler tip", "rocker tip"], 1e-3)?;
     let start = std::f64::consts::FRAC_PI_2;
     let [crank, rate] = integrate(&four_bar_system, [start, 4.5], 4.0);
     let angle = Taylor {
@@ -169,7 +169,7 @@ fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     context.compare("its velocity along e1", found[0], x.d, 1e-4, SOURCE);
     context.compare("its velocity along e2", found[1], y.d, 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";
-    let what = "largest gap of the loop in 4000 steps";
+    let what = "largest gap of the loop in 8000 steps";
     context.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
@@ -197,6 +197,8 @@ fn flexible_coupler(context: &mut Context) -> Result<(), CaseError> {
         }
     }
     let l = BARS[1];
+    // Both start at rest.
+    alike.joints[0].rate = None;
     alike.bodies[1].mass = l;
     if let Some(crate::input::Tensor::Full(rows)) = &mut alike.bodies[1].inertia {
         rows.iter_mut().flatten().for_each(|x| *x *= l);
@@ -308,10 +310,11 @@ fn flexible_rod(context: &mut Context) -> Result<(), CaseError> {
     let nodes = ["slider", "rod end"];
     let stiff = context.motion(&stiff, &nodes, Run::step(5e-4).to(to))?;
     let bent = context.motion(&file, &nodes, Run::step(5e-4).to(to))?;
-    let source = "exact: the rigid mechanism, Runge-Kutta";
+    let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
-    let [way, _] = slider_exact(1.0, to);
-    context.compare(what, last(&stiff, 0).place.x, way, 2e-3, source);
+    let y = 6.0_f64.sin() * CRANK;
+    let way = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
+    context.compare(what, last(&stiff, 0).place.x, way, 1e-5, source);
     let source = "exact: the loop is closed at all times";
     context.compare(
         "largest gap of the loop",
@@ -320,9 +323,17 @@ fn flexible_rod(context: &mut Context) -> Result<(), CaseError> {
         1e-13,
         source,
     );
-    let source = "theory: generalised-alpha keeps energy but for its damping";
-    let what = "largest relative change of energy";
-    context.compare(what, energy_error(&bent), 0.0, 1e-2, source);
+    let source = "theory: what the crank supplies is there, but for the scheme's damping";
+    let off = bent.summary.energy.map_or(f64::NAN, |e| e.largest_defect);
+    let kinetic = bent.audit(|a| a.energies.kinetic);
+    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
+    context.compare(
+        "largest relative energy defect",
+        off / most,
+        0.0,
+        1e-3,
+        source,
+    );
     let way = |run: &History| run.curve(0, |s| s.place.x);
     context.figure(
         "Slider-crank mechanism",

@@ -3,7 +3,7 @@
 use super::case::{Case, CaseError, Context};
 use super::motion::{History, Run};
 use crate::input::{self, Plan};
-use crate::solve::begin;
+use crate::solve::{begin, point};
 use pullback_elements::model::NodeState;
 use pullback_integrators::dynamics::{DynamicsError, Progress, integrate, start};
 use std::ops::ControlFlow;
@@ -100,7 +100,12 @@ fn joints<const N: usize>(
     let mut progress = Progress::new(initial);
     begin(&mut model, &options, &mut progress).map_err(fail)?;
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
-    integrate(&mut model, &mut progress, &options, &mut |model, _| {
+    let mut failed = None;
+    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        if let Err(source) = model.configure(point(step.progress)) {
+            failed = Some(source);
+            return ControlFlow::Break(());
+        }
         for (k, &node) in nodes.iter().enumerate() {
             let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
             for d in 0..3 {
@@ -115,7 +120,10 @@ fn joints<const N: usize>(
         ControlFlow::Continue(())
     })
     .map_err(fail)?;
-    Ok((end, gap))
+    match failed {
+        Some(source) => Err(fail(DynamicsError::System { t: 0.0, source })),
+        None => Ok((end, gap)),
+    }
 }
 
 fn squeezer(context: &mut Context) -> Result<(), CaseError> {

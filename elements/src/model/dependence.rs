@@ -372,8 +372,8 @@ impl Model {
         }
     }
 
-    /// Lets the maps change their charts; where one has moved on to another segment, the places
-    /// of all tangents are found anew.
+    /// Lets the maps change their charts, masters first: a node sees those of its masters changed
+    /// already. Where one has moved on to another segment, the places of all tangents are found anew.
     pub(super) fn update_maps(&mut self, t: f64, q: &[f64]) -> Result<ChartChanges, SystemError> {
         let at = Point {
             t,
@@ -383,18 +383,19 @@ impl Model {
         };
         self.expand(at)?;
         let mut all = ChartChanges::default();
-        for k in 0..self.dependent.len() {
-            let node = &mut self.nodes[self.dependent[k] as usize];
+        let (mut changed, mut moved) = (false, false);
+        for &n in &self.dependent {
+            let node = &mut self.nodes[n as usize];
+            let own = node.range();
             let Source::Mapped(d) = &mut node.source else {
                 continue;
             };
+            let w = &mut self.work;
             let before = d.map.segment();
-            let mut changed = false;
             // On a new segment the map reads other masters, and may want other charts for them.
             for _ in 0..3 {
-                let q = &mut self.work.local.q;
-                let len = collect(d.masters(), &self.spans, &self.work.x, q);
-                let changes = d.map.change_charts(t, &q[..len]);
+                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let changes = d.map.change_charts(t, &w.local.q[..len]);
                 if changes == ChartChanges::default() {
                     break;
                 }
@@ -402,17 +403,22 @@ impl Model {
                 all.charts += changes.charts;
                 all.residual |= changes.residual;
             }
-            if !changed {
-                continue;
+            if changed {
+                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
+                d.map.tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
-            if d.map.segment() != before {
-                self.work.handed_over = true;
-                for &n in &self.dependent {
-                    find_ancestors(&mut self.nodes, n as usize);
-                }
-                self.placement
-                    .locate(&self.nodes, &mut self.elements, &self.pattern);
+            moved |= d.map.segment() != before;
+        }
+        if moved {
+            self.work.handed_over = true;
+            for &n in &self.dependent {
+                find_ancestors(&mut self.nodes, n as usize);
             }
+            self.placement
+                .locate(&self.nodes, &mut self.elements, &self.pattern);
+        }
+        if changed {
             self.expand(at)?;
         }
         Ok(all)
