@@ -114,9 +114,15 @@ fn beam_with_inertia(c: &mut Criterion) {
         (Ask::CombinedFrom, "the same, stresses extrapolated"),
     ];
     println!("\nin units of one static 12x12 by 12x12 product:");
-    for (name, section) in sections {
+    let total = sections.map(|(name, section)| (name, section, Interpolation::Total));
+    let geodesic = [
+        ("geodesic two-node beam", plain, Interpolation::Geodesic),
+        ("the same, damped", sections[2].1, Interpolation::Geodesic),
+    ];
+    for (name, section, interpolation) in total.into_iter().chain(geodesic) {
         let places = [Vector3::zeros(), Vector3::x()];
-        let beam = Beam::along(&places, &|_| Matrix3::identity(), &section).expect("a valid beam");
+        let beam = interpolation.beam(&places, &|_| Matrix3::identity(), &section);
+        let beam = beam.expect("a valid beam");
         for (ask, what) in asks {
             let mut measured = evaluation(&*beam, ask);
             if ask == Ask::Combined {

@@ -6,7 +6,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix3, SMatrix};
-use pullback::elements::beam::Beam;
+use pullback::elements::beam::Interpolation;
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::manifold::chart::Complement;
 use pullback::manifold::map::{Map, derived};
@@ -15,12 +15,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// A straight beam element of the given number of nodes along e1, and a bent state of it.
-fn beam(nodes: usize) -> (Box<dyn Element>, Vec<f64>) {
+fn beam(nodes: usize, interpolation: Interpolation) -> (Box<dyn Element>, Vec<f64>) {
     let places: Vec<Vector3<f64>> = (0..nodes)
         .map(|k| Vector3::x() * k as f64 / (nodes - 1) as f64)
         .collect();
     let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0]).expect("a valid section");
-    let beam = Beam::along(&places, &|_| Matrix3::identity(), &section).expect("a valid beam");
+    let beam = interpolation
+        .beam(&places, &|_| Matrix3::identity(), &section)
+        .expect("a valid beam");
     let x = (0..6 * nodes).map(|i| 0.1 * (i as f64).sin()).collect();
     (beam, x)
 }
@@ -54,15 +56,16 @@ fn evaluate(
     .expect("inside the chart");
 }
 
-/// Best of several averages, in seconds.
+/// Best of several averages, in seconds; each is so short that on a busy machine some of them are not
+/// interrupted.
 fn seconds(mut f: impl FnMut()) -> f64 {
-    (0..15)
+    (0..300)
         .map(|_| {
             let start = Instant::now();
-            for _ in 0..4000 {
+            for _ in 0..200 {
                 f();
             }
-            start.elapsed().as_secs_f64() / 4000.0
+            start.elapsed().as_secs_f64() / 200.0
         })
         .fold(f64::INFINITY, f64::min)
 }
@@ -79,8 +82,13 @@ fn kernels(c: &mut Criterion) {
         black_box(&product);
     });
     let mut rows = Vec::new();
-    for nodes in 2..=4 {
-        let (element, x) = beam(nodes);
+    let interpolations = [
+        ("", Interpolation::Total),
+        ("geodesic ", Interpolation::Geodesic),
+    ];
+    let kinds = interpolations.map(|(kind, i)| (2..=4).map(move |nodes| (kind, i, nodes)));
+    for (kind, interpolation, nodes) in kinds.into_iter().flatten() {
+        let (element, x) = beam(nodes, interpolation);
         let previous: Vec<f64> = x.iter().map(|x| 1.1 * x).collect();
         let n = 6 * nodes;
         let (mut r, mut K) = (vec![0.0; n], vec![0.0; n * n]);
@@ -89,19 +97,22 @@ fn kernels(c: &mut Criterion) {
             evaluate(&*element, &x, previous, &mut r, Some(&mut K));
             black_box(&K);
         };
-        c.bench_function(&format!("{nodes}-node beam, force and tangent"), |bench| {
-            bench.iter(|| force_and_tangent(None));
-        });
+        c.bench_function(
+            &format!("{nodes}-node {kind}beam, force and tangent"),
+            |bench| {
+                bench.iter(|| force_and_tangent(None));
+            },
+        );
         rows.push((
-            format!("{nodes}-node beam, force and tangent"),
+            format!("{nodes}-node {kind}beam, force and tangent"),
             seconds(|| force_and_tangent(None)),
         ));
         rows.push((
-            format!("{nodes}-node beam, the same with extrapolated stresses"),
+            format!("{nodes}-node {kind}beam, the same with extrapolated stresses"),
             seconds(|| force_and_tangent(Some(&previous))),
         ));
         rows.push((
-            format!("{nodes}-node beam, force alone"),
+            format!("{nodes}-node {kind}beam, force alone"),
             seconds(|| {
                 evaluate(&*element, &x, None, &mut r, None);
                 black_box(&r);

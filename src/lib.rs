@@ -81,6 +81,7 @@
 //!
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
 
+pub mod check;
 pub mod gallery;
 pub mod input;
 pub mod output;

@@ -48,6 +48,21 @@ enum Command {
         #[arg(long, short)]
         quiet: bool,
     },
+    /// Checks every element, load and joint of a model file and the assembled system: tangents
+    /// against residuals, symmetry, objectivity, changes of chart, the balance of power.
+    ///
+    /// Prints a table, and for what is wrong which block of which component and by how much. Exit
+    /// code 0: all is well; 1: something is wrong; 2: the model file is refused.
+    Check {
+        /// Model file (TOML; see docs/model_file.md).
+        model: PathBuf,
+        /// Seed of the random states and directions.
+        #[arg(long, default_value_t = 0)]
+        seed: u64,
+        /// Prints the rows as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -71,6 +86,7 @@ fn main() -> ExitCode {
             resume: again,
             quiet,
         } => run_model(&model, out.as_deref(), again, quiet),
+        Command::Check { model, seed, json } => check(&model, seed, json),
         Command::Schema => print_schema(),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
     };
@@ -174,6 +190,32 @@ fn complain(error: &dyn Diagnostic) {
     match handler.render_report(&mut text, error) {
         Ok(()) => eprintln!("{text}"),
         Err(_) => eprintln!("error: {error}"),
+    }
+}
+
+fn check(model: &Path, seed: u64, json: bool) -> u8 {
+    let report = match pullback::check::file(model, seed) {
+        Ok(report) => report,
+        Err(error) => {
+            complain(&error);
+            return REFUSED;
+        }
+    };
+    let text = if json {
+        match serde_json::to_string_pretty(&pullback::check::entries(&report)) {
+            Ok(text) => text + "\n",
+            Err(error) => {
+                eprintln!("cannot encode the rows: {error}");
+                return REFUSED;
+            }
+        }
+    } else {
+        pullback::check::table(&report)
+    };
+    match print(&text) {
+        0 if report.is_ok() => 0,
+        0 => FAILED,
+        code => code,
     }
 }
 

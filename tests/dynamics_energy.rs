@@ -6,7 +6,7 @@ mod dynamics_support;
 
 use dynamics_support::*;
 use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::{Damping, Section};
+use pullback::elements::beam::{Damping, Interpolation, Section};
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, RigidMotion, Straight};
@@ -18,6 +18,16 @@ use std::f64::consts::{PI, TAU};
 
 /// A line of beam elements along e1 between two nodes that exist.
 fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], elements: usize, section: Section) -> Vec<NodeId> {
+    beam_with(b, ends, elements, section, Interpolation::Total)
+}
+
+fn beam_with(
+    b: &mut ModelBuilder,
+    ends: [NodeId; 2],
+    elements: usize,
+    section: Section,
+    interpolation: Interpolation,
+) -> Vec<NodeId> {
     let axis = Straight {
         from: b.place(ends[0]),
         to: b.place(ends[1]),
@@ -29,7 +39,8 @@ fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], elements: usize, section: Secti
         order: 1,
         section,
     };
-    let nodes = b.line("beam", &axis, ends, &line).unwrap().nodes;
+    let laid = b.line_with("beam", &axis, ends, &line, interpolation);
+    let nodes = laid.unwrap().nodes;
     for (k, pair) in nodes.windows(2).enumerate() {
         let places = [b.place(pair[0]), b.place(pair[1])];
         let force = [0.0, 0.0, -9.81 * section.inertia.mass];
@@ -113,11 +124,11 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
 }
 
 /// A free beam that spins and flies.
-fn free_beam() -> (Model, Vec<f64>) {
+fn free_beam(interpolation: Interpolation) -> (Model, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
-    beam(&mut b, ends, 2, soft());
+    beam_with(&mut b, ends, 2, soft(), interpolation);
     let model = b.build().unwrap();
     let mut v = vec![0.0; model.pattern().dim()];
     let motion = RigidMotion {
@@ -131,10 +142,19 @@ fn free_beam() -> (Model, Vec<f64>) {
 
 #[test]
 fn a_free_beam_under_the_trapezoidal_rule() {
+    free_beam_conserves(Interpolation::Total);
+}
+
+#[test]
+fn a_free_geodesic_beam_under_the_trapezoidal_rule() {
+    free_beam_conserves(Interpolation::Geodesic);
+}
+
+fn free_beam_conserves(interpolation: Interpolation) {
     let to = 1.5;
     let mut linear = 0.0_f64;
     let errors = [200, 400, 800].map(|n| {
-        let (mut model, v) = free_beam();
+        let (mut model, v) = free_beam(interpolation);
         let q = vec![0.0; v.len()];
         let start = Point {
             t: 0.0,

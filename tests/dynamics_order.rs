@@ -6,7 +6,7 @@ mod dynamics_support;
 
 use dynamics_support::*;
 use nalgebra::{Matrix3, Vector3};
-use pullback::elements::beam::Section;
+use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{offset, revolute, spherical};
 use pullback::elements::model::{
@@ -55,6 +55,10 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
 /// A flexible beam on the arm of a revolute joint whose carriage is driven. With a `tilt` the
 /// motion is spatial.
 fn swung_beam(elements: usize, tilt: f64) -> Problem {
+    swung_beam_with(elements, tilt, Interpolation::Total)
+}
+
+fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> Problem {
     let mut b = ModelBuilder::new();
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
@@ -78,7 +82,8 @@ fn swung_beam(elements: usize, tilt: f64) -> Problem {
         order: 1,
         section,
     };
-    b.line("beam", &axis, [arm, tip], &line).unwrap();
+    b.line_with("beam", &axis, [arm, tip], &line, interpolation)
+        .unwrap();
     let model = b.build().unwrap();
     let q = vec![0.0; model.pattern().dim()];
     let mut v = q.clone();
@@ -253,6 +258,22 @@ fn a_flexible_beam_swung_in_space_within_one_chart() {
         let options = tight(scheme, to, to / n as f64);
         let (states, progress) = history(&mut system, &probes, [&[], &v], &options, 8);
         assert_eq!(progress.summary.chart_changes, 0);
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(320, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+}
+
+#[test]
+fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
+    let to = 1.0;
+    let run = |scheme, n| {
+        let problem = swung_beam_with(2, 0.3, Interpolation::Geodesic);
+        let (states, changes) = by_itself(problem, scheme, to, n);
+        assert_eq!(changes, 3);
         states
     };
     let reference = richardson(1280, &mut |n| run(Scheme::default(), n));

@@ -163,6 +163,10 @@ fn a_killed_run_goes_on_from_its_last_checkpoint() {
         ControlFlow::Continue(())
     })
     .unwrap();
+    // And it was killed while it wrote the rows of the next one.
+    let log = killed.join("checkpoint.log");
+    let more = read(&log) + "[{\"step\":36,\"event\":nu";
+    std::fs::write(&log, more).unwrap();
     let mut first = None;
     resume(&model, Some(&killed), &mut |step| {
         first.get_or_insert(step.number);
@@ -266,12 +270,8 @@ fn a_checkpoint_that_was_tampered_with_is_refused() {
         ("another length", |c| {
             c["progress"]["state"]["a"].as_array_mut().unwrap().pop();
         }),
-        ("another number of columns", |c| {
-            c["record"]["rows"][0]["probes"] = Value::Array(Vec::new());
-        }),
-        ("no rows", |c| {
-            c["record"]["rows"] = Value::Array(Vec::new())
-        }),
+        ("another number of rows", |c| c["log"]["rows"] = 5.into()),
+        ("no rows", |c| c["log"]["bytes"] = 0.into()),
         ("another version", |c| {
             c["program"] = "pullback 0.0.9".into()
         }),
@@ -289,6 +289,70 @@ fn a_checkpoint_that_was_tampered_with_is_refused() {
             "{error}"
         );
     }
+    std::fs::write(&path, whole.to_string()).unwrap();
+    let path = directory.join("model.out/checkpoint.log");
+    let whole = read(&path);
+    let edits = [
+        (whole[..whole.len() - 3].to_owned(), "ends before"),
+        (
+            whole.replacen("{\"step\":", "{\"stop\":", 1),
+            "is no checkpoint",
+        ),
+        (with_a_value_less(&whole), "another number of columns"),
+    ];
+    for (edited, what) in edits {
+        std::fs::write(&path, edited).unwrap();
+        let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
+    std::fs::remove_file(&path).unwrap();
+    let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
+    assert!(error.contains("cannot read"), "{error}");
+    assert!(error.contains("checkpoint.log"), "{error}");
+}
+
+/// A log whose first row has lost the first value of its probes, with spaces in its place.
+fn with_a_value_less(log: &str) -> String {
+    let start = log.find("\"probes\":[").unwrap() + "\"probes\":[".len();
+    let end = start + log[start..].find(',').unwrap() + 1;
+    format!(
+        "{}{}{}",
+        &log[..start],
+        " ".repeat(end - start),
+        &log[end..]
+    )
+}
+
+#[test]
+fn a_checkpoint_costs_the_same_however_many_rows_there_are() {
+    let directory = directory("program_checkpoint_cost");
+    let text = MODEL
+        .replace("checkpoint_every = 7", "checkpoint_every = 1")
+        .replace("record_every = 2", "record_every = 1")
+        .replace("step = 0.01", "step = 0.0025");
+    let model = write(&directory, &text);
+    let out = directory.join("model.out");
+    let size = |name: &str| std::fs::metadata(out.join(name)).unwrap().len();
+    let mut seen = Vec::new();
+    let mut log = String::new();
+    run(&model, None, &mut |step| {
+        // Shapes are thinned out from 65 to 33 after 64, 128 and 256 rows: equally many of them.
+        if [100, 200, 400].contains(&step.number) {
+            seen.push((size("checkpoint.json"), size("checkpoint.log")));
+        }
+        let now = read(out.join("checkpoint.log"));
+        assert!(now.starts_with(&log), "rewritten in step {}", step.number);
+        assert_eq!(now.lines().count(), step.number + 1);
+        log = now;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let [(first, few), .., (last, many)] = seen[..] else {
+        panic!("{seen:?}");
+    };
+    assert!(many > 3 * few, "{seen:?}");
+    // But for the digits of numbers.
+    assert!(last.abs_diff(first) * 20 < first, "{seen:?}");
 }
 
 #[test]

@@ -45,6 +45,12 @@ pub enum ElementError {
         /// The rotation angle in radians.
         psi: f64,
     },
+    /// Two nodes have turned against each other by a whole turn.
+    #[error("its nodes have turned against each other by {psi:.6} rad, nearly a whole turn (2π)")]
+    Overturned {
+        /// The angle of the relative rotation in radians.
+        psi: f64,
+    },
     /// The two ends of a spring coincide.
     #[error("its ends coincide (length {length:.3e}): its force has no direction")]
     ZeroLength {
@@ -157,6 +163,17 @@ pub trait Element: Send + Sync {
     /// Whether K is symmetric wherever the element can be.
     fn is_symmetric(&self) -> bool {
         true
+    }
+
+    /// Whether its forces turn with a rigid motion of all its nodes, as internal ones do; what is
+    /// tied to space besides its nodes says no. So do loads by default.
+    fn is_objective(&self) -> bool {
+        !self.is_load()
+    }
+
+    /// The name of its type, for reports.
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<Self>()
     }
 
     /// Whether it stands for applied loads, which set the scale of a convergence test.

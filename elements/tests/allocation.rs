@@ -6,6 +6,7 @@ mod common;
 
 use common::{Coupling, Offset, coupled};
 use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
 use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
 use pullback_elements::load::{LineLoad, NodalLoad, Which};
@@ -38,6 +39,22 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         section: coupled(),
     };
     let nodes = b.line("line", &axis, [root, end], &line).unwrap().nodes;
+    // The other interpolation, between the same nodes.
+    let damping = Damping {
+        mass: 0.1,
+        stiffness: 0.2,
+    };
+    let section = coupled().with_mass(2.0, Matrix3::identity());
+    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
+    let frame = frame_along(&(places[1] - places[0]), None);
+    for section in [section, section.with_damping(damping).unwrap()] {
+        for count in [2, 3] {
+            let beam = Interpolation::Geodesic.beam(&places[..count], &|_| frame, &section);
+            let name = format!("geodesic {count} {}", section.damping.mass);
+            b.boxed_element(name, beam.unwrap(), &nodes[..count])
+                .unwrap();
+        }
+    }
     let offset = Offset([0.0, 0.3, 0.4]).boxed();
     let slave = b
         .mapped_node("slave", [3.0, 0.3, 0.4], offset, &[end])
@@ -58,7 +75,10 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
     let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
     let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
+    let turning = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(Proportional(1.0)));
+    let turning = turning.unwrap().with_interpolation(Interpolation::Geodesic);
     b.element("wind", wind, &nodes[..3]).unwrap();
+    b.element("geodesic wind", turning, &nodes[..3]).unwrap();
     let by_energy = PolynomialSpring {
         places: ends,
         rest_length: 1.0,

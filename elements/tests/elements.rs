@@ -6,7 +6,7 @@ mod common;
 
 use common::{Coupling, coupled, section};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use pullback_elements::beam::{Beam, BeamError, Damping};
+use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::inertia::Inertia;
@@ -41,13 +41,18 @@ fn along_helix(xi: f64) -> Matrix3<f64> {
     )
 }
 
+const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Total, Interpolation::Geodesic];
+
 #[test]
 fn beams() {
     for nodes in 2..=4 {
         for section in [section(), coupled()] {
-            let beam = Beam::along(&helix(nodes), &along_helix, &section).unwrap();
-            assert_eq!(beam.dim(), 6 * nodes);
-            check::element(&*beam).assert();
+            for interpolation in INTERPOLATIONS {
+                let beam = interpolation.beam(&helix(nodes), &along_helix, &section);
+                let beam = beam.unwrap();
+                assert_eq!(beam.dim(), 6 * nodes);
+                check::element(&*beam).assert();
+            }
         }
     }
 }
@@ -78,8 +83,10 @@ fn beams_with_inertia_and_damping() {
             plain.with_damping(damping).unwrap(),
             section().with_damping(damping).unwrap(),
         ] {
-            let beam = Beam::along(&helix(nodes), &along_helix, &section).unwrap();
-            check::element(&*beam).assert();
+            for interpolation in INTERPOLATIONS {
+                let beam = interpolation.beam(&helix(nodes), &along_helix, &section);
+                check::element(&*beam.unwrap()).assert();
+            }
         }
     }
 }
@@ -107,7 +114,11 @@ fn line_loads() {
         for follower in [false, true] {
             let amplitude = Box::new(sine());
             let load = LineLoad::new(&helix(nodes), [0.8, -1.4, 2.2], follower, amplitude);
-            check::element(&load.unwrap()).assert();
+            let mut load = load.unwrap();
+            for interpolation in INTERPOLATIONS {
+                load = load.with_interpolation(interpolation);
+                check::element(&load).assert();
+            }
         }
     }
 }

@@ -144,16 +144,17 @@ fn a_rotation_driven_past_a_turn() {
     let mut model = b.build().unwrap();
     let n = model.pattern().dim();
     let mut q = DVector::zeros(n);
+    model.start(0.6, q.as_slice());
     let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
-    assert_eq!(changes.charts, 1);
+    assert_eq!(changes.charts, 0, "the start has done it");
     check_around("driven past a turn", &mut model, &q, 0.2);
     // The last of these states is at t = 0.6.
     let found = model.node_state(tip);
     let expected = nalgebra::Rotation3::new(psi(0.6));
     assert!((found.R - expected.matrix()).norm() < 1e-13);
     assert!((found.psi.norm() - (psi(0.6).norm() - 2.0 * PI)).abs() < 1e-14);
-    // Back: 4.2 rad is nearer to one turn than to none, 2.2 rad is not.
-    for (t, charts) in [(0.3, 0), (0.1, 1)] {
+    // Back: 4.2 rad is nearer to one turn than to none, 2.2 rad is not. And forth.
+    for (t, charts) in [(0.3, 0), (0.1, 1), (0.3, 1)] {
         let changes = model.change_charts(t, q.as_mut_slice(), &mut [], &mut []);
         assert_eq!(changes.charts, charts, "{} rad", psi(t).norm());
     }
@@ -247,6 +248,7 @@ fn nodes_astride_pi() {
             .position(|n| model.frames().nth(k).unwrap().0 == *n);
         e * angles[at.unwrap()]
     });
+    model.start(0.6, q.as_slice());
     let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     assert_eq!(changes.charts, 2);
     assert!(changes.residual);
@@ -285,6 +287,7 @@ fn mapped_nodes_stored_in_the_other_chart() {
     b.prescribe(masters[1], Dof::RY, sine(0.3));
     let mut model = b.build().unwrap();
     let mut q = turned(&model, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
+    model.start(0.6, q.as_slice());
     let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     assert_eq!(changes.charts, 0);
     check_around("twin", &mut model, &q, 0.1);
@@ -300,6 +303,7 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
             .position(|n| model.frames().nth(k).unwrap().0 == *n);
         e * [2.9, 3.1, 3.3][at.unwrap()]
     });
+    model.start(0.6, q.as_slice());
     model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     let mut random = Random::new(2);
     let n = q.len();
@@ -360,6 +364,7 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
             .position(|n| model.frames().nth(k).unwrap().0 == *n);
         Vector3::new(1.0, -2.0, 2.0) / 3.0 * (2.8 + 0.2 * at.unwrap() as f64)
     });
+    model.start(0.6, q.as_slice());
     model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     // check::system holds a system that claims it to symmetry.
     check_around("conservative", &mut model, &q, 0.05);

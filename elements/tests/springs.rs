@@ -296,7 +296,7 @@ fn a_bushing_answers_in_its_axes() {
     x[5] = -PI;
     x[11] = PI - 1e-4;
     let error = residual(&b, &x, &[]).unwrap_err();
-    let ElementError::OutsideChart { psi } = error else {
+    let ElementError::Overturned { psi } = error else {
         panic!("{error}");
     };
     assert!((psi - (TAU - 1e-4)).abs() < 1e-9, "{psi}");

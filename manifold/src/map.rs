@@ -92,6 +92,12 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         ChartChanges::default()
     }
 
+    /// Whether a frame that hangs on the map moves with a rigid motion of all frames that the map
+    /// reads: true for joints between bodies, and by default; false for what is tied to space.
+    fn is_objective(&self) -> bool {
+        true
+    }
+
     /// Changes the meaning of the coordinates q where other ones are better, and tells what they
     /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
     /// state, and never between. Nothing to do by default; a map that does
@@ -182,6 +188,11 @@ pub struct KinematicsMut<'a> {
 /// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
 /// says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
+    /// The name of the map's type.
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
+
     /// (d, n): number of coordinates q and number of embedding coordinates x.
     fn dims(&self) -> (usize, usize);
 
@@ -203,6 +214,11 @@ pub trait Parametrization: Send + Sync {
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         let _ = (t, q);
         ChartChanges::default()
+    }
+
+    /// See [`Map::is_objective`].
+    fn is_objective(&self) -> bool {
+        true
     }
 
     /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
@@ -269,6 +285,10 @@ impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
 where
     M: Map<D, N> + Clone + 'static,
 {
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<M>()
+    }
+
     fn dims(&self) -> (usize, usize) {
         (D, N)
     }
@@ -287,6 +307,10 @@ where
 
     fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
         self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 
     fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {

@@ -227,6 +227,13 @@ pub trait System {
         ChartChanges::default()
     }
 
+    /// A run starts from `q` at time `t`, or goes on from there after a step that failed: a system
+    /// that remembers more of its way than its coordinates takes what belongs to this state.
+    /// Nothing by default.
+    fn start(&mut self, t: f64, q: &[f64]) {
+        let _ = (t, q);
+    }
+
     /// Times at which a prescribed function has a kink: a derivative jumps there, so that a time
     /// step may end there but not cross it. In any order, possibly repeated; none by default.
     fn kinks(&self) -> Vec<f64> {

@@ -100,6 +100,7 @@ impl Place {
 }
 
 /// A driven joint: one coordinate and the time give one of the embedding space.
+#[derive(Clone)]
 struct Screw;
 
 impl Map<1, 1> for Screw {
@@ -233,9 +234,13 @@ fn tangents_of_the_pulled_back_residual() {
         // A revolute joint between rotations of 2π − 0.3 each is beyond 2π.
         .filter(|(at, _)| !at.starts_with("2pi"))
         .collect();
-    check::forces_at("pull-back", &states, false, |s| {
-        Some(forces(&mut places, s))
-    })
+    check::forces_at(
+        "pull-back",
+        &check::Layout::plain(states[0].1.x.len()),
+        &states,
+        false,
+        |s| Some(forces(&mut places, s)),
+    )
     .assert();
 }
 

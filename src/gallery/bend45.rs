@@ -2,7 +2,7 @@
 //! rotation or another load path changes.
 
 use super::case::{Case, CaseError, Context, order};
-use crate::input::{DofName, Driven, Fix, ModelFile, Time};
+use crate::input::{DofName, Driven, Fix, Interpolation, ModelFile, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
 
@@ -107,6 +107,29 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
     }
     let d = tip(context, &variant(&file, 32, 3))?;
     context.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
+    // Geodesic elements on the way to the same curve.
+    for (nodes, expected, meshes) in [(2, 2.0, [16, 32]), (3, 4.0, [16, 32])] {
+        let mut errors = Vec::new();
+        for elements in meshes {
+            let mut file = variant(&file, elements, nodes - 1);
+            file.lines[0].interpolation = Interpolation::Geodesic;
+            errors.push((tip(context, &file)? - exact).norm());
+        }
+        context.compare(
+            format!(
+                "order, geodesic {nodes}-node, {} to {} elements",
+                meshes[0], meshes[1]
+            ),
+            order(errors[0], errors[1]),
+            expected,
+            0.3,
+            "theory: as with total rotation vectors",
+        );
+    }
+    let mut fine = variant(&file, 32, 3);
+    fine.lines[0].interpolation = Interpolation::Geodesic;
+    let d = tip(context, &fine)?;
+    context.compare_vector("tip, 32 geodesic 4-node elements,", d, EXACT, 1e-7, SOURCE);
     Ok(())
 }
 
@@ -148,14 +171,26 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     context.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
 
     // The same bend with a follower force, its clamp turned: the strain energy must not change.
-    let free = energy(context, &file, 8, true, 0.0)?;
-    let scale = energy(context, &file, 8, false, 300.0)?;
+    let mut geodesic = file.clone();
+    geodesic.lines[0].interpolation = Interpolation::Geodesic;
+    for (file, name) in [(&file, ""), (&geodesic, "geodesic ")] {
+        let free = energy(context, file, 8, true, 0.0)?;
+        let scale = energy(context, file, 8, false, 300.0)?;
+        context.compare(
+            format!("strain energy of the unloaded {name}bend, turned by 1.6 rad, relative"),
+            free / scale,
+            0.0,
+            1e-12,
+            "exact: S21",
+        );
+    }
+    let straight = energy(context, &geodesic, 8, false, 300.0)?;
     context.compare(
-        "strain energy of the unloaded bend, turned by 1.6 rad, relative",
-        free / scale,
+        "relative change of strain energy when the loaded geodesic bend is turned, 8 elements",
+        energy(context, &geodesic, 8, true, 300.0)? / straight - 1.0,
         0.0,
-        1e-12,
-        "exact: S21",
+        1e-9,
+        "exact: S21; to what Newton's method leaves",
     );
     let mut errors = Vec::new();
     for elements in [8, 16, 32] {

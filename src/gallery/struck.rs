@@ -41,6 +41,37 @@ fn height(run: &History, node: usize) -> Vec<(f64, f64)> {
     run.curve(node, |s| s.d.z)
 }
 
+/// A turning point of a curve: its name, the span of time that holds it, +1 for a maximum or −1 for
+/// a minimum, its time and its height.
+type Turn = (&'static str, [f64; 2], f64, (f64, f64));
+
+/// What is known of the converged solution.
+const TIP: [Turn; 2] = [
+    ("tip, first maximum", [5.0, 10.0], 1.0, (7.438, 8.2521)),
+    ("tip, minimum", [12.0, 17.0], -1.0, (15.875, -9.727)),
+];
+const ELBOW: [Turn; 2] = [
+    ("elbow, first maximum", [1.0, 5.0], 1.0, (3.1, 5.5129)),
+    ("elbow, minimum", [8.0, 14.0], -1.0, (10.862, -4.06)),
+];
+const INDEPENDENT: &str = "independent: spectral elements, Gauss, D01";
+
+/// Compares turning points of a curve; tolerances of times and heights.
+fn turns(
+    context: &mut Context,
+    run: &str,
+    curve: &[(f64, f64)],
+    turns: &[Turn],
+    [time, height]: [f64; 2],
+    source: &str,
+) {
+    for &(name, span, sign, (t, z)) in turns {
+        let (at, value) = extremum(curve, span, sign);
+        context.compare(format!("{run}{name}: height"), value, z, height, source);
+        context.compare(format!("{run}{name}: time"), at, t, time, source);
+    }
+}
+
 fn elbow(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(FILE)?;
     let nodes = ["tip", "elbow"];
@@ -50,24 +81,11 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
-            let source = "published: Simo & Vu-Quoc 1988, digitised";
-            for (curve, name, span, sign, (t, z)) in [
-                (&tip, "tip, first maximum", [5.0, 10.0], 1.0, (7.67, 8.295)),
-                (&tip, "tip, minimum", [12.0, 20.0], -1.0, (15.99, -9.673)),
-                (&tip, "tip, last maximum", [22.0, 29.0], 1.0, (26.08, 6.98)),
-                (
-                    &elbow,
-                    "elbow, first maximum",
-                    [1.0, 5.0],
-                    1.0,
-                    (3.05, 5.5035),
-                ),
-                (&elbow, "elbow, minimum", [8.0, 14.0], -1.0, (10.82, -3.87)),
-            ] {
-                let (at, value) = extremum(curve, span, sign);
-                context.compare(format!("{name}: height"), value, z, 0.35, source);
-                context.compare(format!("{name}: time"), at, t, 0.35, source);
-            }
+            // What D01 says meshes and steps as coarse as the published ones are to be trusted to.
+            let trusted = [0.1; 2];
+            let name = "20 elements: ";
+            turns(context, name, &tip, &TIP, trusted, INDEPENDENT);
+            turns(context, name, &elbow, &ELBOW, trusted, INDEPENDENT);
         }
         for (color, name, curve) in [(0, "tip", tip), (1, "elbow", elbow)] {
             let label = format!("{name}, {all} elements");
@@ -78,6 +96,7 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
             curves.push(curve.colored(color));
         }
     }
+    as_first_published(context, &file)?;
     context.figure(
         "Right-angle cantilever",
         ["time t", "displacement along e3"],
@@ -85,48 +104,63 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
     )
 }
 
+/// The mesh and the step of Simo & Vu-Quoc 1988, against their curves. Much of what these differ by
+/// from the converged solution is their step: the late maximum of the tip is 7.21 in converged
+/// solutions, 6.98 in the figure and 7.02 here.
+fn as_first_published(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
+    let step = 0.25;
+    let run = context.motion(&mesh(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
+    let [tip, elbow] = [0, 1].map(|k| height(&run, k));
+    let name = "4 quadratic, h = 0.25: ";
+    let source = "published: Simo & Vu-Quoc 1988, digitised";
+    // Heights as D01 trusts coarse meshes; a curve through points that are a step apart has its
+    // turning points at times known to a step.
+    let trusted = [step, 0.1];
+    let published = [
+        ("tip, first maximum", [5.0, 10.0], 1.0, (7.67, 8.295)),
+        ("tip, minimum", [12.0, 20.0], -1.0, (15.99, -9.673)),
+        ("tip, last maximum", [22.0, 29.0], 1.0, (26.08, 6.98)),
+    ];
+    turns(context, name, &tip, &published, trusted, source);
+    let published = [
+        ("elbow, first maximum", [1.0, 5.0], 1.0, (3.05, 5.5035)),
+        ("elbow, last maximum", [22.0, 29.0], 1.0, (25.16, 6.105)),
+    ];
+    turns(context, name, &elbow, &published, trusted, source);
+    // The lowest point read from the figure is 0.19 above what all converged solutions have. Points
+    // were read 0.51 before and 0.31 after it: the lowest point of the curve lies up to 0.15 to 0.25
+    // from the nearest of them, and the parabola through the three rises by 0.03 to 0.09 over that
+    // way. The lesser of both is added to what the mesh is trusted to.
+    let lowest = [("elbow, minimum", [8.0, 14.0], -1.0, (10.82, -3.87))];
+    let source =
+        "published: Simo & Vu-Quoc 1988, digitised beside its lowest point (other codes: -4.06)";
+    turns(context, name, &elbow, &lowest, [step, 0.1 + 0.03], source);
+    Ok(())
+}
+
 fn converged(context: &mut Context) -> Result<(), CaseError> {
     let file = mesh(&context.file(FILE)?, 5, 3);
-    let run = context.motion(&file, &["tip", "elbow"], Run::step(0.01).to(17.0))?;
+    let run = context.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
-    let source = "independent: spectral elements, Gauss, D01";
-    for (curve, name, span, sign, (t, z), tolerance) in [
-        (
+    // The first two before t = 10, where D01 is known better.
+    for (turn, tolerance) in [(0, 1e-3), (1, 2e-3)] {
+        let tolerances = [0.02, tolerance];
+        turns(
+            context,
+            "",
             &tip,
-            "tip, first maximum",
-            [5.0, 10.0],
-            1.0,
-            (7.438, 8.2521),
-            1e-3,
-        ),
-        (
-            &tip,
-            "tip, minimum",
-            [12.0, 17.0],
-            -1.0,
-            (15.875, -9.727),
-            2e-3,
-        ),
-        (
+            &TIP[turn..=turn],
+            tolerances,
+            INDEPENDENT,
+        );
+        turns(
+            context,
+            "",
             &elbow,
-            "elbow, first maximum",
-            [1.0, 5.0],
-            1.0,
-            (3.1, 5.5129),
-            1e-3,
-        ),
-        (
-            &elbow,
-            "elbow, minimum",
-            [8.0, 14.0],
-            -1.0,
-            (10.862, -4.06),
-            2e-3,
-        ),
-    ] {
-        let (at, value) = extremum(curve, span, sign);
-        context.compare(format!("{name}: height"), value, z, tolerance, source);
-        context.compare(format!("{name}: time"), at, t, 0.02, source);
+            &ELBOW[turn..=turn],
+            tolerances,
+            INDEPENDENT,
+        );
     }
     for (curve, name, span, sign, z) in [
         (&tip, "tip, first maximum", [5.0, 10.0], 1.0, 8.25),
@@ -140,6 +174,7 @@ fn converged(context: &mut Context) -> Result<(), CaseError> {
     for (name, span, sign, z) in [
         ("tip, first maximum", [5.0, 10.0], 1.0, 8.2513),
         ("tip, minimum", [12.0, 17.0], -1.0, -9.734),
+        ("tip, last maximum", [22.0, 28.0], 1.0, 7.2092),
     ] {
         let (_, value) = extremum(&tip, span, sign);
         let source = "other code: AeroBeams, 20 elements per leg, h = 0.05";

@@ -6,6 +6,7 @@ use super::settings::Plan;
 use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
+use pullback_elements::beam::Interpolation;
 use pullback_elements::model::{ElementId, Model, ModelBuilder, ModelError, NodeId};
 use std::collections::{BTreeMap, HashMap};
 
@@ -58,6 +59,8 @@ pub struct LineGeometry {
     pub name: String,
     /// Order of the elements.
     pub order: usize,
+    /// Interpolation of their rotations.
+    pub interpolation: Interpolation,
     /// Nodes from start to end.
     pub nodes: Vec<NodeId>,
     /// Reference orientation (columns E₁, E₂, E₃) at each node.

@@ -138,7 +138,7 @@ pub enum Problem {
     DrivenJoint { joint: String, key: &'static str },
     #[error(
         "joint \"{joint}\" cannot slide along line \"{line}\": lines must have elements of order 1 \
-         (this one has {order}) and begin where the one before ends"
+         (this one has {order}), begin where the one before ends and have its interpolation"
     )]
     SlideLine {
         joint: String,

@@ -4,9 +4,10 @@ use super::assemble::{LineGeometry, Names};
 use super::file::{Acts, Joint, JointKind, ModelFile};
 use super::loads::{drive, function};
 use super::{InputError, Problem, Text};
+use pullback_elements::beam::Interpolation;
 use pullback_elements::joint::{
     JointNodes, constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute,
-    slide, spherical, universal, weld,
+    slide_on, spherical, universal, weld,
 };
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
@@ -72,9 +73,9 @@ pub(super) fn make(
         }
         JointKind::Spherical => Made::fixed(spherical(b, name, on()?).map_err(model)?.frame),
         JointKind::Slide => {
-            let chain = chain(source, file, laid, &path, joint)?;
+            let (chain, interpolation) = chain(source, file, laid, &path, joint)?;
             let start = joint.start.unwrap_or(0.0);
-            let made = slide(b, name, &chain, start).map_err(|error| {
+            let made = slide_on(b, name, &chain, start, interpolation).map_err(|error| {
                 let key = if joint.start.is_some() {
                     "start"
                 } else {
@@ -208,15 +209,16 @@ fn check_keys<'a>(
     Ok(())
 }
 
-/// The nodes that a slide runs along.
+/// The nodes that a slide runs along, and the interpolation between them.
 fn chain<'a>(
     source: &Text<'_>,
     file: &ModelFile,
     laid: &[Option<LineGeometry>],
     path: &dyn Fn(&'static str) -> [&'a str; 3],
     joint: &Joint,
-) -> Result<Vec<NodeId>, InputError> {
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let mut chain: Vec<NodeId> = Vec::new();
+    let mut interpolation = None;
     for (i, name) in joint.lines.iter().enumerate() {
         let index = i.to_string();
         let at = [&path("lines")[..], &[index.as_str()]].concat();
@@ -230,7 +232,8 @@ fn chain<'a>(
             source.value(&at, problem)
         })?;
         let follows = chain.last().is_none_or(|last| *last == line.nodes[0]);
-        if line.order != 1 || !follows {
+        let same = *interpolation.get_or_insert(line.interpolation) == line.interpolation;
+        if line.order != 1 || !follows || !same {
             let problem = Problem::SlideLine {
                 joint: joint.name.clone(),
                 line: name.clone(),
@@ -241,7 +244,7 @@ fn chain<'a>(
         let first = usize::from(!chain.is_empty());
         chain.extend(&line.nodes[first..]);
     }
-    Ok(chain)
+    Ok((chain, interpolation.unwrap_or_default()))
 }
 
 /// Spring, motor and drive of the released coordinate `name`; `at` is where they stand.

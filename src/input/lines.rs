@@ -1,10 +1,10 @@
 //! Lines of the file as beam elements of the model.
 
 use super::assemble::{LineGeometry, Names};
-use super::file::Line as Described;
+use super::file::{Interpolation as Chosen, Line as Described};
 use super::{InputError, Problem, Text};
 use nalgebra::{Unit, Vector3};
-use pullback_elements::beam::Section;
+use pullback_elements::beam::{Interpolation, Section};
 use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, NodeId, Straight};
 use std::collections::BTreeMap;
 
@@ -54,11 +54,15 @@ pub(super) fn lay(
             return Err(source.value(&path(key), problem));
         }
     }
+    let interpolation = match line.interpolation {
+        Chosen::Total => Interpolation::Total,
+        Chosen::Geodesic => Interpolation::Geodesic,
+    };
     let places = [builder.place(from), builder.place(to)];
     let axis = axis(source, &path, line, places)?;
     let whole = ["lines", index.as_str()];
     let made = builder
-        .line(
+        .line_with(
             &line.name,
             axis.as_ref(),
             [from, to],
@@ -67,6 +71,7 @@ pub(super) fn lay(
                 order: line.order,
                 section,
             },
+            interpolation,
         )
         .map_err(|error| source.value(&whole, Problem::Model(error)))?;
     let intervals = (made.nodes.len() - 1) as f64;
@@ -76,6 +81,7 @@ pub(super) fn lay(
     Ok(LineGeometry {
         name: line.name.clone(),
         order: line.order,
+        interpolation,
         nodes: made.nodes,
         frames,
         elements: made.elements,

@@ -167,7 +167,8 @@ pub(super) fn apply(
                                 element,
                                 source,
                             })
-                        })?;
+                        })?
+                        .with_interpolation(lines[line].interpolation);
                     builder
                         .element(format!("load {}:{}", k + 1, e + 1), load, nodes)
                         .map_err(model_error)?;

@@ -1,7 +1,9 @@
-//! `checkpoint.json`: everything that a motion needs to go on as if it had never stopped.
+//! `checkpoint.json`: with the rows in the log beside it, everything that a motion needs to go on as if
+//! it had never stopped.
 
 use super::directory::{OutputError, is_grid};
 use super::history::Row;
+use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::vtu::Frame;
 use pullback_elements::model::Model;
@@ -17,11 +19,9 @@ const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
 /// Name of the file.
 pub(super) const NAME: &str = "checkpoint.json";
 
-/// What has been recorded so far.
+/// What has been recorded so far, besides rows and grids.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Record {
-    pub rows: Vec<Row>,
-    pub frames: Vec<Frame>,
     /// Shapes on the way, thinned out as they grow many.
     pub shapes: Vec<(f64, Shapes)>,
     /// The shape of the last row, where it is not among them.
@@ -51,6 +51,14 @@ pub struct Checkpoint {
     /// Rotation vectors that the probes have seen last.
     pub(super) memories: Vec<[f64; 3]>,
     pub(super) record: Record,
+    /// How much of the log is its own.
+    pub(super) log: Extent,
+    /// The rows in the log.
+    #[serde(skip)]
+    pub(super) rows: Vec<Row>,
+    /// The grids of rows in the log.
+    #[serde(skip)]
+    pub(super) frames: Vec<Frame>,
 }
 
 /// Why a run cannot be resumed.
@@ -118,6 +126,9 @@ impl Checkpoint {
             maps: Vec::new(),
             memories: Vec::new(),
             record: Record::default(),
+            log: Extent::default(),
+            rows: Vec::new(),
+            frames: Vec::new(),
         }
     }
 
@@ -143,10 +154,9 @@ impl Checkpoint {
             path: path.clone(),
             source,
         })?;
-        let read: Self = serde_json::from_str(&text).map_err(|source| ResumeError::Unusable {
-            path: path.clone(),
-            source,
-        })?;
+        let unusable = |path, source| ResumeError::Unusable { path, source };
+        let mut read: Self =
+            serde_json::from_str(&text).map_err(|source| unusable(path.clone(), source))?;
         if let Some(part) = changed(&read.settings, settings) {
             return Err(ResumeError::Changed { path, part });
         }
@@ -154,6 +164,18 @@ impl Checkpoint {
             let part = "the order of nodes".to_owned();
             return Err(ResumeError::Changed { path, part });
         }
+        let rows = directory.join(log::NAME);
+        let text = std::fs::read(&rows).map_err(|source| ResumeError::None {
+            path: rows.clone(),
+            source,
+        })?;
+        // What stands behind was written after this checkpoint.
+        let lines = text.get(..read.log.bytes).map(std::str::from_utf8);
+        let Some(Ok(lines)) = lines else {
+            let what = "it ends before its checkpoint does".to_owned();
+            return Err(ResumeError::Damaged { path: rows, what });
+        };
+        (read.rows, read.frames) = log::read(lines).map_err(|source| unusable(rows, source))?;
         match read.damage(model, columns) {
             Some(what) => Err(ResumeError::Damaged { path, what }),
             None => Ok(read),
@@ -167,7 +189,7 @@ impl Checkpoint {
         let vectors = [&state.q, &state.v, &state.a, &state.algorithmic];
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
         let step = self.progress.last_step;
-        let frames = self.record.frames.iter();
+        let frames = self.frames.iter();
         let wrong = [
             ("it is of another version", self.program != PROGRAM),
             (
@@ -184,13 +206,14 @@ impl Checkpoint {
                 "charts of elements are missing",
                 self.element_charts.len() != model.element_charts().len(),
             ),
-            ("there are no rows", self.record.rows.is_empty()),
+            ("there are no rows", self.rows.is_empty()),
+            (
+                "the log has another number of rows",
+                self.rows.len() != self.log.rows || self.frames.len() != self.log.frames,
+            ),
             (
                 "rows have another number of columns",
-                self.record
-                    .rows
-                    .iter()
-                    .any(|row| row.probes.len() != columns),
+                self.rows.iter().any(|row| row.probes.len() != columns),
             ),
             (
                 "a file name is none",
@@ -224,7 +247,7 @@ impl Checkpoint {
 
     /// Names of the ParaView files written by then.
     pub(crate) fn grids(&self) -> Vec<&str> {
-        self.record.frames.iter().map(|f| f.file.as_str()).collect()
+        self.frames.iter().map(|f| f.file.as_str()).collect()
     }
 }
 

@@ -1,8 +1,9 @@
-//! The directory of a run's results, with files that are either whole or not there.
+//! The directory of a run's results, with files that are either whole or not there, but for the log
+//! of a checkpoint, which says itself how much of it counts.
 
 use super::plot::PlotError;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Why results cannot be written.
@@ -128,10 +129,37 @@ impl Directory {
             fs::remove_file(&temporary).ok();
             return Err(OutputError::Write { path, source });
         }
+        self.add(name);
+        Ok(())
+    }
+
+    /// Continues a file behind its first bytes, in place of what may stand there.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`]; the first bytes are as they were then.
+    pub fn append(&mut self, name: &str, bytes: usize, content: &str) -> Result<(), OutputError> {
+        let path = self.path.join(name);
+        let mut options = fs::OpenOptions::new();
+        options
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .and_then(|mut file| {
+                file.set_len(bytes as u64)?;
+                file.seek(SeekFrom::End(0))?;
+                file.write_all(content.as_bytes())?;
+                file.sync_data()
+            })
+            .map_err(|source| OutputError::Write { path, source })?;
+        self.add(name);
+        Ok(())
+    }
+
+    fn add(&mut self, name: &str) {
         if !self.files.iter().any(|f| f == name) {
             self.files.push(name.to_owned());
         }
-        Ok(())
     }
 }
 
@@ -155,6 +183,7 @@ fn is_result(name: &str) -> bool {
         || [
             super::results::NAME,
             super::checkpoint::NAME,
+            super::log::NAME,
             "history.csv",
             "steps.pvd",
             "deformed.svg",

@@ -1,10 +1,13 @@
 //! What a run writes: history, results, figures, ParaView files.
 //!
-//! Files are written under temporary names and renamed when they are whole.
+//! Files are written under temporary names and renamed when they are whole; the log of a checkpoint
+//! grows instead, and what of it counts stands in the checkpoint.
 
 mod checkpoint;
 mod directory;
+mod grids;
 mod history;
+mod log;
 mod panels;
 pub mod plot;
 mod recorder;

@@ -8,8 +8,75 @@ use crate::probe::Probe;
 /// Curves in a panel that a reader can tell apart.
 const CURVES: usize = 6;
 
-/// One panel per quantity (more where there are many curves), in the order of the probes; the strain energy where there are none.
-pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row]) -> Vec<Panel> {
+/// Values below this part of what is comparable in the model are round-off.
+const ROUND_OFF: f64 = 1e-12;
+
+/// What the values of a model are compared with.
+struct Scales {
+    /// The largest extent of the structure on its way.
+    length: f64,
+    /// The span of time, or of the load parameter.
+    time: f64,
+    /// The largest sum of kinetic and strain energy.
+    energy: f64,
+}
+
+impl Scales {
+    fn of(length: f64, rows: &[Row]) -> Self {
+        let energy = |row: &Row| row.strain_energy.abs() + row.motion.map_or(0.0, |m| m[0].abs());
+        let times = rows.first().zip(rows.last());
+        Self {
+            length,
+            time: times.map_or(0.0, |(first, last)| (last.t - first.t).abs()),
+            energy: rows.iter().map(energy).fold(0.0, f64::max),
+        }
+    }
+
+    /// The size of a quantity where it matters in the model, by its unit; zero where none is known.
+    fn size(&self, quantity: Quantity) -> f64 {
+        use Quantity::*;
+        let Self {
+            length,
+            time,
+            energy,
+        } = *self;
+        let size = match quantity {
+            displacement | position => length,
+            rotation | chart_rotation | Gamma => 1.0,
+            // A way or an angle: whatever is less.
+            joint_coordinate => length.min(1.0),
+            joint_rate => length.min(1.0) / time,
+            velocity => length / time,
+            angular_velocity => 1.0 / time,
+            acceleration => length / time / time,
+            joint_force | reaction_force | N => energy / length,
+            joint_moment | reaction_moment | M => energy,
+            K => 1.0 / length,
+            strain_energy | kinetic_energy | total_energy | energy_defect => energy,
+            momentum => energy * time / length,
+            angular_momentum => energy * time,
+        };
+        if size.is_finite() { size } else { 0.0 }
+    }
+}
+
+/// Draws zero where a panel has nothing but round-off: noise at full scale would look like a result.
+fn without_noise(curves: &mut [Curve], size: f64, value: fn(&mut (f64, f64)) -> &mut f64) {
+    let points = |curves: &mut [Curve], f: &mut dyn FnMut(&mut f64)| {
+        let points = curves.iter_mut().flat_map(|c| &mut c.points);
+        points.for_each(|p| f(value(p)));
+    };
+    let mut largest = 0.0_f64;
+    points(curves, &mut |x| largest = largest.max(x.abs()));
+    if largest < ROUND_OFF * size {
+        points(curves, &mut |x| *x = 0.0);
+    }
+}
+
+/// One panel per quantity (more where there are many curves), in the order of the probes; the strain
+/// energy where there are none. `length` is the largest extent of the structure on its way.
+pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -> Vec<Panel> {
+    let scales = Scales::of(length, rows);
     // A path turns back in the load: its custom is to have the load upright.
     let upright = matches!(plan, Plan::Path(..));
     let mut panels: Vec<(Quantity, Vec<Curve>)> = Vec::new();
@@ -49,7 +116,10 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row]) -> Vec<Panel> 
     }
     panels
         .into_iter()
-        .map(|(quantity, curves)| {
+        .map(|(quantity, mut curves)| {
+            let value: fn(&mut (f64, f64)) -> &mut f64 =
+                if upright { |p| &mut p.0 } else { |p| &mut p.1 };
+            without_noise(&mut curves, scales.size(quantity), value);
             let parameter = format!("{} t", plan.parameter());
             let (load, value) = (parameter, quantity.axis().to_owned());
             let (x, y) = if upright {
@@ -60,4 +130,37 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row]) -> Vec<Panel> 
             Panel { x, y, curves }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_off_is_drawn_as_zero_and_small_values_are_not() {
+        let scales = Scales {
+            length: 10.0,
+            time: 2.0,
+            energy: 5.0,
+        };
+        let after = |sizes: [f64; 2]| {
+            let mut curves = sizes.map(|s| Curve::new("", vec![(0.5, s), (1.0, -s)]));
+            without_noise(&mut curves, scales.size(Quantity::displacement), |p| {
+                &mut p.1
+            });
+            curves.map(|c| c.points[1])
+        };
+        assert_eq!(after([3e-13, 9e-12]), [(1.0, 0.0); 2]);
+        // Beside a curve that is more, round-off is seen to be none.
+        assert_eq!(after([3e-13, 2e-11]), [(1.0, -3e-13), (1.0, -2e-11)]);
+    }
+
+    #[test]
+    fn nothing_is_round_off_where_no_size_is_known() {
+        let scales = Scales::of(0.0, &[Row::default()]);
+        use Quantity::{N, acceleration, displacement, kinetic_energy, momentum};
+        for quantity in [displacement, acceleration, N, kinetic_energy, momentum] {
+            assert_eq!(scales.size(quantity), 0.0);
+        }
+    }
 }

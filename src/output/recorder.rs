@@ -2,7 +2,9 @@
 
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError};
+use super::grids::{Grids, grid_name};
 use super::history::{Row, csv};
+use super::log::{self, Extent};
 use super::panels::panels;
 use super::plot::{self, Shapes};
 use super::results::{Ending, FinalState, NAME, Results, Statistics, final_state};
@@ -20,9 +22,6 @@ const SAVED: Duration = Duration::from_secs(5);
 
 /// Shapes kept for the figure of the deformed structure.
 const SHAPES: usize = 64;
-
-/// ParaView files that a motion gives unless told otherwise, about.
-const GRIDS: f64 = 200.0;
 
 /// What does not change while an analysis runs.
 pub struct Setting<'a> {
@@ -44,7 +43,11 @@ pub struct Recorder<'a> {
     directory: Directory,
     probes: Vec<Probe>,
     reference: Shapes,
+    rows: Vec<Row>,
+    frames: Vec<Frame>,
     record: Record,
+    /// What of rows and frames is in the log of the last checkpoint.
+    log: Extent,
     last: Option<FinalState>,
     /// The grid of the last row, where it has not been written.
     pending: Option<(Frame, String)>,
@@ -78,10 +81,13 @@ impl<'a> Recorder<'a> {
         let now = Instant::now();
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, true),
-            grids: Grids::of(&setting),
+            grids: Grids::of(setting.output.paraview_every, setting.plan),
             setting,
             directory,
             probes,
+            rows: Vec::new(),
+            frames: Vec::new(),
+            log: Extent::default(),
             record: Record {
                 stride: 1,
                 ..Record::default()
@@ -102,6 +108,9 @@ impl<'a> Recorder<'a> {
             probe.remember(memory);
         }
         self.record = checkpoint.record;
+        self.rows = checkpoint.rows;
+        self.frames = checkpoint.frames;
+        self.log = checkpoint.log;
         self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
     }
 
@@ -228,7 +237,7 @@ impl<'a> Recorder<'a> {
             probe.record(model, &answers, &mut row.probes);
         }
         self.last = Some(final_state(model, &answers, row.t, self.setting.file));
-        let number = self.record.rows.len();
+        let number = self.rows.len();
         let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
         if number.is_multiple_of(self.record.stride) {
             self.record.latest = None;
@@ -239,19 +248,16 @@ impl<'a> Recorder<'a> {
         if self.grids != Grids::None {
             let frame = Frame {
                 t: row.t,
-                file: match self.setting.plan {
-                    Plan::Dynamic(_) => format!("step_{number:06}.vtu"),
-                    _ => format!("step_{number:04}.vtu"),
-                },
+                file: grid_name(self.setting.plan, number),
             };
             let text = grid(model, self.setting.geometry, &answers);
             self.pending = Some((frame, text));
-            let before = self.record.rows.last().map(|row| row.t);
+            let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {
                 self.write_pending()?;
             }
         }
-        self.record.rows.push(row);
+        self.rows.push(row);
         Ok(())
     }
 
@@ -270,9 +276,9 @@ impl<'a> Recorder<'a> {
     fn write_pending(&mut self) -> Result<(), OutputError> {
         if let Some((frame, text)) = self.pending.take() {
             self.directory.write(&frame.file, &text)?;
-            self.record.frames.push(frame);
+            self.frames.push(frame);
             self.directory
-                .write("steps.pvd", &collection(&self.record.frames))?;
+                .write("steps.pvd", &collection(&self.frames))?;
         }
         Ok(())
     }
@@ -282,7 +288,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_history(&mut self) -> Result<(), OutputError> {
-        let text = csv(&self.columns(), &self.record.rows);
+        let text = csv(&self.columns(), &self.rows);
         self.directory.write("history.csv", &text)
     }
 
@@ -311,28 +317,44 @@ impl<'a> Recorder<'a> {
         self.record.seconds + self.started.elapsed().as_secs_f64()
     }
 
-    /// Writes what is needed to go on from here.
+    /// Writes what is needed to go on from here: first the rows since the last checkpoint behind
+    /// those that are in the log, then what says that they are there.
     ///
     /// # Errors
     /// [`OutputError`].
     pub fn checkpoint(&mut self, model: &Model, progress: &Progress) -> Result<(), OutputError> {
-        let name = || checkpoint::NAME.to_owned();
-        let settings = serde_json::to_value(self.setting.file).map_err(|source| {
-            let name = name();
-            OutputError::Encode { name, source }
-        })?;
+        let fail = |name: &str| {
+            let name = name.to_owned();
+            |source| OutputError::Encode { name, source }
+        };
+        let Extent {
+            rows,
+            frames,
+            bytes,
+        } = self.log;
+        let name = |k| grid_name(self.setting.plan, rows + k);
+        let lines = log::lines(&self.rows[rows..], &self.frames[frames..], name)
+            .map_err(fail(log::NAME))?;
+        self.directory.append(log::NAME, bytes, &lines)?;
+        self.log = Extent {
+            rows: self.rows.len(),
+            frames: self.frames.len(),
+            bytes: bytes + lines.len(),
+        };
+        let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
         checkpoint.element_charts = model.element_charts();
         checkpoint.maps = model.map_memories();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
-        self.directory.write(&name(), &checkpoint.text()?)
+        checkpoint.log = self.log;
+        self.directory.write(checkpoint::NAME, &checkpoint.text()?)
     }
 
     /// Rows so far.
     pub fn rows(&self) -> &[Row] {
-        &self.record.rows
+        &self.rows
     }
 
     /// Writes everything that a run ends with; `result.json` comes last.
@@ -343,7 +365,7 @@ impl<'a> Recorder<'a> {
         self.statistics.counts = counts;
         self.write_pending()?;
         self.write_history()?;
-        if self.setting.output.figures && !self.record.rows.is_empty() {
+        if self.setting.output.figures && !self.rows.is_empty() {
             let title = self.setting.file.title.as_deref();
             let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
                 drawn.map_err(|source| OutputError::Draw {
@@ -355,13 +377,11 @@ impl<'a> Recorder<'a> {
             let shape = plot::deformed(title, &self.reference, &self.record.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;
-            let history = draw(
-                "history.svg",
-                plot::panels(
-                    title,
-                    &panels(self.setting.plan, &self.probes, &self.record.rows),
-                ),
-            )?;
+            let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
+            let extents = shapes.chain([&self.reference]).map(Shapes::extent);
+            let length = extents.fold(0.0, f64::max);
+            let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
+            let history = draw("history.svg", plot::panels(title, &panels))?;
             self.directory.write("history.svg", &history)?;
         }
         self.write_results(ending)?;
@@ -375,41 +395,6 @@ fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError
     let audit = model.audit(point(progress)).map_err(RecordError::Audit)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
     Ok(Answers::of(model, t).moving(Some(audit), defect))
-}
-
-/// When a grid is written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Grids {
-    /// Never.
-    None,
-    /// Every this many rows.
-    Rows(usize),
-    /// At the first row in each of these spans of time.
-    Spans(f64),
-}
-
-impl Grids {
-    fn of(setting: &Setting<'_>) -> Self {
-        match (setting.output.paraview_every, setting.plan) {
-            (Some(0), _) => Self::None,
-            (Some(every), _) => Self::Rows(every),
-            (None, Plan::Dynamic(plan)) => Self::Spans(plan.options.to / GRIDS),
-            (None, _) => Self::Rows(1),
-        }
-    }
-
-    /// Whether row `number` at time `t`, after one at time `before`, has one.
-    fn due(self, number: usize, before: Option<f64>, t: f64) -> bool {
-        match self {
-            Self::None => false,
-            Self::Rows(every) => number.is_multiple_of(every),
-            Self::Spans(span) => {
-                // Times that are meant to be at the beginning of a span are.
-                let span = |t: f64| (t / span + 1e-6).floor();
-                before.is_none_or(|before| span(before) < span(t))
-            }
-        }
-    }
 }
 
 /// Why a step cannot be recorded.

@@ -2,11 +2,13 @@
 
 #![allow(non_snake_case)]
 
+use super::interpolation::{Interpolation, Rotations, Total};
 use super::mass::MassPoint;
 use super::orientation::oriented;
+use super::point::{GaussPoint, mirror};
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Stiffness, Strained};
+use super::strain::{Law, Line, Strained};
 use super::viscous::Viscous;
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
@@ -38,64 +40,20 @@ pub enum BeamError {
     },
 }
 
-/// One integration point: shape functions, reference shape, section law.
-#[derive(Clone, Debug)]
-struct GaussPoint<const NN: usize> {
-    /// Shape functions N_i and their derivatives with respect to the arc length.
-    N: [f64; NN],
-    dN: [f64; NN],
-    /// Weight times length per unit of ξ.
-    weight: f64,
-    /// Reference place, tangent of unit length, section axes.
-    X: Vector3<f64>,
-    X_prime: Vector3<f64>,
-    R0: Matrix3<f64>,
-    law: Law,
-}
-
-impl<const NN: usize> GaussPoint<NN> {
-    /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
-    /// their mirror images.
-    #[inline]
-    fn spread(&self, D: &Stiffness, weight: f64, K: &mut [f64]) {
-        let n = 6 * NN;
-        for j in 0..NN {
-            for i in 0..=j {
-                let dd = weight * self.dN[i] * self.dN[j];
-                let dn = weight * self.dN[i] * self.N[j];
-                let nd = weight * self.N[i] * self.dN[j];
-                let nn = weight * self.N[i] * self.N[j];
-                let xx = D.xx * dd;
-                let xr = D.xp * dd + D.xq * dn;
-                let rx = (D.xp * dd + D.xq * nd).transpose();
-                let rr = D.pp * dd + D.pq * dn + (D.pq * nd).transpose() + D.qq * nn;
-                for c in 0..3 {
-                    let start = 6 * i + (6 * j + c) * n;
-                    for (top, bottom, start) in [(&xx, &rx, start), (&xr, &rr, start + 3 * n)] {
-                        let K = &mut K[start..start + 6];
-                        for r in 0..3 {
-                            K[r] += top[(r, c)];
-                            K[3 + r] += bottom[(r, c)];
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// The tangents asked for, each with the weights of K, C and M in it: the parts, or their sum.
-pub(super) type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
+pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
 /// Reissner's beam with NN nodes: d and Ψ interpolated alike, NN − 1 Gauss points for the
 /// internal force and its tangent (no shear or membrane locking).
 ///
-/// Coordinates are (d₁, Ψ₁, …) in global components.
+/// Coordinates are (d₁, Ψ₁, …) in global components; how rotations are interpolated between them is
+/// the choice of I, [`Total`] or [`Geodesic`](super::Geodesic).
 #[derive(Clone, Debug)]
-pub struct Beam<const NN: usize> {
+pub struct Beam<const NN: usize, I = Total<NN>> {
     points: Vec<GaussPoint<NN>>,
-    /// Points of inertia, where the section has mass.
-    masses: Option<[MassPoint<NN>; NN]>,
+    rotations: I,
+    /// Whether the section has mass.
+    massive: bool,
     damping: Damping,
 }
 
@@ -104,7 +62,8 @@ impl Beam<2> {
     /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
     ///
     /// E₁ is turned into the tangent of the interpolated reference line; E₂ stays in its plane
-    /// with it.
+    /// with it. Rotations are interpolated by total rotation vectors; another
+    /// [`Interpolation`] has its own [`Interpolation::beam`].
     ///
     /// # Errors
     /// [`BeamError`] for coinciding nodes, an impossible orientation or number of nodes.
@@ -113,16 +72,11 @@ impl Beam<2> {
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Box<dyn Element>, BeamError> {
-        match *places {
-            [a, b] => Ok(Box::new(Beam::<2>::new(&[a, b], frame, section)?)),
-            [a, b, c] => Ok(Box::new(Beam::<3>::new(&[a, b, c], frame, section)?)),
-            [a, b, c, d] => Ok(Box::new(Beam::<4>::new(&[a, b, c, d], frame, section)?)),
-            _ => Err(BeamError::Nodes(places.len())),
-        }
+        Interpolation::Total.beam(places, frame, section)
     }
 }
 
-impl<const NN: usize> Beam<NN> {
+impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     /// See [`Beam::along`].
     ///
     /// # Errors
@@ -170,14 +124,19 @@ impl<const NN: usize> Beam<NN> {
             None
         } else {
             let mass = |at: (f64, f64)| {
-                point(at).map(|p| MassPoint::new(p.N, p.weight, section.inertia.rotated(&p.R0)))
+                point(at).map(|p| MassPoint {
+                    N: p.N,
+                    weight: p.weight,
+                    inertia: section.inertia.rotated(&p.R0),
+                })
             };
             let masses: Vec<_> = gauss(NN).into_iter().map(mass).collect::<Result<_, _>>()?;
             masses.try_into().ok()
         };
         Ok(Self {
             points,
-            masses,
+            massive: masses.is_some(),
+            rotations: I::new(places, masses),
             damping: section.damping,
         })
     }
@@ -209,9 +168,33 @@ impl<const NN: usize> Beam<NN> {
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
     ) -> Result<(), ElementError> {
+        let viscous = self.damping.stiffness > 0.0 && !at.v.is_empty();
+        let kernel = |previous: Option<&[f64]>,
+                      at: &Motion<'_>,
+                      r: &mut [f64],
+                      tangents: &mut Tangents<'_>| {
+            self.strain(viscous, previous, at, r, tangents)
+        };
+        self.rotations
+            .pull_back(viscous, previous, at, r, tangents, kernel)?;
+        if self.massive && !at.v.is_empty() {
+            self.rotations.inertia(at, self.damping.mass, r, tangents);
+        }
+        Ok(())
+    }
+
+    /// Adds the forces of the strains in the coordinates in which these are interpolated.
+    #[inline]
+    fn strain(
+        &self,
+        damped: bool,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+    ) -> Result<(), ElementError> {
         // Their tangents are added after the mirror: they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
-        let damped = self.damping.stiffness > 0.0 && !at.v.is_empty();
         for (p, viscous) in self.points.iter().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
@@ -255,11 +238,6 @@ impl<const NN: usize> Beam<NN> {
                 viscous.add_tangents(&p.N, &p.dN, p.weight, tangents);
             }
         }
-        if !at.v.is_empty() {
-            for p in self.masses.iter().flatten() {
-                p.add(at, self.damping.mass, r, tangents);
-            }
-        }
         Ok(())
     }
 
@@ -271,7 +249,7 @@ impl<const NN: usize> Beam<NN> {
     }
 }
 
-impl<const NN: usize> Element for Beam<NN> {
+impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
     fn dim(&self) -> usize {
         6 * NN
     }
@@ -296,9 +274,11 @@ impl<const NN: usize> Element for Beam<NN> {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
+        let seen = self.rotations.seen(at.x, &[]);
+        let line = |p| Self::line(p, seen.x.as_flattened());
         self.points
             .iter()
-            .map(|p| p.weight * Strained::new(&Self::line(p, at.x), &p.X_prime, &p.law).energy())
+            .map(|p| p.weight * Strained::new(&line(p), &p.X_prime, &p.law).energy())
             .sum()
     }
 
@@ -306,21 +286,37 @@ impl<const NN: usize> Element for Beam<NN> {
         if self.damping == Damping::default() || at.v.is_empty() {
             return 0.0;
         }
-        let stiffness = self.damping.stiffness;
+        let Damping { mass, stiffness } = self.damping;
+        let seen = self.rotations.seen(at.x, at.v);
         let viscous = |p: &GaussPoint<NN>| {
-            let line = Self::line(p, at.x);
+            let line = Self::line(p, seen.x.as_flattened());
             let mut s = Strained::new(&line, &p.X_prime, &p.law);
-            let rates = Self::rates(p, at.v);
+            let rates = Self::rates(p, seen.v.as_flattened());
             p.weight * Viscous::new(&mut s, &line, &rates, &p.law, stiffness).power()
         };
-        let drag = |p: &MassPoint<NN>| p.drag_power(at, self.damping.mass);
-        self.points.iter().map(viscous).sum::<f64>()
-            + self.masses.iter().flatten().map(drag).sum::<f64>()
+        // The drag is α p = α M ẋ.
+        let mut M = [[[[0.0; 6]; NN]; 6]; NN];
+        let M = M.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+        if self.massive && mass > 0.0 {
+            let mut r = [[0.0; 6]; NN];
+            let only = Weights {
+                M: mass,
+                K: 0.0,
+                C: 0.0,
+            };
+            let mut tangents: Tangents<'_> = [Some((only, &mut *M)), None, None];
+            self.rotations
+                .inertia(at, 0.0, r.as_flattened_mut(), &mut tangents);
+        }
+        let rows = M.chunks_exact(6 * NN).zip(at.v);
+        let drag = rows.map(|(M, v)| v * M.iter().zip(at.v).map(|(m, v)| m * v).sum::<f64>());
+        self.points.iter().map(viscous).sum::<f64>() + drag.sum::<f64>()
     }
 
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
+        let seen = self.rotations.seen(at.x, &[]);
         for p in &self.points {
-            let line = Self::line(p, at.x);
+            let line = Self::line(p, seen.x.as_flattened());
             let s = Strained::new(&line, &p.X_prime, &p.law);
             let d: Vector3<f64> =
                 at.x.chunks_exact(6)
@@ -331,7 +327,7 @@ impl<const NN: usize> Element for Beam<NN> {
             out.push(SectionState {
                 reference: p.X,
                 place: p.X + d,
-                frame: so3::rotation(&line.psi) * p.R0,
+                frame: seen.R * so3::rotation(&line.psi) * p.R0,
                 Gamma: section(&s.Gamma),
                 K: section(&s.K),
                 N: section(&s.N),
@@ -341,7 +337,7 @@ impl<const NN: usize> Element for Beam<NN> {
     }
 }
 
-impl<const NN: usize> Combined for Beam<NN> {
+impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
     fn evaluate_combined(
         &self,
         previous: Option<&[f64]>,
@@ -361,19 +357,4 @@ fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
     let C = out.C.as_deref_mut().map(|C| (one(0.0, 1.0, 0.0), C));
     let M = out.M.as_deref_mut().map(|M| (one(0.0, 0.0, 1.0), M));
     (&mut *out.r, [K, C, M])
-}
-
-/// Copies the blocks above the diagonal below it.
-#[inline]
-fn mirror<const NN: usize>(K: &mut [f64]) {
-    let n = 6 * NN;
-    for j in 1..NN {
-        for i in 0..j {
-            for c in 0..6 {
-                for r in 0..6 {
-                    K[6 * j + c + (6 * i + r) * n] = K[6 * i + r + (6 * j + c) * n];
-                }
-            }
-        }
-    }
 }

@@ -11,17 +11,16 @@ use pullback_manifold::system::Weights;
 /// One point of the inertia rule: shape functions, weight times length, inertia per length with
 /// components in the global frame of the reference configuration.
 #[derive(Clone, Debug)]
-pub(super) struct MassPoint<const NN: usize> {
-    N: [f64; NN],
-    weight: f64,
-    inertia: Inertia,
+pub struct MassPoint<const NN: usize> {
+    /// Shape functions of the nodes.
+    pub N: [f64; NN],
+    /// Weight times length, L.
+    pub weight: f64,
+    /// Inertia per length.
+    pub inertia: Inertia,
 }
 
 impl<const NN: usize> MassPoint<NN> {
-    pub(super) fn new(N: [f64; NN], weight: f64, inertia: Inertia) -> Self {
-        Self { N, weight, inertia }
-    }
-
     /// The section's motion, interpolated like x and Ψ themselves.
     #[inline]
     fn motion(&self, at: &Motion<'_>) -> FrameMotion {
@@ -104,16 +103,5 @@ impl<const NN: usize> MassPoint<NN> {
                 }
             }
         }
-    }
-
-    /// Power lost to the drag, α ẋ·p.
-    pub(super) fn drag_power(&self, at: &Motion<'_>, alpha: f64) -> f64 {
-        let motion = self.motion(at);
-        let p = self.inertia.moving(&motion).momentum().0;
-        let (v, w) = (motion.x_dot, motion.psi_dot);
-        let power: f64 = (p.iter().zip(v.iter().chain(w.iter())))
-            .map(|(p, v)| p * v)
-            .sum();
-        alpha * self.weight * power
     }
 }

@@ -1,13 +1,22 @@
-//! Reissner's geometrically exact beam with total rotation vectors (\[M04\] chapter 3).
+//! Reissner's geometrically exact beam (\[M04\] chapter 3), with total rotation vectors or with a
+//! geodesic interpolation of relative rotations.
 
 mod element;
+mod geodesic;
+mod interpolation;
 mod mass;
+mod nodal;
 mod orientation;
+mod point;
+mod relative;
 mod section;
 pub(crate) mod shape;
 mod strain;
 mod viscous;
 
-pub use element::{Beam, BeamError};
+pub use element::{Beam, BeamError, Tangents};
+pub use geodesic::Geodesic;
+pub use interpolation::{Interpolation, Rotations, Seen, Total};
+pub use mass::MassPoint;
 pub(crate) use orientation::oriented;
 pub use section::{Damping, Material, Section, SectionError, rectangle_torsion};

@@ -115,6 +115,11 @@ pub trait Energies<const N: usize>: Send + Sync {
         false
     }
 
+    /// See [`Element::is_objective`].
+    fn is_objective(&self) -> bool {
+        !self.is_load()
+    }
+
     /// See [`Element::kinks`].
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
@@ -237,6 +242,10 @@ impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
 
     fn is_load(&self) -> bool {
         self.0.is_load()
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
     }
 }
 

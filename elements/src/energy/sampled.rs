@@ -163,6 +163,10 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     fn is_load(&self) -> bool {
         self.points.iter().all(|p| p.energies.is_load())
     }
+
+    fn is_objective(&self) -> bool {
+        self.points.iter().all(|p| p.energies.is_objective())
+    }
 }
 
 impl<E: Energies<D>, const D: usize, const N: usize> Combined for Sampled<E, D, N> {

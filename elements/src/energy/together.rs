@@ -61,6 +61,10 @@ impl<A: Element, B: Element> Element for Together<A, B> {
         self.0.is_load() && self.1.is_load()
     }
 
+    fn is_objective(&self) -> bool {
+        self.0.is_objective() && self.1.is_objective()
+    }
+
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         self.0.section_states(at, out);
         self.1.section_states(at, out);

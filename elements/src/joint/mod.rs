@@ -41,7 +41,7 @@ pub use on_surface::{OnSurface, Surface, on_surface};
 pub use planar::{Planar, planar};
 pub use prismatic::{Prismatic, prismatic};
 pub use revolute::{Revolute, RevoluteNodes, revolute};
-pub use slide::{Slide, SlideNodes, slide};
+pub use slide::{Slide, SlideNodes, slide, slide_on};
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 

@@ -3,16 +3,18 @@
 #![allow(non_snake_case)]
 
 use super::Sheet;
+use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{complement, quaternion};
+use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 use pullback_manifold::system::{ChartChanges, Kind};
 use std::f64::consts::TAU;
 
 /// d_s = Σ Nᵢ(u)(Xᵢ + dᵢ) − X_s, Ψ_s = Σ Nᵢ(u) Ψᵢ with the shape functions of the beam element on
-/// which the frame is (\[M04\] 4.1.3, (198)): masters (frame, frame, u).
+/// which the frame is (\[M04\] 4.1.3, (198)): masters (frame, frame, u). On geodesic elements its
+/// rotation is theirs, R_s = R₁ exp(N₂(u) log(R₁ᵀ R₂)).
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
 /// the end of the chain: one coordinate for all its elements, zero in the reference. At a converged state beyond the end of an element the next one
@@ -26,6 +28,7 @@ pub struct Slide {
     origin: f64,
     start: Vector3<f64>,
     segment: usize,
+    interpolation: Interpolation,
     /// Sheets on which the rotation vectors of the two ends are interpolated: those of the beam.
     sheets: [Sheet; 2],
 }
@@ -52,12 +55,23 @@ impl Slide {
             origin,
             start: Vector3::zeros(),
             segment: 0,
+            interpolation: Interpolation::Total,
             sheets: [Sheet::Same; 2],
         };
         slide.segment = slide.element_at(0.0);
         let [a, b] = slide.shape(0.0);
         slide.start = places[slide.segment] * a + places[slide.segment + 1] * b;
         Some(slide)
+    }
+
+    /// The same slide on elements with this interpolation of rotations; by default
+    /// [`Interpolation::Total`].
+    #[must_use]
+    pub fn with_interpolation(self, interpolation: Interpolation) -> Self {
+        Self {
+            interpolation,
+            ..self
+        }
     }
 
     /// Reference place of the frame at the start.
@@ -92,7 +106,15 @@ impl Map<13, 6> for Slide {
         let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
         let place = |k: usize| self.places[self.segment + k].map(S::constant);
         let d = (place(0) + three(0)) * a + (place(1) + three(6)) * b - self.start.map(S::constant);
-        let psi = on(self.sheets[0], &three(3)) * a + on(self.sheets[1], &three(9)) * b;
+        let ends = [on(self.sheets[0], &three(3)), on(self.sheets[1], &three(9))];
+        let psi = match self.interpolation {
+            Interpolation::Total => ends[0] * a + ends[1] * b,
+            Interpolation::Geodesic => {
+                let [p, r] = [quaternion(&ends[0]), quaternion(&ends[1])];
+                let theta = log_quaternion(&p.conjugate().product(&r));
+                log_quaternion(&p.product(&quaternion(&(theta * b))))
+            }
+        };
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
@@ -154,7 +176,8 @@ pub struct SlideNodes {
 }
 
 /// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,
-/// starting at arc length `origin` of the chain, and the node `name way` of its coordinate.
+/// starting at arc length `origin` of the chain, and the node `name way` of its coordinate. The
+/// elements interpolate total rotation vectors; [`slide_on`] is for others.
 ///
 /// # Errors
 /// [`ModelError::Slide`] for a chain that is none or a start outside it; as
@@ -165,12 +188,27 @@ pub fn slide(
     chain: &[NodeId],
     origin: f64,
 ) -> Result<SlideNodes, ModelError> {
+    slide_on(b, name, chain, origin, Interpolation::Total)
+}
+
+/// As [`slide`], on elements with this interpolation of rotations.
+///
+/// # Errors
+/// As there.
+pub fn slide_on(
+    b: &mut ModelBuilder,
+    name: &str,
+    chain: &[NodeId],
+    origin: f64,
+    interpolation: Interpolation,
+) -> Result<SlideNodes, ModelError> {
     let places: Vec<Vector3<f64>> = chain.iter().map(|&n| b.place(n)).collect();
     let joint = Slide::new(&places, origin).ok_or_else(|| ModelError::Slide {
         joint: name.to_owned(),
         nodes: chain.len(),
         start: origin,
     })?;
+    let joint = joint.with_interpolation(interpolation);
     let way = b.coordinates(format!("{name} way"), &[Kind::Length])?;
     let place = joint.place().into();
     let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], way]).collect();

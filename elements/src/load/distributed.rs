@@ -2,13 +2,18 @@
 
 #![allow(non_snake_case)]
 
-use crate::beam::BeamError;
 use crate::beam::shape::{gauss, lagrange};
+use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
 use crate::element::{Element, ElementError, Motion, Response};
 use crate::time::TimeFunction;
-use nalgebra::Vector3;
-use pullback_manifold::quotients::Quotients;
+use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
+
+/// Most nodes of an element.
+const MOST: usize = 4;
+
+/// R and the Θ_Ψᵢ of δΘ = Σ Θ_Ψᵢ δΨᵢ of the section with shape functions N.
+type SectionAt = fn(x: &[f64], N: &[f64]) -> (Matrix3<f64>, [Matrix3<f64>; MOST]);
 
 /// A force per unit reference length on the nodes of a beam element, interpolated as the beam is.
 ///
@@ -21,11 +26,38 @@ pub struct LineLoad {
     /// What each node carries of a load that keeps its direction: ∫ Nᵢ.
     shares: Vec<f64>,
     follower: bool,
+    section: SectionAt,
     force: Vector3<f64>,
     amplitude: Box<dyn TimeFunction>,
 }
 
+/// [`Rotations::section`] of an element of any number of nodes.
+fn section<const NN: usize, I: Rotations<NN>>(
+    x: &[f64],
+    N: &[f64],
+) -> (Matrix3<f64>, [Matrix3<f64>; MOST]) {
+    let (R, own) = I::section(x, &std::array::from_fn(|i| N[i]));
+    let mut Theta_psi = [Matrix3::zeros(); MOST];
+    Theta_psi[..NN].copy_from_slice(&own);
+    (R, Theta_psi)
+}
+
 impl LineLoad {
+    /// The same load on an element with this interpolation of rotations: a follower load turns with
+    /// its cross-sections. Without it, [`Interpolation::Total`].
+    #[must_use]
+    pub fn with_interpolation(mut self, interpolation: Interpolation) -> Self {
+        self.section = match (interpolation, self.nodes) {
+            (Interpolation::Total, 2) => section::<2, Total<2>>,
+            (Interpolation::Total, 3) => section::<3, Total<3>>,
+            (Interpolation::Total, _) => section::<4, Total<4>>,
+            (Interpolation::Geodesic, 2) => section::<2, Geodesic<2>>,
+            (Interpolation::Geodesic, 3) => section::<3, Geodesic<3>>,
+            (Interpolation::Geodesic, _) => section::<4, Geodesic<4>>,
+        };
+        self
+    }
+
     /// `force` per length times `amplitude` on an element through `places`; a follower load turns
     /// with the cross-sections.
     ///
@@ -44,14 +76,16 @@ impl LineLoad {
             n => return Err(BeamError::Nodes(n)),
         };
         let share = |i: usize| points.iter().map(|(N, weight)| weight * N[i]).sum();
-        Ok(Self {
+        let load = Self {
             shares: (0..places.len()).map(share).collect(),
             points,
             nodes: places.len(),
             follower,
+            section: section::<2, Total<2>>,
             force: force.into(),
             amplitude,
-        })
+        };
+        Ok(load.with_interpolation(Interpolation::Total))
     }
 }
 
@@ -86,15 +120,10 @@ impl Element for LineLoad {
             return Ok(());
         }
         for (N, weight) in &self.points {
-            let psi: Vector3<f64> =
-                at.x.chunks_exact(6)
-                    .zip(N)
-                    .map(|(x, n)| Vector3::new(x[3], x[4], x[5]) * *n)
-                    .sum();
-            let c = Quotients::new(psi.norm()).tangent();
-            let R = so3::R(&psi, &c);
+            let (R, Theta_psi) = (self.section)(at.x, N);
             let f = R * self.force;
-            let D = R * so3::skew(&self.force) * so3::T(&psi, &c) * -1.0;
+            // δ(R f) = −R f~ δΘ.
+            let D = R * so3::skew(&self.force) * -1.0;
             for i in 0..self.nodes {
                 let w = weight * N[i];
                 for k in 0..3 {
@@ -104,11 +133,11 @@ impl Element for LineLoad {
                     }
                 }
                 if let Some(K) = out.K.as_deref_mut() {
-                    for j in 0..self.nodes {
+                    for (j, Theta_psi) in Theta_psi[..self.nodes].iter().enumerate() {
+                        let D = D * Theta_psi;
                         for c in 0..3 {
                             for r in 0..3 {
-                                K[6 * i + r + (6 * j + 3 + c) * n] -=
-                                    amplitude * w * N[j] * D[(r, c)];
+                                K[6 * i + r + (6 * j + 3 + c) * n] -= amplitude * w * D[(r, c)];
                             }
                         }
                     }

@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::charts::Sheet;
 use super::dependence::Operators;
 use super::local::Local;
+use super::sheets::{Sheets, TOO_FAR};
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
@@ -12,6 +12,7 @@ use pullback_manifold::system::{
     CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError,
     Weights,
 };
+use std::f64::consts::TAU;
 
 /// Most nodes one element may have.
 pub(super) const MAX_NODES: usize = 16;
@@ -44,8 +45,8 @@ pub(super) struct Workspace {
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
-    /// Per node, for the choice of charts.
-    pub sheets: Vec<Sheet>,
+    /// For the choice of the elements' charts.
+    pub sheets: Sheets,
     scales: Scales,
 }
 
@@ -90,7 +91,7 @@ impl Workspace {
             accelerations: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
-            sheets: Vec::with_capacity(nodes.len()),
+            sheets: Sheets::default(),
             scales,
         }
     }
@@ -147,6 +148,9 @@ impl Model {
         let w = &mut self.work;
         let local = &mut w.local;
         for e in &self.elements {
+            if e.overturned {
+                return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
+            }
             let n = e.element.dim();
             local.gather(e, &self.spans, &w.x);
             local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
@@ -208,7 +212,12 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
             edge: CHART_EDGE,
             what: name.to_owned(),
-            margin: std::f64::consts::TAU - psi,
+            margin: TAU - psi,
+        },
+        ElementError::Overturned { psi } => SystemError::OutsideChart {
+            edge: TOO_FAR,
+            what: name.to_owned(),
+            margin: TAU - psi,
         },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
             edge: CHART_EDGE,
@@ -274,6 +283,10 @@ impl System for Model {
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
         self.update_charts(t, q, v, accelerations)
+    }
+
+    fn start(&mut self, t: f64, q: &[f64]) {
+        self.start_element_charts(t, q);
     }
 
     fn kinks(&self) -> Vec<f64> {

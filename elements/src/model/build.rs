@@ -8,7 +8,6 @@ use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Point;
 
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
@@ -126,16 +125,7 @@ impl ModelBuilder {
             work,
         };
         let zero = vec![0.0; model.coordinates.len()];
-        let start = Point {
-            t: 0.0,
-            q: &zero,
-            v: &[],
-            a: &[],
-        };
-        // A joint outside its domain is named when the model is first evaluated.
-        if model.expand(start).is_ok() {
-            model.choose_element_charts();
-        }
+        model.start_element_charts(0.0, &zero);
         Ok(model)
     }
 }

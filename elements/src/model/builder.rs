@@ -315,7 +315,13 @@ impl ModelBuilder {
             dead: element.is_dead(),
             element,
             nodes: nodes.iter().map(|n| n.0).collect(),
+            frames: (0..)
+                .zip(nodes)
+                .filter(|(_, n)| self.nodes[n.0 as usize].is_frame())
+                .map(|(k, _)| 1 << k)
+                .sum(),
             switched: 0,
+            overturned: false,
             mapped: false,
             pulled: 0,
             blocks: 0,

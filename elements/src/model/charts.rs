@@ -2,31 +2,12 @@
 
 use super::dependence::collect;
 use super::slots::Complement;
-use super::{Form, Model, Node, Source};
+use super::{Model, Node, Source};
 use nalgebra::Vector3;
-use pullback_manifold::so3;
 use pullback_manifold::system::{ChartChanges, Point};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
-/// element on the border does not change to and fro.
-const HYSTERESIS: f64 = 1e-6;
+use std::f64::consts::{PI, TAU};
 
 impl Model {
-    /// Which of its nodes each element takes through the complement map (bit k for node k): what
-    /// a model remembers of its way besides the coordinates.
-    pub fn element_charts(&self) -> Vec<u32> {
-        self.elements.iter().map(|e| e.switched).collect()
-    }
-
-    /// Goes on from what [`Model::element_charts`] gave for the same model; entries beyond its
-    /// elements are ignored.
-    pub fn set_element_charts(&mut self, charts: &[u32]) {
-        for (e, &switched) in self.elements.iter_mut().zip(charts) {
-            e.switched = switched;
-        }
-    }
-
     /// What the maps that nodes follow through remember of their way, map by map: the coordinates
     /// that a closed loop has chosen, and from where it is solved.
     pub fn map_memories(&self) -> Vec<Vec<f64>> {
@@ -58,6 +39,10 @@ impl Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
+        // Where a map cannot be evaluated, the next evaluation says so.
+        if !self.look_before(t, q) {
+            return ChartChanges::default();
+        }
         let mut changed = self.fold_driven_rotations(t);
         for node in 0..self.nodes.len() {
             let Some(unknowns) = self.free_rotation(node) else {
@@ -121,7 +106,7 @@ impl Model {
         };
         ChartChanges {
             charts: changed + maps.charts,
-            residual: self.choose_element_charts() || maps.residual,
+            residual: self.follow_element_charts(t) || maps.residual,
         }
     }
 
@@ -222,7 +207,7 @@ impl Model {
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
     /// slave, something of the rotation is free, and what is prescribed is and stays zero. (A
     /// component that is driven means another constraint in the other chart.)
-    fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
+    pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
         let unknowns = std::array::from_fn(|i| {
@@ -240,7 +225,8 @@ impl Model {
             .then_some(unknowns)
     }
 
-    fn fold_driven_rotations(&mut self, t: f64) -> usize {
+    /// Whole turns off the rotations that are driven, by the time alone; how many have changed.
+    pub(super) fn fold_driven_rotations(&mut self, t: f64) -> usize {
         let mut changed = 0;
         for (node, turns) in &mut self.driven_rotations {
             let first = self.nodes[*node].first + 3;
@@ -258,96 +244,5 @@ impl Model {
             }
         }
         changed
-    }
-
-    /// Each element evaluates its nodes in one common chart: the one in which the largest
-    /// rotation angle is smallest. Nodes that are stored in the other chart go through the
-    /// complement map. The choice does not depend on how the nodes are stored. Returns whether
-    /// any element changed.
-    ///
-    /// The configuration is the one last expanded.
-    pub(super) fn choose_element_charts(&mut self) -> bool {
-        let w = &mut self.work;
-        w.sheets.clear();
-        w.sheets.extend(self.nodes.iter().map(|n| match n.form {
-            Form::Frame => Sheet::new(&w.x[n.first + 3..n.first + 6]),
-            _ => Sheet::default(),
-        }));
-        let mut changed = false;
-        for e in &mut self.elements {
-            let sheets = e.nodes.iter().map(|n| &w.sheets[*n as usize]);
-            // Below a right angle all quaternions are within 45° of (1, 0): they agree.
-            let plain = e.switched == 0 && sheets.clone().all(|s| s.angle < FRAC_PI_2);
-            if plain {
-                continue;
-            }
-            let switched = choose(e.switched, sheets);
-            changed |= switched != e.switched;
-            e.switched = switched;
-        }
-        changed
-    }
-}
-
-/// A node's rotation angle, and its quaternion where charts may be in question.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sheet {
-    frame: bool,
-    angle: f64,
-    quaternion: so3::Quaternion<f64>,
-}
-
-impl Default for Sheet {
-    fn default() -> Self {
-        Self {
-            frame: false,
-            angle: 0.0,
-            quaternion: so3::quaternion(&Vector3::zeros()),
-        }
-    }
-}
-
-impl Sheet {
-    fn new(psi: &[f64]) -> Self {
-        let psi = Vector3::new(psi[0], psi[1], psi[2]);
-        Self {
-            frame: true,
-            angle: psi.norm(),
-            quaternion: so3::quaternion(&psi),
-        }
-    }
-}
-
-/// Which nodes of an element go through the complement map (bit k for node k).
-fn choose<'a>(before: u32, sheets: impl Iterator<Item = &'a Sheet>) -> u32 {
-    // Two candidates: all quaternions on the side of the first one, or all opposite.
-    let mut reference: Option<so3::Quaternion<f64>> = None;
-    let (mut count, mut opposite, mut all) = (0, 0_u32, 0_u32);
-    let (mut as_first, mut as_other) = (0.0_f64, 0.0_f64);
-    for (k, sheet) in sheets.enumerate().filter(|(_, s)| s.frame) {
-        let first = *reference.get_or_insert(sheet.quaternion);
-        let angle = sheet.angle;
-        all |= 1 << k;
-        count += 1;
-        if first.dot(&sheet.quaternion) < 0.0 {
-            opposite |= 1 << k;
-            as_first = as_first.max(TAU - angle);
-            as_other = as_other.max(angle);
-        } else {
-            as_first = as_first.max(angle);
-            as_other = as_other.max(TAU - angle);
-        }
-    }
-    let other = all & !opposite;
-    let better = if before == other {
-        as_other <= as_first + HYSTERESIS
-    } else {
-        as_other < as_first - HYSTERESIS
-    };
-    // A single node has no neighbour to agree with.
-    match (count >= 2, better) {
-        (false, _) => 0,
-        (true, true) => other,
-        (true, false) => opposite,
     }
 }

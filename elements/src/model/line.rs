@@ -2,7 +2,7 @@
 
 use super::builder::{ElementId, ModelBuilder, NodeId};
 use super::{Axis, ModelError};
-use crate::beam::{Beam, Section};
+use crate::beam::{Interpolation, Section};
 use nalgebra::{Matrix3, Vector3};
 
 /// What stands on an axis: how many elements of which order and section.
@@ -26,7 +26,8 @@ pub struct LineNodes {
 }
 
 impl ModelBuilder {
-    /// Lays beam elements along `axis`, between two nodes that exist already.
+    /// Lays beam elements along `axis`, between two nodes that exist already; rotations are
+    /// interpolated by total rotation vectors.
     ///
     /// Inner nodes are named `name/1`, `name/2`, ...; elements `name:1`, `name:2`, .... The end
     /// nodes must stand where the axis begins and ends.
@@ -37,8 +38,23 @@ impl ModelBuilder {
         &mut self,
         name: &str,
         axis: &dyn Axis,
+        ends: [NodeId; 2],
+        line: &Line,
+    ) -> Result<LineNodes, ModelError> {
+        self.line_with(name, axis, ends, line, Interpolation::Total)
+    }
+
+    /// As [`ModelBuilder::line`], with this interpolation of rotations.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn line_with(
+        &mut self,
+        name: &str,
+        axis: &dyn Axis,
         [from, to]: [NodeId; 2],
         line: &Line,
+        interpolation: Interpolation,
     ) -> Result<LineNodes, ModelError> {
         let fail = |problem: String| ModelError::Line {
             line: name.to_owned(),
@@ -84,8 +100,9 @@ impl ModelBuilder {
             };
             let element_name = format!("{name}:{}", e + 1);
             let own = own.to_vec();
-            let beam =
-                Beam::along(&places, &frame, &line.section).map_err(|source| ModelError::Beam {
+            let beam = interpolation
+                .beam(&places, &frame, &line.section)
+                .map_err(|source| ModelError::Beam {
                     element: element_name.clone(),
                     source,
                 })?;

@@ -10,18 +10,21 @@ mod builder;
 mod charts;
 mod dependence;
 mod error;
+mod inspect;
 mod line;
 mod local;
 mod loops;
 mod motion;
 mod placement;
 mod query;
+mod sheets;
 mod slots;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use error::ModelError;
+pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
@@ -150,8 +153,12 @@ struct Attached {
     name: String,
     element: Box<dyn Element>,
     nodes: Vec<u32>,
+    /// Bit k: node k is a frame.
+    frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,
+    /// Whether its nodes have turned so far against each other that no chart holds them all.
+    overturned: bool,
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether it has no tangents.

@@ -136,7 +136,7 @@ impl Model {
     }
 
     /// Coordinates of an element in its own chart, in the configuration last set.
-    fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
+    pub(super) fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
         let mut x = Vec::with_capacity(e.element.dim());
         for (k, &n) in e.nodes.iter().enumerate() {
             let first = x.len();

@@ -18,8 +18,8 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 /// the spring through y(x), \[M04\] (183). Rigid motions of both nodes together do nothing.
 ///
 /// θ is the rotation vector of the product of the two nodes' quaternions, smooth for relative
-/// rotations up to 2π. A model keeps these quaternions on one side at every converged step, so there
-/// a bushing is for relative rotations below π; turns belong to a joint with a [`CoordinateSpring`].
+/// rotations up to 2π. A model follows these quaternions from step to step, and beyond 2π it returns
+/// an error: turns belong to a joint with a [`CoordinateSpring`].
 ///
 /// A bushing to the ground is one whose first node is held.
 ///
@@ -129,7 +129,7 @@ impl Element for Bushing {
         let here = self.relative.at(at.x);
         let psi = here.y.fixed_rows::<3>(3).norm();
         if psi.is_nan() || psi > EDGE {
-            return Err(ElementError::OutsideChart { psi });
+            return Err(ElementError::Overturned { psi });
         }
         let B = here.B();
         let mut f = self.K * here.y;

@@ -110,6 +110,7 @@ impl Run<'_> {
         } = &mut progress.state;
         // A system that has not seen this state yet chooses its charts; a state that was accepted
         // before stays as it is.
+        system.start(*t, q);
         let mut none: [&mut [f64]; 0] = [];
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
         let vectors: &mut [&mut [f64]] = if fresh { &mut none } else { &mut both };

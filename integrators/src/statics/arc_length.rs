@@ -156,6 +156,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         d_lambda: if options.forward { 1.0 } else { -1.0 },
     };
     out.summary.t = at.lambda;
+    system.start(at.lambda, &at.q);
     let mut ds = options.first_step;
     let mut next = at.clone();
     let mut fresh = false;

@@ -111,6 +111,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     let direction = (options.to - options.from).signum();
     let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
     let mut start = q.clone();
+    system.start(options.from, q);
     summary.chart_changes = system
         .change_charts(options.from, q, &mut [], &mut [])
         .charts;
@@ -166,6 +167,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                 fresh = false;
                 let failed = newton.fail(system, failure, &summary, t);
                 q.copy_from_slice(&start);
+                system.start(summary.t, q);
                 system.change_charts(summary.t, q, &mut [], &mut []);
                 dt = 0.5 * (t - summary.t);
                 if dt.abs() < options.min_step.abs() || dt == 0.0 {

@@ -1,8 +1,12 @@
 //! The laws of forces: tangents are derivatives of the residual, conservative forces those of an
 //! energy.
 
+use super::block::{Compared, difference};
+use super::layout::Layout;
 use super::report::Report;
 use super::sample::Random;
+use super::tangents::{CONFIRMED, Part, STEP, Tangents, tangents};
+use crate::sparse::BlockPattern;
 use nalgebra::{DMatrix, DVector};
 
 /// Time and motion at which forces are asked; `v` and `a` are empty in statics.
@@ -75,12 +79,13 @@ pub fn forces(
     symmetric: bool,
     evaluate: impl FnMut(&State) -> Option<Forces>,
 ) -> Report {
-    forces_at(subject, &states(n), symmetric, evaluate)
+    forces_at(subject, &Layout::plain(n), &states(n), symmetric, evaluate)
 }
 
-/// As [`forces`], at given states.
+/// As [`forces`], of coordinates with names and units, at given states.
 pub fn forces_at(
     subject: &str,
+    layout: &Layout,
     states: &[(String, State)],
     symmetric: bool,
     mut evaluate: impl FnMut(&State) -> Option<Forces>,
@@ -91,15 +96,14 @@ pub fn forces_at(
     for (at, state) in states {
         if let Some(f) = evaluate(state) {
             asked += 1;
-            laws(
-                &mut report,
+            let mut laws = Laws {
+                report: &mut report,
+                layout,
                 at,
                 state,
-                &f,
-                symmetric,
-                &mut random,
-                &mut evaluate,
-            );
+                random: &mut random,
+            };
+            laws.forces(&f, symmetric, &mut evaluate);
         }
     }
     if asked == 0 {
@@ -109,71 +113,108 @@ pub fn forces_at(
 }
 
 /// First step along coordinates: half the change at which a rotation chart's edge is left.
-const FIRST: f64 = 0.05;
+pub(super) const FIRST: f64 = 0.05;
 
-/// Which part of a state is varied.
-type Part = fn(&mut State) -> &mut DVector<f64>;
+/// What is checked at one state, and where it is noted.
+pub(super) struct Laws<'a> {
+    pub report: &'a mut Report,
+    pub layout: &'a Layout,
+    pub at: &'a str,
+    pub state: &'a State,
+    pub random: &'a mut Random,
+}
 
-fn laws(
-    report: &mut Report,
-    at: &str,
-    state: &State,
-    f: &Forces,
-    symmetric: bool,
-    random: &mut Random,
-    evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
-) {
-    let n = state.x.len();
-    let mut d = DVector::zeros(n);
-    random.direction(1.0, d.as_mut_slice());
-    let residual = |evaluate: &mut dyn FnMut(&State) -> Option<Forces>, state: &State| {
-        evaluate(state).map_or_else(|| DVector::from_element(n, f64::NAN), |f| f.r)
-    };
+/// Sizes of what cancels in each group of the residual of given forces, as energies: terms of
+/// these magnitudes make its round-off.
+pub fn sizes(layout: &Layout, state: &State, f: &Forces) -> Vec<f64> {
+    let pattern = BlockPattern::dense(state.x.len());
+    f.tangents(&pattern).sizes(layout, state)
+}
 
-    let parts: [(&str, Part, Option<&DMatrix<f64>>); 3] = [
-        ("K = -dr/dx", |s| &mut s.x, Some(&f.K)),
-        ("C = -dr/dv", |s| &mut s.v, f.C.as_ref()),
-        ("M = -dr/da", |s| &mut s.a, f.M.as_ref()),
-    ];
-    for (law, part, tangent) in parts {
-        let mut varied = state.clone();
-        let base = part(&mut varied).clone();
-        if base.is_empty() {
-            continue;
+impl Forces {
+    fn tangents<'a>(&'a self, pattern: &'a BlockPattern) -> Tangents<'a> {
+        let n = pattern.len();
+        let or_zero = |m: &Option<DMatrix<f64>>| match m {
+            Some(m) => m.as_slice().to_vec(),
+            None => vec![0.0; n],
+        };
+        Tangents {
+            pattern,
+            r: self.r.as_slice(),
+            values: [
+                self.K.as_slice().to_vec(),
+                or_zero(&self.C),
+                or_zero(&self.M),
+            ],
         }
-        let zero = DMatrix::zeros(n, n);
-        let slope = tangent.unwrap_or(&zero) * &d;
-        let size = f.r.norm() + tangent.map_or(0.0, DMatrix::norm) * (1.0 + base.norm());
-        report.slope(law, at, 2.0, FIRST, size, |e| {
-            *part(&mut varied) = &base + &d * e;
-            (residual(evaluate, &varied) - &f.r + &slope * e).norm()
-        });
     }
-    if let Some(r_t) = &f.r_t {
-        let size = f.r.norm() + r_t.norm() * (1.0 + state.t.abs());
-        report.slope("r_t = dr/dt", at, 2.0, FIRST, size, |e| {
-            let later = State {
-                t: state.t + e,
-                ..state.clone()
+}
+
+impl Laws<'_> {
+    fn forces(
+        &mut self,
+        f: &Forces,
+        symmetric: bool,
+        evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
+    ) {
+        let (n, at, state) = (self.state.x.len(), self.at, self.state);
+        let pattern = BlockPattern::dense(n);
+        let all = f.tangents(&pattern);
+        let mut residual = |s: &State| evaluate(s).map(|f| f.r.as_slice().to_vec());
+        tangents(self, &all, &mut residual);
+        if symmetric && state.is_static() {
+            all.symmetric(self, Part::K);
+        }
+        if let Some(r_t) = &f.r_t {
+            let size = f.r.norm() + r_t.norm() * (1.0 + state.t.abs());
+            self.report.slope("r_t = dr/dt", at, 2.0, FIRST, size, |e| {
+                let t = state.t + e;
+                let later = State { t, ..state.clone() };
+                let there = evaluate(&later).map(|f| f.r);
+                there.map_or(f64::NAN, |there| (there - &f.r - r_t * e).norm())
+            });
+        }
+        if let (Some(energy), true) = (f.energy, state.is_static()) {
+            let units = self.layout.units();
+            let mut d = DVector::zeros(n);
+            self.random.direction(1.0, d.as_mut_slice());
+            d.iter_mut().zip(&units).for_each(|(d, u)| *d *= u);
+            let magnitudes = self.layout.magnitudes(state.x.as_slice(), 0);
+            let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
+            let size = energy.abs() + work.sum::<f64>();
+            let mut there = |x: DVector<f64>| {
+                let moved = State::statics(state.t, x);
+                evaluate(&moved).and_then(|f| f.energy)
             };
-            (residual(evaluate, &later) - &f.r - r_t * e).norm()
-        });
-    }
-    if symmetric && state.is_static() {
-        let size = f.K.norm();
-        report.defect(
-            "K symmetric",
-            at,
-            (&f.K - f.K.transpose()).norm(),
-            1e-13 * size,
-        );
-    }
-    if let (Some(energy), true) = (f.energy, state.is_static()) {
-        let size = energy.abs() + f.r.norm() * (1.0 + state.x.norm());
-        report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
-            let moved = State::statics(state.t, &state.x + &d * e);
-            let there = evaluate(&moved).and_then(|f| f.energy);
-            (there.unwrap_or(f64::NAN) - energy + f.r.dot(&d) * e).abs()
-        });
+            self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
+                let there = there(&state.x + &d * e).unwrap_or(f64::NAN);
+                (there - energy + f.r.dot(&d) * e).abs()
+            });
+            if self.report.rows().last().is_some_and(|row| row.passed) {
+                return;
+            }
+            let by_differences = units.iter().enumerate().map(|(i, unit)| {
+                let slope = difference(STEP * unit, |e| {
+                    let mut x = state.x.clone();
+                    x[i] += e;
+                    Some(vec![there(x)?])
+                });
+                slope.map_or(f64::NAN, |slope| -slope[0])
+            });
+            let right: Vec<f64> = by_differences.collect();
+            let gap: Vec<f64> = f.r.iter().zip(&right).map(|(a, b)| a - b).collect();
+            let off: f64 = self.layout.forces(&gap).iter().sum();
+            self.report.second_opinion(|| Some((off, CONFIRMED * size)));
+            self.report.blame(|| {
+                Compared {
+                    matrix: "force",
+                    rows: self.layout,
+                    columns: &Layout::single(),
+                    forces: true,
+                    values: vec![(0, f.r.as_slice().to_vec(), right)],
+                }
+                .worst()
+            });
+        }
     }
 }

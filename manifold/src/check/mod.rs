@@ -13,6 +13,7 @@
 //! | [`chart`] | a [`Chart`](crate::chart::Chart) | coordinates and points determine each other; a change of chart loses nothing |
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
 //! | [`system`] | a [`System`](crate::system::System) | the same, with the tangent taken out of its pattern |
+//! | [`kinematics`] | a map behind slices, at one state | those of [`map`] that need no closed form to compare with |
 //!
 //! Derivatives are checked by **slope**, not by tolerance: if B is the derivative of φ, the defect
 //! ‖φ(q+εd) − φ(q) − εBd‖ falls like ε²; with an error δ in B it falls like ε as soon as ε is below
@@ -21,6 +22,11 @@
 //! 1e-6 and needs no tuned number. Where the defect is at round-off for all but the largest ε (a
 //! linear map, say) this is itself the proof.
 //!
+//! Coordinates come in groups ([`Layout`]) with a unit each, and slopes are measured group by group:
+//! what is soft or small beside something stiff or large is held to its own size. A failure says
+//! which block of which matrix is wrong, by how much, and by which factor ([`Block`]); what is right
+//! there comes from extrapolated central differences.
+//!
 //! Everything is drawn from a seeded generator: two runs give the same report. Places: the origin,
 //! 1e-8 from it, random ones, both sides of π, and 0.3 from the edge 2π of a rotation chart; every
 //! three consecutive coordinates have that norm and a random direction, so rotation vectors in any
@@ -28,18 +34,26 @@
 
 #![allow(non_snake_case)]
 
+mod block;
 mod chart;
 mod forces;
 mod implicit;
+mod kinematics;
+mod layout;
 mod map;
 mod report;
 mod sample;
 mod system;
+mod tangents;
 
+pub use block::{Block, Compared, difference};
 pub use chart::chart;
-pub use forces::{Forces, State, forces, forces_at, states};
+pub use forces::{Forces, State, forces, forces_at, sizes, states};
 pub use implicit::{implicit, rewriting};
-pub use map::map;
+pub use kinematics::{Mapped, kinematics};
+pub use layout::{Group, Layout};
+pub use map::{map, shortened};
 pub use report::{Measure, Report, Row};
 pub use sample::Random;
-pub use system::{dense, system};
+pub use system::{dense, system, system_at, system_sizes};
+pub use tangents::CONFIRMED;

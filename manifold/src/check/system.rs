@@ -1,10 +1,13 @@
 //! The laws of a system: the assembled tangent, taken out of its pattern, is that of its residual.
 
-use super::forces::{Forces, State, forces_at};
+use super::forces::{FIRST, Laws, State};
+use super::layout::Layout;
 use super::report::Report;
+use super::sample::Random;
+use super::tangents::{Part, Tangents, tangents};
 use crate::sparse::BlockPattern;
 use crate::system::{Evaluation, Point, System, Weights};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// The full matrix of values in a pattern.
 pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
@@ -26,40 +29,143 @@ pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
 /// ∂r/∂t is asked at rest only: in motion the path of driven coordinates would need a third time
 /// derivative, which no solver asks for.
 pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]) -> Report {
-    let symmetric = system.is_symmetric();
-    let mut report = forces_at(subject, states, symmetric, |s| all(system, s));
+    let layout = Layout::of(system);
+    system_at(subject, &layout, system, states)
+}
+
+/// As [`system`], of coordinates with names and units.
+pub fn system_at(
+    subject: &str,
+    layout: &Layout,
+    system: &mut dyn System,
+    states: &[(String, State)],
+) -> Report {
+    let mut report = Report::new(subject);
+    let mut random = Random::new(7);
+    let mut asked = 0;
     for (at, state) in states {
-        let Some(f) = all(system, state) else {
-            continue;
-        };
-        // One evaluation with three weights is the weighted sum of three evaluations.
-        let weights = Weights {
-            K: 0.7,
-            C: -1.3,
-            M: 2.1,
-        };
-        let mut sum = &f.K * weights.K;
-        if let (Some(C), Some(M)) = (&f.C, &f.M) {
-            sum += C * weights.C + M * weights.M;
-        }
-        let (r, S) =
-            one(system, state, weights).unwrap_or_else(|| (f.r.clone(), sum.clone() * f64::NAN));
-        report.defect(
-            "S = cK K + cC C + cM M",
+        let laws = Laws {
+            report: &mut report,
+            layout,
             at,
-            (&S - &sum).norm(),
-            1e-12 * (f.K.norm() + sum.norm()),
-        );
-        let mut alone = DVector::zeros(r.len());
-        let done = system.evaluate(point(state), Evaluation::residual(alone.as_mut_slice()));
-        let gap = if done.is_ok() {
-            (&alone - &r).norm()
-        } else {
-            f64::NAN
+            state,
+            random: &mut random,
         };
-        report.defect("r does not depend on what else is asked", at, gap, 0.0);
+        asked += usize::from(one(laws, system).is_some());
+    }
+    if asked == 0 {
+        report.impossible("domain", "everywhere", "no state is inside the domain");
     }
     report
+}
+
+/// Sizes of what cancels in each group of a system's residual, as energies: terms of these
+/// magnitudes make its round-off. `None` outside of the domain.
+pub fn system_sizes(layout: &Layout, system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+    let (r, values) = parts(system, state)?;
+    let all = Tangents {
+        pattern: system.pattern(),
+        r: &r,
+        values,
+    };
+    Some(all.sizes(layout, state))
+}
+
+fn weights(K: f64, C: f64, M: f64) -> Weights {
+    Weights { K, C, M }
+}
+
+/// The residual, and the values of K, C and M.
+fn parts(system: &mut dyn System, state: &State) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
+    let (r, K) = combined(system, state, weights(1.0, 0.0, 0.0))?;
+    let (mut C, mut M) = (vec![0.0; K.len()], vec![0.0; K.len()]);
+    if !state.is_static() {
+        C = combined(system, state, weights(0.0, 1.0, 0.0))?.1;
+        M = combined(system, state, weights(0.0, 0.0, 1.0))?.1;
+    }
+    Some((r, [K, C, M]))
+}
+
+/// Notes the laws at one state; nothing where it is outside of the domain.
+fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
+    let (state, at) = (laws.state, laws.at);
+    let pattern = system.pattern().clone();
+    let (r, values) = parts(system, state)?;
+    let all = Tangents {
+        pattern: &pattern,
+        r: &r,
+        values,
+    };
+    let sizes = all.sizes(laws.layout, state);
+    tangents(&mut laws, &all, &mut |s| residual(system, s));
+    if system.is_symmetric() {
+        if state.is_static() {
+            all.symmetric(&mut laws, Part::K);
+        } else {
+            all.symmetric(&mut laws, Part::M);
+        }
+    }
+
+    // One evaluation with three weights is the weighted sum of three evaluations.
+    let w = weights(0.7, -1.3, 2.1);
+    let [K, C, M] = &all.values;
+    let nowhere = || (r.clone(), vec![f64::NAN; K.len()]);
+    let (again, S) = combined(system, state, w).unwrap_or_else(nowhere);
+    let (mut gap, mut size) = (Vec::new(), Vec::new());
+    for (k, S) in S.iter().enumerate() {
+        let parts = [w.K * K[k], w.C * C[k], w.M * M[k]];
+        gap.push((S - parts.iter().sum::<f64>()).abs());
+        size.push(parts.iter().map(|p| p.abs()).sum());
+    }
+    let by_row = |values: &[f64]| {
+        let mut rows = vec![0.0; r.len()];
+        pattern.multiply_add(1.0, values, &laws.layout.units(), &mut rows);
+        laws.layout.forces(&rows)
+    };
+    let allowed: Vec<f64> = by_row(&size).iter().map(|s| 1e-12 * s).collect();
+    let law = "S = cK K + cC C + cM M";
+    laws.report.defects(law, at, &by_row(&gap), &allowed);
+
+    let alone = residual(system, state).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+    let gap = alone.iter().zip(&again).map(|(a, b)| (a - b).abs());
+    let law = "r does not depend on what else is asked";
+    laws.report.defect(law, at, gap.sum(), 0.0);
+
+    if state.is_static() {
+        let mut rate = vec![1e3; r.len()];
+        let mut again = r.clone();
+        let out = Evaluation {
+            r: &mut again,
+            S: None,
+            r_t: Some(&mut rate),
+        };
+        system.evaluate(point(state), out).ok()?;
+        load_rate(&mut laws, system, &r, &rate, &sizes);
+    }
+    Some(())
+}
+
+/// ∂r/∂t, on steps that do not reach the next kink of a function of time.
+fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
+    let (state, layout) = (laws.state, laws.layout);
+    let kinks = system.kinks().into_iter().map(|k| k - state.t);
+    let next = kinks
+        .filter(|&ahead| ahead > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let rates = layout.forces(rate);
+    let sizes: Vec<f64> = (rates.iter().zip(sizes))
+        .map(|(rate, size)| size + rate * (1.0 + state.t.abs()))
+        .collect();
+    let first = FIRST.min(0.5 * next);
+    laws.report
+        .slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
+            let t = state.t + e;
+            let later = State { t, ..state.clone() };
+            let there = residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+            let parts = there.iter().zip(r).zip(rate);
+            let left: Vec<f64> = parts.map(|((a, b), rate)| a - b - rate * e).collect();
+            layout.forces(&left)
+        });
 }
 
 fn point(s: &State) -> Point<'_> {
@@ -71,44 +177,23 @@ fn point(s: &State) -> Point<'_> {
     }
 }
 
-fn one(
+fn residual(system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+    let mut r = vec![0.0; state.x.len()];
+    system
+        .evaluate(point(state), Evaluation::residual(&mut r))
+        .ok()?;
+    Some(r)
+}
+
+fn combined(
     system: &mut dyn System,
     state: &State,
     weights: Weights,
-) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let mut r = DVector::zeros(state.x.len());
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let mut r = vec![0.0; state.x.len()];
     // Entries that an evaluation forgets to overwrite show up.
     let mut values = vec![1e3; system.pattern().len()];
-    let out = Evaluation::with_tangent(r.as_mut_slice(), weights, &mut values);
+    let out = Evaluation::with_tangent(&mut r, weights, &mut values);
     system.evaluate(point(state), out).ok()?;
-    let S = dense(system.pattern(), &values);
-    Some((r, S))
-}
-
-fn all(system: &mut dyn System, state: &State) -> Option<Forces> {
-    let weights = |K, C, M| Weights { K, C, M };
-    let (r, K) = one(system, state, weights(1.0, 0.0, 0.0))?;
-    let (mut C, mut M, mut r_t) = (None, None, None);
-    if state.is_static() {
-        let mut again = r.clone();
-        let mut rate = DVector::from_element(r.len(), 1e3);
-        let out = Evaluation {
-            r: again.as_mut_slice(),
-            S: None,
-            r_t: Some(rate.as_mut_slice()),
-        };
-        system.evaluate(point(state), out).ok()?;
-        r_t = Some(rate);
-    } else {
-        C = Some(one(system, state, weights(0.0, 1.0, 0.0))?.1);
-        M = Some(one(system, state, weights(0.0, 0.0, 1.0))?.1);
-    }
-    Some(Forces {
-        r,
-        K,
-        C,
-        M,
-        r_t,
-        energy: None,
-    })
+    Some((r, values))
 }

@@ -23,6 +23,9 @@ pub struct Line {
     pub order: usize,
     /// Name of its cross-section.
     pub section: String,
+    /// How rotations are interpolated between the nodes of an element.
+    #[serde(default, skip_serializing_if = "Interpolation::is_total")]
+    pub interpolation: Interpolation,
     /// Makes it a circular arc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Arc>,
@@ -33,6 +36,24 @@ pub struct Line {
     /// Pretwist: rotation of the section about a straight line from start to end, in degrees.
     #[serde(default)]
     pub twist_deg: f64,
+}
+
+/// How rotations are interpolated between the nodes of an element.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Total rotation vectors: the fastest; strains change with a rigid rotation by as much as the
+    /// mesh error.
+    #[default]
+    Total,
+    /// Rotations relative to a node of the element: strains do not change with a rigid rotation.
+    Geodesic,
+}
+
+impl Interpolation {
+    fn is_total(&self) -> bool {
+        *self == Self::Total
+    }
 }
 
 /// A circular arc that starts at the line's `from` node.

@@ -19,7 +19,7 @@ pub use analysis::{
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
 pub use joint::{Acts, Joint, JointKind, JointSpring};
-pub use line::{Arc, Line};
+pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};

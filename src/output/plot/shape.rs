@@ -72,6 +72,18 @@ impl Shapes {
         out
     }
 
+    /// The largest extent along an axis.
+    pub fn extent(&self) -> f64 {
+        let along = |k: usize| {
+            let values = self.points().map(|p| p[k]);
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            (high - low).max(0.0)
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
     fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
         let links = self.links.iter().flatten();
         (self.lines.iter().flatten().chain(links)).chain(&self.supports)

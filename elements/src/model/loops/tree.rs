@@ -1,6 +1,10 @@
 //! The equations of closed loops: the maps along the chains of their joints, composed.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "orders of derivatives and matrices in slices are read by their indices"
+)]
 
 use crate::joint::Pose;
 use nalgebra::{SVector, Vector3};

@@ -86,16 +86,15 @@ impl Core {
             chart.independent = None;
         } else {
             // Coordinates that the used equations determine best are dependent; the rest is q.
-            let mut row = 0;
             let rows = X - D;
             let mut columns = std::mem::take(&mut w.rows);
             columns.clear();
             columns.resize(rows * X, 0.0);
-            for i in (0..M).filter(|&i| chart.used[i]) {
+            let used = (0..M).filter(|&i| chart.used[i]);
+            for (row, i) in used.enumerate() {
                 for k in 0..X {
                     columns[row + k * rows] = w.scaled[k + i * X];
                 }
-                row += 1;
             }
             w.columns.run(rows, &columns);
             w.rows = columns;

@@ -168,13 +168,12 @@ impl Core {
             }
             w.length[row] = norm_of((0..X).map(|k| L[k] * size(k)));
         }
-        let mut row = D;
-        for i in (0..M).filter(|&i| chart.used[i]) {
+        let used = (D..).zip((0..M).filter(|&i| chart.used[i]));
+        for (row, i) in used {
             for k in 0..X {
                 w.A[row + k * X] = w.J[i + (p + k) * M] * size(k);
             }
             w.length[row] = self.sizes[i];
-            row += 1;
         }
         for k in 0..X {
             for row in 0..X {
@@ -193,11 +192,10 @@ impl Core {
         }
         w.B.copy_from_slice(&w.inverse[..X * D]);
         w.P.fill(0.0);
-        let mut row = D;
-        for i in (0..M).filter(|&i| chart.used[i]) {
+        let used = (D..).zip((0..M).filter(|&i| chart.used[i]));
+        for (row, i) in used {
             let column = &w.inverse[row * X..(row + 1) * X];
             w.P[i * X..(i + 1) * X].copy_from_slice(column);
-            row += 1;
         }
         w.condition
     }

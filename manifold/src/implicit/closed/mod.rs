@@ -12,6 +12,10 @@
 //! with y = (p, x). And how many of the x are free is found by the rank of h_x, not given.
 
 #![allow(non_snake_case)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "matrices in slices are read by their indices"
+)]
 
 mod charts;
 mod core;

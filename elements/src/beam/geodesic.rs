@@ -1,0 +1,292 @@
+//! Geodesic interpolation: rotations relative to a node of the element.
+//!
+//! With E_i = R_rᵀ R_i of the nodes relative to the reference node r,
+//!
+//! ```text
+//! z_i = R_rᵀ (x_i − x_r),   ϑ_i = log E_i,   R(ξ) = R_r exp(Σ N_i(ξ) ϑ_i)
+//! ```
+//!
+//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i ϑ_i:
+//! functions of relative quantities alone, hence invariant (Crisfield & Jelenić 1999). Their kernel
+//! runs in (z, ϑ); this file is the map from the nodes' coordinates to these, and its pull-back in
+//! closed form. With material variations δΘ = T δΨ,
+//!
+//! ```text
+//! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δϑ_i = T⁻¹(ϑ_i) δΘ_i − T⁻ᵀ(ϑ_i) δΘ_r
+//! ```
+
+#![allow(non_snake_case)]
+
+use super::element::Tangents;
+use super::interpolation::{Rotations, Seen};
+use super::mass::MassPoint;
+use super::nodal::NodalInertia;
+use super::relative::{Node, Relative, Turn, add_block, add_nodes, block, three};
+use crate::element::{EDGE, ElementError, Motion};
+use nalgebra::{Matrix3, Vector3, Vector6};
+use pullback_manifold::quotients::TangentQuotients;
+use pullback_manifold::so3::{self, skew};
+use pullback_manifold::system::Weights;
+
+/// The geodesic interpolation; see [`Interpolation::Geodesic`](super::Interpolation::Geodesic).
+///
+/// The reference node is the first of two, the middle one of three, and the second of four.
+#[derive(Clone, Debug)]
+pub struct Geodesic<const NN: usize> {
+    /// Reference places seen from the reference node.
+    arms: [Vector3<f64>; NN],
+    inertia: Option<NodalInertia<NN>>,
+}
+
+impl<const NN: usize> Geodesic<NN> {
+    /// The reference node.
+    const R: usize = (NN - 1) / 2;
+
+    /// z and ϑ of node i; the two rotation vectors tell on which sheet ϑ is.
+    fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
+        let apart = self.arms[i] + three(x, 6 * i) - three(x, 6 * Self::R);
+        Relative {
+            z: R_t * apart,
+            theta: Self::turn_between(x, i),
+        }
+    }
+
+    /// ϑ_i of node i, less than a whole turn.
+    fn turn_between(x: &[f64], i: usize) -> Vector3<f64> {
+        let from = so3::quaternion(&three(x, 6 * Self::R + 3)).conjugate();
+        so3::log_quaternion(&from.product(&so3::quaternion(&three(x, 6 * i + 3))))
+    }
+
+    /// Indices of the nodes that are not the reference.
+    fn others() -> impl Iterator<Item = usize> {
+        (0..NN).filter(|&i| i != Self::R)
+    }
+
+    /// x̂ alone.
+    fn coordinates(&self, x: &[f64]) -> [[f64; 6]; NN] {
+        let R_t = so3::rotation(&-three(x, 6 * Self::R + 3));
+        let mut out = [[0.0; 6]; NN];
+        for i in Self::others() {
+            out[i] = self.local(i, &self.relative(x, i, &R_t));
+        }
+        out
+    }
+
+    /// Coordinates (d̂, Ψ̂) of node i.
+    fn local(&self, i: usize, seen: &Relative) -> [f64; 6] {
+        let d = seen.z - self.arms[i];
+        let psi = seen.theta;
+        [d.x, d.y, d.z, psi.x, psi.y, psi.z]
+    }
+}
+
+impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
+    fn new(places: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self {
+        Self {
+            arms: places.map(|p| p - places[Self::R]),
+            inertia: masses.map(|m| NodalInertia::new(&m)),
+        }
+    }
+
+    fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN> {
+        let reference = Turn::new(three(x, 6 * Self::R + 3));
+        let R_t = so3::rotation(&-reference.psi);
+        let mut out = Seen {
+            R: R_t.transpose(),
+            x: self.coordinates(x),
+            v: [[0.0; 6]; NN],
+        };
+        if !v.is_empty() {
+            let v_r = &v[6 * Self::R..];
+            for i in Self::others() {
+                let turn = Turn::new(three(x, 6 * i + 3));
+                let node = Node::new(turn, self.relative(x, i, &R_t), &reference, &R_t);
+                out.v[i] = node.rates(&v[6 * i..], v_r).into();
+            }
+        }
+        out
+    }
+
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]) {
+        let reference = Turn::new(three(x, 6 * Self::R + 3));
+        let R = so3::R(&reference.psi, &reference.quotients.tangent());
+        // R = R_r E(ϑ), ϑ = Σ N_i ϑ_i: δΘ = Eᵀ δΘ_r + T(ϑ) Σ N_i δϑ_i.
+        let mut theta = Vector3::zeros();
+        let mut Theta_psi = [Matrix3::zeros(); NN];
+        for i in Self::others() {
+            let own = Self::turn_between(x, i);
+            theta += own * N[i];
+            let T_inverse = so3::tangent_inverse(&own) * N[i];
+            Theta_psi[i] = T_inverse * Turn::new(three(x, 6 * i + 3)).T;
+            Theta_psi[Self::R] -= T_inverse.transpose() * reference.T;
+        }
+        let c = TangentQuotients::new(theta.norm_squared());
+        let (E, T) = (so3::R(&theta, &c), so3::T(&theta, &c));
+        let mut Theta_psi = Theta_psi.map(|Theta_psi| T * Theta_psi);
+        Theta_psi[Self::R] += E.tr_mul(&reference.T);
+        (R * E, Theta_psi)
+    }
+
+    fn pull_back<F>(
+        &self,
+        viscous: bool,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+        kernel: F,
+    ) -> Result<(), ElementError>
+    where
+        F: Fn(
+            Option<&[f64]>,
+            &Motion<'_>,
+            &mut [f64],
+            &mut Tangents<'_>,
+        ) -> Result<(), ElementError>,
+    {
+        let n = 6 * NN;
+        for i in 0..NN {
+            let psi = three(at.x, 6 * i + 3).norm();
+            if psi > EDGE {
+                return Err(ElementError::OutsideChart { psi });
+            }
+        }
+        let reference = Turn::new(three(at.x, 6 * Self::R + 3));
+        let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
+        let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
+        let mut nodes: [Option<Node>; NN] = std::array::from_fn(|_| None);
+        for i in Self::others() {
+            let seen = self.relative(at.x, i, &R_t);
+            let angle = seen.theta.norm();
+            if angle.is_nan() || angle > EDGE {
+                return Err(ElementError::Overturned { psi: angle });
+            }
+            x[i] = self.local(i, &seen);
+            let node = Node::new(Turn::new(three(at.x, 6 * i + 3)), seen, &reference, &R_t);
+            if viscous {
+                v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
+            }
+            nodes[i] = Some(node);
+        }
+        let moving = if viscous { v.as_flattened() } else { &[] };
+        let there = Motion {
+            t: at.t,
+            x: x.as_flattened(),
+            v: moving,
+            a: &[],
+        };
+        let previous = previous.map(|x| self.coordinates(x));
+        let previous = previous.as_ref().map(|x| x.as_flattened());
+        let mut force = [[0.0; 6]; NN];
+        let (mut K, mut C) = ([[[[0.0; 6]; NN]; 6]; NN], [[[[0.0; 6]; NN]; 6]; NN]);
+        let wanted = tangents.iter().flatten().any(|t| t.0.K != 0.0)
+            || viscous && tangents.iter().flatten().any(|t| t.0.C != 0.0);
+        let one = |K, C| Weights { K, C, M: 0.0 };
+        let K_hat = K.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+        let C_hat = C.as_flattened_mut().as_flattened_mut().as_flattened_mut();
+        let mut parts: Tangents<'_> = match (wanted, viscous) {
+            (false, _) => [None, None, None],
+            (true, false) => [Some((one(1.0, 0.0), &mut *K_hat)), None, None],
+            (true, true) => [
+                Some((one(1.0, 0.0), &mut *K_hat)),
+                Some((one(0.0, 1.0), &mut *C_hat)),
+                None,
+            ],
+        };
+        kernel(previous, &there, force.as_flattened_mut(), &mut parts)?;
+        let nodes = &nodes;
+        let others = || Self::others().filter_map(|i| nodes[i].as_ref().map(|node| (i, node)));
+        for (i, node) in others() {
+            let f = Vector6::from(force[i]);
+            let (own, turn) = (node.B.own.tr_mul(&f), node.B.reference.tr_mul(&f));
+            for k in 0..6 {
+                r[6 * i + k] += own[k];
+                r[6 * Self::R + k] += turn[k];
+            }
+        }
+        if !wanted {
+            return Ok(());
+        }
+        for (weights, out) in tangents.iter_mut().flatten() {
+            let Weights { K: k, C: c, .. } = *weights;
+            if k == 0.0 && (c == 0.0 || !viscous) {
+                continue;
+            }
+            for (j, right) in others() {
+                let B_dot =
+                    viscous.then(|| right.B_dot(&reference, &at.v[6 * j..], &at.v[6 * Self::R..]));
+                for (i, left) in others() {
+                    // Columns K B + C Ḃ of the two nodes, with their weights.
+                    let mut weighted = block(K_hat, n, i, j, k);
+                    if viscous {
+                        weighted += block(C_hat, n, i, j, c);
+                    }
+                    let mut own = weighted * right.B.own;
+                    let mut far = weighted * right.B.reference;
+                    if let Some(B_dot) = &B_dot {
+                        let C = block(C_hat, n, i, j, k);
+                        own += C * B_dot.own;
+                        far += C * B_dot.reference;
+                    }
+                    let rows = [left.B.own.transpose(), left.B.reference.transpose()];
+                    for (row, B) in [i, Self::R].into_iter().zip(&rows) {
+                        add_nodes(out, n, row, j, &(B * own));
+                        add_nodes(out, n, row, Self::R, &(B * far));
+                    }
+                }
+            }
+            if k != 0.0 {
+                self.geometric(&reference, others(), &force, -k, out);
+            }
+        }
+        Ok(())
+    }
+
+    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>) {
+        if let Some(inertia) = &self.inertia {
+            inertia.add(at, alpha, r, tangents);
+        }
+    }
+}
+
+impl<const NN: usize> Geodesic<NN> {
+    /// Adds the factor times K_σ, the derivative of Bᵀ(n, m) with the forces (n, m) of z and ϑ fixed.
+    fn geometric<'a>(
+        &self,
+        reference: &Turn,
+        others: impl Iterator<Item = (usize, &'a Node)>,
+        force: &[[f64; 6]; NN],
+        factor: f64,
+        out: &mut [f64],
+    ) {
+        let (size, r) = (6 * NN, 6 * Self::R);
+        let T_r = &reference.T;
+        let mut h = Vector3::zeros();
+        for (i, node) in others {
+            let (n, m) = (three(&force[i], 0) * factor, three(&force[i], 3) * factor);
+            let Node { turn, seen, .. } = node;
+            // Force of δΘ_i and, negative, of δΘ_r.
+            let own = node.T_inverse.tr_mul(&m);
+            h -= seen.z.cross(&n) + node.T_inverse * m;
+            // D_ϑ(T⁻ᵀ m); as T⁻¹ = T⁻ᵀ + ϑ~, that of T⁻¹ m is C₆ − m~.
+            let C6 = so3::C6(&m, &seen.theta, &node.inverse);
+            let left = turn.T.tr_mul(&C6);
+            let own = so3::C2(&own, &turn.psi, &turn.quotients) + left * node.theta_psi;
+            let mixed = -left * node.theta_r;
+            let n = skew(&n);
+            let at_r = T_r.tr_mul(&(n * (skew(&seen.z) * T_r) + (C6 - skew(&m)) * node.theta_r));
+            // −R_r n~ T_r.
+            let d = -node.B.own.fixed_view::<3, 3>(0, 0).tr_mul(&(n * T_r));
+            add_block(out, size, 6 * i + 3, 6 * i + 3, &own);
+            add_block(out, size, 6 * i + 3, r + 3, &mixed);
+            add_block(out, size, r + 3, 6 * i + 3, &mixed.transpose());
+            add_block(out, size, r + 3, r + 3, &at_r);
+            add_block(out, size, 6 * i, r + 3, &d);
+            add_block(out, size, r + 3, 6 * i, &d.transpose());
+            add_block(out, size, r, r + 3, &-d);
+            add_block(out, size, r + 3, r, &-d.transpose());
+        }
+        let h = so3::C2(&h, &reference.psi, &reference.quotients);
+        add_block(out, size, r + 3, r + 3, &h);
+    }
+}

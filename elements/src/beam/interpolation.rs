@@ -1,0 +1,183 @@
+//! What stands between the nodes of a beam: the interpolation of its rotations.
+
+#![allow(non_snake_case)]
+
+use super::element::{Beam, BeamError, Tangents};
+use super::geodesic::Geodesic;
+use super::mass::MassPoint;
+use super::relative::three;
+use super::section::Section;
+use crate::element::{Element, ElementError, Motion};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::TangentQuotients;
+use pullback_manifold::so3;
+use std::fmt::Debug;
+
+/// Which interpolation of rotations a beam element has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The total rotation vector, Ψ(ξ) = Σ Nᵢ(ξ) Ψᵢ; \[M04\] chapter 3.
+    ///
+    /// The fastest. Strains change with a rigid rotation, and with the chart, by as much as the mesh
+    /// error.
+    #[default]
+    Total,
+    /// The rotation relative to a node r of the element, R(ξ) = R_r exp(Σ Nᵢ(ξ) log(R_rᵀ Rᵢ)):
+    /// between two nodes the geodesic R₁ exp(N₂ log(R₁ᵀ R₂)).
+    ///
+    /// Strains are invariant under rigid rotations and changes of chart (Crisfield & Jelenić 1999,
+    /// Proc. R. Soc. Lond. A 455). The nodes of an element may turn against each other by less than
+    /// one turn.
+    Geodesic,
+}
+
+impl Interpolation {
+    /// A beam element with this interpolation, otherwise as [`Beam::along`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn beam(
+        self,
+        places: &[Vector3<f64>],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Box<dyn Element>, BeamError> {
+        match *places {
+            [a, b] => self.of([a, b], frame, section),
+            [a, b, c] => self.of([a, b, c], frame, section),
+            [a, b, c, d] => self.of([a, b, c, d], frame, section),
+            _ => Err(BeamError::Nodes(places.len())),
+        }
+    }
+
+    fn of<const NN: usize>(
+        self,
+        places: [Vector3<f64>; NN],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Box<dyn Element>, BeamError> {
+        Ok(match self {
+            Self::Total => Box::new(Beam::<NN>::new(&places, frame, section)?),
+            Self::Geodesic => Box::new(Beam::<NN, Geodesic<NN>>::new(&places, frame, section)?),
+        })
+    }
+}
+
+/// What the node coordinates (d, Ψ) are to the strains: a map x̂ = φ(x) to coordinates (d̂, Ψ̂) of the
+/// nodes in which place and rotation vector are interpolated by the shape functions.
+///
+/// Strains and their forces are one kernel in x̂ for all interpolations, pulled back through φ like
+/// any element through any map. The inertia is the interpolation's own.
+pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
+    /// The interpolation between nodes at these reference places, with the points of inertia of
+    /// the element where it has mass.
+    fn new(places: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self;
+
+    /// The nodes as the strains see them, at coordinates x and velocities v (6·NN each; v empty at
+    /// rest).
+    fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN>;
+
+    /// The section where the shape functions are `N`: its rotation R (3×3) and the operators Θ_Ψᵢ
+    /// (3×3) of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
+
+    /// Adds what `kernel` adds in x̂, pulled back: `kernel` is given the previous iterate, the motion,
+    /// the residual and the tangents there. It reads velocities, and adds to C, only when the beam is
+    /// `viscous`.
+    ///
+    /// # Errors
+    /// [`ElementError`] outside the domain of the interpolation; as the kernel.
+    fn pull_back<F>(
+        &self,
+        viscous: bool,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+        kernel: F,
+    ) -> Result<(), ElementError>
+    where
+        F: Fn(
+            Option<&[f64]>,
+            &Motion<'_>,
+            &mut [f64],
+            &mut Tangents<'_>,
+        ) -> Result<(), ElementError>;
+
+    /// Adds −f_acc, the drag α p against the momenta p, and their tangents.
+    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
+}
+
+/// The nodes in the coordinates in which they are interpolated.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<const NN: usize> {
+    /// Rotation R̂ to the fixed frame: sections are at R̂ R(Ψ̂).
+    pub R: Matrix3<f64>,
+    /// Coordinates x̂ = (d̂, Ψ̂) of each node.
+    pub x: [[f64; 6]; NN],
+    /// Their velocities; zero at rest.
+    pub v: [[f64; 6]; NN],
+}
+
+/// Total rotation vectors: φ is the identity.
+#[derive(Clone, Debug)]
+pub struct Total<const NN: usize> {
+    masses: Option<[MassPoint<NN>; NN]>,
+}
+
+impl<const NN: usize> Rotations<NN> for Total<NN> {
+    fn new(_: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self {
+        Self { masses }
+    }
+
+    fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN> {
+        let nodes = |x: &[f64]| {
+            let mut out = [[0.0; 6]; NN];
+            for (out, x) in out.as_flattened_mut().iter_mut().zip(x) {
+                *out = *x;
+            }
+            out
+        };
+        Seen {
+            R: Matrix3::identity(),
+            x: nodes(x),
+            v: nodes(v),
+        }
+    }
+
+    fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]) {
+        let nodes = x.chunks_exact(6).zip(N);
+        let psi: Vector3<f64> = nodes.map(|(x, N)| three(x, 3) * *N).sum();
+        let c = TangentQuotients::new(psi.norm_squared());
+        let T = so3::T(&psi, &c);
+        (so3::R(&psi, &c), N.map(|N| T * N))
+    }
+
+    #[inline]
+    fn pull_back<F>(
+        &self,
+        _viscous: bool,
+        previous: Option<&[f64]>,
+        at: &Motion<'_>,
+        r: &mut [f64],
+        tangents: &mut Tangents<'_>,
+        kernel: F,
+    ) -> Result<(), ElementError>
+    where
+        F: Fn(
+            Option<&[f64]>,
+            &Motion<'_>,
+            &mut [f64],
+            &mut Tangents<'_>,
+        ) -> Result<(), ElementError>,
+    {
+        kernel(previous, at, r, tangents)
+    }
+
+    #[inline]
+    fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>) {
+        for p in self.masses.iter().flatten() {
+            p.add(at, alpha, r, tangents);
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The laws of a whole model: of each component where the model uses it, and of the assembled system.
+
+#![allow(non_snake_case)]
+
+use super::element::{Ask, element_at, evaluate};
+use super::invariance::{self, Placed};
+use super::joint;
+use super::states::{Size, beside, moving};
+use super::transport;
+use crate::model::Model;
+use nalgebra::DVector;
+use pullback_manifold::check::{Forces, Layout, Random, Report, State, system_at};
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+/// Where a model is checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Seed of everything random: the same seed gives the same report.
+    pub seed: u64,
+    /// Time, or load parameter. Not one of the model's kinks, where nothing is smooth.
+    pub t: f64,
+    /// Coordinates of the state from which others are drawn; the reference configuration if empty.
+    pub q: Vec<f64>,
+    /// How many random states besides that one; large models may take few.
+    pub states: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            t: 0.37,
+            q: Vec::new(),
+            states: 3,
+        }
+    }
+}
+
+/// Checks a model: every element and load, every joint, and the assembled system; at `options.q`
+/// and at random states around it, at rest and in motion. One row for each component and law, from
+/// the state where it came closest to failing.
+///
+/// - elements and loads: the laws of [`element`](super::element); that forces and energies turn with
+///   a rigid motion superposed (what is internal), and are the same in the other chart. Both hold
+///   to round-off, or in the limit of small relative motions of the nodes where an element
+///   interpolates total rotation vectors: the law's name says which was found;
+/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their masters;
+/// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of
+///   the charts of nodes and back leaves places, velocities, forces and energies as they were;
+///   d(T + U)/dt is the power supplied less the power lost.
+///
+/// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
+/// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
+/// coordinates the model has then is for its next change of charts to say.
+///
+/// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
+///
+/// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
+pub fn model(model: &mut Model, options: &Options) -> Report {
+    let mut report = Report::new("model");
+    let n = model.pattern().dim();
+    let mut q = options.q.clone();
+    q.resize(n, 0.0);
+    let mut random = Random::new(options.seed);
+    let units = model.node_units();
+    let mut layout = model.layout(&units);
+
+    let mut plan = vec![("start".to_owned(), Size::NONE)];
+    for k in 0..options.states {
+        let size = if k % 2 == 0 { Size::FAR } else { Size::NEAR };
+        plan.push((format!("random {}", k + 1), size));
+    }
+    let mut seen: Vec<(String, Vec<State>)> = Vec::new();
+    let mut last = None;
+    for (k, (at, size)) in plan.iter().enumerate() {
+        let rest = match beside(model, options.t, &q, *size, &units, &mut random) {
+            Ok(rest) => rest,
+            Err(error) => {
+                report.impossible("domain", at, error.to_string());
+                return report;
+            }
+        };
+        if k == 0 {
+            layout.rate = own_rate(model, &rest).unwrap_or(1.0);
+        }
+        let motion = moving(&rest, &layout.units(), layout.rate, &mut random);
+        let states = [
+            (format!("{at}, at rest"), rest),
+            (format!("{at}, moving"), motion.clone()),
+        ];
+        report.extend(system_at("model", &layout, model, &states));
+        transport::laws(&mut report, model, &layout, &states[1], &mut random);
+        joint::laws(&mut report, model, &units, &states[1], &mut random);
+        if k + 1 == plan.len() && model.rewrites() {
+            last = Some(states[1].clone());
+        }
+        let all = 0..model.element_count();
+        seen.push((
+            at.clone(),
+            all.map(|k| model.element_state(k, options.t)).collect(),
+        ));
+    }
+    for k in 0..model.element_count() {
+        let places = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
+        let own = component(model, k, &units, layout.rate, places, &mut random);
+        report.extend(own);
+    }
+    if let Some(state) = last {
+        transport::rewriting(&mut report, model, &layout, &state);
+    }
+    report.worst()
+}
+
+/// The laws of one element or load at its states in the model.
+fn component<'a>(
+    model: &Model,
+    k: usize,
+    units: &[f64],
+    rate: f64,
+    places: impl Iterator<Item = (&'a str, &'a State)>,
+    random: &mut Random,
+) -> Report {
+    let mut own = model.inspect_element(k, units);
+    let element = own.thing;
+    own.layout.rate = rate;
+    let mut states = Vec::new();
+    for (at, rest) in places {
+        if states.is_empty() {
+            let zero = DVector::zeros(rest.x.len());
+            let still = State {
+                v: zero.clone(),
+                a: zero,
+                ..rest.clone()
+            };
+            let all = evaluate(element, &still, Ask::All);
+            own.layout.rate = all
+                .and_then(|f| element_rate(&own.layout, &f))
+                .unwrap_or(rate);
+        }
+        states.push((format!("{at}, at rest"), rest.clone()));
+        let motion = moving(rest, &own.layout.units(), own.layout.rate, random);
+        states.push((format!("{at}, moving"), motion));
+    }
+    let mut report = element_at(&own.name, &own.layout, &states, element);
+    let placed = Placed {
+        element,
+        layout: &own.layout,
+        frames: &own.frames,
+    };
+    invariance::laws(&mut report, &placed, &states, random);
+    report.worst()
+}
+
+/// A typical frequency: the geometric mean of √(K/M) over the diagonal, where there are both.
+fn mean_rate(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let logs: Vec<f64> = pairs
+        .filter(|&(K, M)| K != 0.0 && M > 0.0)
+        .map(|(K, M)| 0.5 * (K.abs() / M).ln())
+        .filter(|log| log.is_finite())
+        .collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    mean.exp().is_normal().then(|| mean.exp())
+}
+
+fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
+    let M = f.M.as_ref()?;
+    // The largest stiffness and the largest mass: single ones may be small by accident.
+    let units = layout.units();
+    let most = |A: &nalgebra::DMatrix<f64>| {
+        let scaled = units
+            .iter()
+            .enumerate()
+            .map(|(i, u)| A[(i, i)].abs() * u * u);
+        scaled.fold(0.0, f64::max)
+    };
+    mean_rate(std::iter::once((most(&f.K), most(M))))
+}
+
+/// The model's rate at a state.
+fn own_rate(model: &mut Model, s: &State) -> Option<f64> {
+    let n = s.x.len();
+    let zero = vec![0.0; n];
+    let mut diagonal = |K, C, M| -> Option<Vec<f64>> {
+        let mut r = vec![0.0; n];
+        let mut values = vec![0.0; model.pattern().len()];
+        let (q, v, a) = (s.x.as_slice(), &zero[..], &zero[..]);
+        let out = Evaluation::with_tangent(&mut r, Weights { K, C, M }, &mut values);
+        model.evaluate(Point { t: s.t, q, v, a }, out).ok()?;
+        let pattern = model.pattern();
+        let block = |j: usize| {
+            let (size, first) = (pattern.size(j), pattern.find(j, j));
+            let values = &values;
+            (0..size).map(move |i| first.map_or(0.0, |f| values[f + i + i * size]))
+        };
+        Some((0..pattern.blocks()).flat_map(block).collect())
+    };
+    let K = diagonal(1.0, 0.0, 0.0)?;
+    let M = diagonal(0.0, 0.0, 1.0)?;
+    mean_rate(K.into_iter().zip(M))
+}

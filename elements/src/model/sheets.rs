@@ -1,0 +1,280 @@
+//! In which common chart each element sees its nodes, followed from state to state.
+//!
+//! A rotation is two unit quaternions, ±; a rotation vector is one of them. An element needs to
+//! know which of its nodes' vectors belong together: nodes at 3.1 e and −3.1 e are almost the same
+//! rotation, or almost two turns apart. The nodes' way tells: within a step vectors move
+//! continuously, and a change of chart at the end of it leaves the rotation as it is and changes
+//! the sign of the quaternion, or does not.
+
+use super::{Attached, Form, Model};
+use nalgebra::Vector3;
+use pullback_manifold::so3;
+use pullback_manifold::system::Point;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
+/// element on the border does not change to and fro.
+const HYSTERESIS: f64 = 1e-6;
+
+/// What an element leaves whose nodes turn too far against each other.
+pub(super) const TOO_FAR: &str = "the range of relative rotation of its nodes, less than one turn: \
+                                  take more elements, or a revolute joint for what turns freely";
+
+/// Difference of rotation vectors (rad) below which a state is one that was accepted, give or take
+/// round-off: by continuity the elements' charts there are right here.
+const SAME: f64 = 1e-6;
+
+/// A state that was accepted.
+#[derive(Clone, Debug, Default)]
+struct Accepted {
+    t: f64,
+    /// Rotation vectors of all nodes, zero for those that have none.
+    psi: Vec<Vector3<f64>>,
+    /// Which nodes the elements took through the complement map.
+    switched: Vec<u32>,
+}
+
+impl Accepted {
+    fn is(&self, psi: &[Vector3<f64>]) -> bool {
+        let mut pairs = self.psi.iter().zip(psi);
+        !self.switched.is_empty() && pairs.all(|(a, b)| (a - b).amax() < SAME)
+    }
+
+    fn switched(&mut self, elements: &[Attached]) {
+        self.switched.clear();
+        self.switched.extend(elements.iter().map(|e| e.switched));
+    }
+}
+
+/// What is remembered for the choice of the elements' charts.
+#[derive(Debug, Default)]
+pub(super) struct Sheets {
+    /// Rotation vectors of all nodes at the end of a step, before charts change, and after that.
+    before: Vec<Vector3<f64>>,
+    after: Vec<Vector3<f64>>,
+    /// The state accepted last, and the one before it at another time.
+    now: Accepted,
+    previous: Accepted,
+    /// Whether the elements' charts were given for the state that comes next.
+    given: bool,
+}
+
+impl Model {
+    /// Which of its nodes each element takes through the complement map (bit k for node k): what
+    /// a model remembers of its way besides the coordinates.
+    pub fn element_charts(&self) -> Vec<u32> {
+        self.elements.iter().map(|e| e.switched).collect()
+    }
+
+    /// Goes on from what [`Model::element_charts`] gave for the same model; entries beyond its
+    /// elements are ignored.
+    pub fn set_element_charts(&mut self, charts: &[u32]) {
+        for (e, &switched) in self.elements.iter_mut().zip(charts) {
+            e.switched = switched;
+        }
+        self.work.sheets.given = true;
+    }
+
+    /// A run, or a step in the place of one that failed, starts here. The elements' charts are
+    /// those that were given, or those at this state when it was accepted, or else the ones in
+    /// which neighbours agree: nodes then turn less than half a turn against each other.
+    pub(super) fn start_element_charts(&mut self, t: f64, q: &[f64]) {
+        let at = Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        self.fold_driven_rotations(t);
+        // A joint outside its domain is named when the model is next evaluated.
+        if self.expand(at).is_err() {
+            return;
+        }
+        self.gather_rotations(|s| &mut s.after);
+        let Sheets {
+            after,
+            now,
+            previous,
+            given,
+            ..
+        } = &mut self.work.sheets;
+        if !*given && !now.is(after) && previous.is(after) {
+            std::mem::swap(now, previous);
+        }
+        let known = now.is(after);
+        for (k, e) in self.elements.iter_mut().enumerate() {
+            e.overturned = false;
+            match (*given, known) {
+                (true, _) => {}
+                (false, true) => e.switched = now.switched[k],
+                (false, false) => e.switched = agreement(e, after),
+            }
+        }
+        *given = false;
+        now.t = t;
+        now.psi.clone_from(after);
+        now.switched(&self.elements);
+    }
+
+    /// Notes all rotation vectors at the end of a step, before charts change. Returns whether that
+    /// can be done.
+    pub(super) fn look_before(&mut self, t: f64, q: &[f64]) -> bool {
+        let at = Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        let fine = self.expand(at).is_ok();
+        if fine {
+            self.gather_rotations(|s| &mut s.before);
+        }
+        fine
+    }
+
+    /// Each element evaluates its nodes in one common chart: the one in which the largest
+    /// rotation angle is smallest. Nodes that are stored in the other chart go through the
+    /// complement map. The choice does not depend on how the nodes are stored, and follows them
+    /// continuously. Returns whether anything changed for an element.
+    ///
+    /// The configuration is the one last expanded.
+    pub(super) fn follow_element_charts(&mut self, t: f64) -> bool {
+        self.gather_rotations(|s| &mut s.after);
+        let Sheets {
+            before,
+            after,
+            now,
+            previous,
+            ..
+        } = &mut self.work.sheets;
+        let mut changed = false;
+        for e in &mut self.elements {
+            let mut nodes = e.nodes.iter().map(|&n| n as usize);
+            // Below a right angle all quaternions are within 45° of (1, 0): they agree.
+            let small = |n: usize| {
+                let limit = FRAC_PI_2 * FRAC_PI_2;
+                before[n].norm_squared() < limit && after[n].norm_squared() < limit
+            };
+            if e.switched == 0 && nodes.all(small) {
+                continue;
+            }
+            let possible = possible(e, &now.psi, before);
+            if possible == [false; 2] {
+                e.overturned = e.frames.count_ones() > 1;
+                changed |= e.overturned;
+                continue;
+            }
+            let seen = e.switched ^ flipped(e, before, after);
+            let switched = best(e, seen, after, possible);
+            changed |= switched != e.switched;
+            e.switched = switched;
+        }
+        if now.t != t {
+            std::mem::swap(now, previous);
+            now.t = t;
+        }
+        now.psi.clone_from(after);
+        now.switched(&self.elements);
+        changed
+    }
+
+    fn gather_rotations(&mut self, to: impl Fn(&mut Sheets) -> &mut Vec<Vector3<f64>>) {
+        let w = &mut self.work;
+        let to = to(&mut w.sheets);
+        to.clear();
+        to.extend(self.nodes.iter().map(|n| match n.form {
+            Form::Frame => Vector3::from_column_slice(&w.x[n.first + 3..n.first + 6]),
+            _ => Vector3::zeros(),
+        }));
+    }
+}
+
+/// The element's frames: their bit and their rotation vector. A single one has no neighbour to
+/// agree with.
+fn frames<'a>(
+    e: &'a Attached,
+    psi: &'a [Vector3<f64>],
+) -> impl Iterator<Item = (u32, &'a Vector3<f64>)> + Clone {
+    let bits = e.nodes.iter().enumerate();
+    bits.filter(|(k, _)| e.frames & (1 << k) != 0)
+        .map(|(k, &n)| (1 << k, &psi[n as usize]))
+}
+
+/// The nodes whose quaternions are on the other side of the first one's.
+fn opposite(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
+    let mut quaternions = frames(e, psi).map(|(bit, psi)| (bit, so3::quaternion(psi)));
+    let Some((_, first)) = quaternions.next() else {
+        return 0;
+    };
+    let other = |(bit, q): (u32, so3::Quaternion<f64>)| if first.dot(&q) < 0.0 { bit } else { 0 };
+    quaternions.map(other).sum()
+}
+
+/// The choice by the nodes' rotations alone.
+fn agreement(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
+    best(e, opposite(e, psi), psi, [true; 2])
+}
+
+/// These nodes switched or all the others, whichever gives the smaller largest angle, among those
+/// that are `possible`.
+fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2]) -> u32 {
+    if e.frames.count_ones() < 2 {
+        return 0;
+    }
+    let (mut here, mut there) = (0.0_f64, 0.0_f64);
+    for (bit, psi) in frames(e, psi) {
+        let angle = psi.norm();
+        let (a, b) = match switched & bit {
+            0 => (angle, TAU - angle),
+            _ => (TAU - angle, angle),
+        };
+        here = here.max(a);
+        there = there.max(b);
+    }
+    let other = there < here - HYSTERESIS && possible[1];
+    if other || !possible[0] {
+        e.frames ^ switched
+    } else {
+        switched
+    }
+}
+
+/// Whether the vectors of a step, in the chart the element had during it, can be taken on with
+/// nodes seen as they were, and with all nodes seen the other way.
+///
+/// Vectors a turn or more apart are too far from each other. A chart takes the same number of whole
+/// turns off all of them, m, an even or an odd one, and leaves each within one: |ψ − 2πm| < 2π.
+fn possible(e: &Attached, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bool; 2] {
+    let seen = |bit: u32, psi: &Vector3<f64>| match e.switched & bit {
+        0 => *psi,
+        _ => so3::complement(psi),
+    };
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for ((bit, a), (_, b)) in frames(e, last).zip(frames(e, before)) {
+        let through = e.switched & bit != 0 && a.dot(b) <= 0.0;
+        let psi = seen(bit, b);
+        let apart = |(bit, b): (u32, &Vector3<f64>)| (seen(bit, b) - psi).norm() >= TAU;
+        if through || frames(e, before).any(apart) {
+            return [false; 2];
+        }
+        least = least.min(psi.norm() / TAU);
+        most = most.max(psi.norm() / TAU);
+    }
+    // most − 1 < m < least + 1
+    let (from, to) = ((most - 1.0).floor() + 1.0, (least + 1.0).ceil() - 1.0);
+    let parity = |m: f64| usize::from(m.rem_euclid(2.0) == 1.0);
+    let mut out = [false; 2];
+    if from <= to {
+        out[parity(from)] = true;
+        out[parity(to)] = true;
+    }
+    out
+}
+
+/// The nodes whose quaternion changed its sign, at the same configuration.
+fn flipped(e: &Attached, before: &[Vector3<f64>], after: &[Vector3<f64>]) -> u32 {
+    let pairs = frames(e, before).zip(frames(e, after));
+    let flips = pairs
+        .filter(|((_, a), (_, b))| a != b && so3::quaternion(*a).dot(&so3::quaternion(*b)) < 0.0);
+    flips.map(|((bit, _), _)| bit).sum()
+}

@@ -1,0 +1,230 @@
+//! Checks of components and models: the library's side of `pullback check MODEL.toml`.
+//!
+//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file`] the model of a file;
+//! [`element`] and [`same`] are the conformance kit for elements of one's own, and
+//! [`manifold::check`](crate::manifold::check) has those for maps and charts. All hand back one
+//! [`Report`]: [`table`] and [`entries`] make it readable.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let report = pullback::check::file(std::path::Path::new("model.toml"), 0)?;
+//! print!("{}", pullback::check::table(&report));
+//! # Ok(())
+//! # }
+//! ```
+
+use crate::input::{self, InputError, Job, Plan};
+use pullback_manifold::system::System;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+
+pub use pullback_elements::check::{Options, element, model, same};
+pub use pullback_manifold::check::{Block, Measure, Report, Row};
+
+/// Random states of a model besides its start.
+const STATES: usize = 3;
+/// Models with more elements than this are checked at their start and one random state.
+const MANY: usize = 500;
+/// Failures that are described one by one.
+const DESCRIBED: usize = 20;
+
+/// Checks the model of a file where its analysis starts, and around that.
+///
+/// # Errors
+/// [`InputError`] when the file is refused.
+pub fn file(path: &Path, seed: u64) -> Result<Report, InputError> {
+    let mut job = input::load(path)?;
+    let options = options(&job, seed);
+    Ok(model(&mut job.model, &options))
+}
+
+/// The state and the time at which the model of a job is checked.
+///
+/// The time is early in the analysis, while what is driven is near the start, and between the kinks
+/// of functions of time.
+pub fn options(job: &Job, seed: u64) -> Options {
+    let (from, range) = match &job.plan {
+        Plan::Static(options) => (options.from, options.to - options.from),
+        Plan::Path(options, _) => (options.from, options.load_scale),
+        Plan::Dynamic(plan) => (0.0, 0.1 * plan.options.to),
+    };
+    let kinks = job.model.kinks();
+    let room = |t: f64| {
+        kinks
+            .iter()
+            .fold(f64::INFINITY, |d, k| d.min((k - t).abs()))
+    };
+    // The one of these that has most room.
+    let candidates = [0.37, 0.29, 0.47, 0.19, 0.61].map(|part| from + part * range);
+    let t = candidates.into_iter().fold(candidates[0], |best, t| {
+        if room(t) > 2.0 * room(best) { t } else { best }
+    });
+    Options {
+        seed,
+        t,
+        q: job.start.q.clone(),
+        states: if job.model.element_count() > MANY {
+            1
+        } else {
+            STATES
+        },
+    }
+}
+
+/// A row of a report as JSON has it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Entry<'a> {
+    /// Name of the component.
+    pub component: &'a str,
+    /// The property that was checked.
+    pub property: &'a str,
+    /// The state at which it came closest to failing, or failed worst.
+    pub at: &'a str,
+    /// `defect`, `slope`, or `impossible`.
+    pub measure: &'static str,
+    /// The defect or slope; null where the property could not be checked.
+    pub value: Option<f64>,
+    /// The largest defect, or the smallest slope, that passes.
+    pub limit: Option<f64>,
+    /// Why the property could not be checked.
+    pub reason: Option<&'a str>,
+    /// The verdict.
+    pub passed: bool,
+    /// Blocks that are wrong, the worst first.
+    pub blocks: Vec<BlockEntry<'a>>,
+}
+
+/// A block that is wrong as JSON has it; see [`Block`].
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct BlockEntry<'a> {
+    pub matrix: &'a str,
+    pub rows: &'a str,
+    pub columns: &'a str,
+    pub defect: f64,
+    pub right: f64,
+    pub factor: Option<f64>,
+}
+
+/// The rows of a report for JSON.
+pub fn entries(report: &Report) -> Vec<Entry<'_>> {
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let mut out = Vec::new();
+    for row in report.rows() {
+        let (measure, value, reason) = match &row.measure {
+            Measure::Defect { defect, .. } => ("defect", finite(*defect), None),
+            Measure::Slope { slope, .. } => ("slope", finite(*slope), None),
+            Measure::Impossible(why) => ("impossible", None, Some(why.as_str())),
+        };
+        out.push(Entry {
+            component: &row.component,
+            property: &row.law,
+            at: &row.at,
+            measure,
+            value,
+            limit: finite(row.measure.limit()),
+            reason,
+            passed: row.passed,
+            blocks: (row.blocks.iter())
+                .map(|b| BlockEntry {
+                    matrix: &b.matrix,
+                    rows: &b.rows,
+                    columns: &b.columns,
+                    defect: b.defect,
+                    right: b.right,
+                    factor: finite(b.factor),
+                })
+                .collect(),
+        });
+    }
+    out
+}
+
+/// A report as a table: a line for each component and property, where it came closest to failing;
+/// elements of one line of a model share theirs. Failures follow one by one, with the blocks that
+/// are wrong.
+pub fn table(report: &Report) -> String {
+    let mut lines: Vec<(String, &Row, usize)> = Vec::new();
+    let mut places = std::collections::HashMap::new();
+    for row in report.rows() {
+        let key = (family(&row.component), row.law.as_str());
+        let k = *places.entry(key.clone()).or_insert(lines.len());
+        match lines.get_mut(k) {
+            None => lines.push((key.0, row, 1)),
+            Some((_, worst, count)) => {
+                *count += 1;
+                if row.measure.strain() > worst.measure.strain() {
+                    *worst = row;
+                }
+            }
+        }
+    }
+    let named = |(family, row, count): &(String, &Row, usize)| match count {
+        1 => row.component.clone(),
+        _ => format!("{family}, {count} of them"),
+    };
+    let names: Vec<String> = lines.iter().map(named).collect();
+    let width =
+        |texts: &mut dyn Iterator<Item = &str>| texts.map(|t| t.chars().count()).max().unwrap_or(0);
+    let first = width(&mut names.iter().map(String::as_str)).max("component".len());
+    let second = width(&mut lines.iter().map(|l| l.1.law.as_str())).max("property".len());
+    let mut out = format!(
+        "{:first$}  {:second$}  {:>15}  {:>9}\n",
+        "component", "property", "measured", "limit"
+    );
+    let mut last = "";
+    for (name, (_, row, _)) in names.iter().zip(&lines) {
+        let shown = if name == last { "" } else { name };
+        last = name;
+        let (measured, limit) = match &row.measure {
+            Measure::Defect { defect, allowed } => {
+                (format!("defect {defect:8.1e}"), format!("<= {allowed:.0e}"))
+            }
+            Measure::Slope { slope, .. } => (
+                format!("slope {slope:9.2}"),
+                format!(">= {:.2}", row.measure.limit()),
+            ),
+            Measure::Impossible(_) => ("impossible".to_owned(), String::new()),
+        };
+        let verdict = if row.passed { "ok" } else { "FAIL" };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{shown:first$}  {:second$}  {measured:>15}  {limit:>9}  {verdict}",
+            row.law
+        );
+    }
+    let failures = report.failures();
+    for row in failures.iter().take(DESCRIBED) {
+        let _ = write!(out, "\nFAIL {}: {}\n", row.component, row.law);
+        let _ = writeln!(out, "  at {}: {}", row.at, row.measure);
+        for block in &row.blocks {
+            let _ = writeln!(out, "  {block}");
+        }
+    }
+    if failures.len() > DESCRIBED {
+        let _ = writeln!(out, "\n... and {} more", failures.len() - DESCRIBED);
+    }
+    let mut components: Vec<&str> = report.rows().iter().map(|r| r.component.as_str()).collect();
+    components.sort_unstable();
+    components.dedup();
+    let _ = writeln!(
+        out,
+        "\n{} properties of {} components, {} wrong",
+        report.rows().len(),
+        components.len(),
+        failures.len()
+    );
+    out
+}
+
+/// What the elements of one line have in common: `element arm:7 (Beam<2>)` is of `element arm:*
+/// (Beam<2>)`.
+fn family(component: &str) -> String {
+    let numbered = component.split_once(':').and_then(|(line, rest)| {
+        let rest = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        (rest.is_empty() || rest.starts_with(' ')).then(|| format!("{line}:*{rest}"))
+    });
+    numbered.unwrap_or_else(|| component.to_owned())
+}

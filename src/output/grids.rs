@@ -1,0 +1,50 @@
+//! Which rows have a grid (a ParaView file), and what it is called.
+
+use crate::input::Plan;
+
+/// Grids that a motion gives unless told otherwise, about.
+const GRIDS: f64 = 200.0;
+
+/// Name of the grid of a row.
+pub(super) fn grid_name(plan: &Plan, number: usize) -> String {
+    match plan {
+        Plan::Dynamic(_) => format!("step_{number:06}.vtu"),
+        _ => format!("step_{number:04}.vtu"),
+    }
+}
+
+/// When a grid is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Grids {
+    /// Never.
+    None,
+    /// Every this many rows.
+    Rows(usize),
+    /// At the first row in each of these spans of time.
+    Spans(f64),
+}
+
+impl Grids {
+    /// As often as the model file says, if it does.
+    pub fn of(every: Option<usize>, plan: &Plan) -> Self {
+        match (every, plan) {
+            (Some(0), _) => Self::None,
+            (Some(every), _) => Self::Rows(every),
+            (None, Plan::Dynamic(plan)) => Self::Spans(plan.options.to / GRIDS),
+            (None, _) => Self::Rows(1),
+        }
+    }
+
+    /// Whether row `number` at time `t`, after one at time `before`, has one.
+    pub fn due(self, number: usize, before: Option<f64>, t: f64) -> bool {
+        match self {
+            Self::None => false,
+            Self::Rows(every) => number.is_multiple_of(every),
+            Self::Spans(span) => {
+                // Times that are meant to be at the beginning of a span are.
+                let span = |t: f64| (t / span + 1e-6).floor();
+                before.is_none_or(|before| span(before) < span(t))
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! `checkpoint.log`: the rows up to a checkpoint, a line of JSON each. It is appended to and never
+//! rewritten, so that a checkpoint costs the same however many rows there are.
+
+use super::history::Row;
+use super::vtu::Frame;
+use serde::{Deserialize, Serialize};
+
+/// Name of the file.
+pub(super) const NAME: &str = "checkpoint.log";
+
+/// How much of the file belongs to a checkpoint. A program that was killed may have written more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Extent {
+    pub rows: usize,
+    /// Those of them that have a grid.
+    pub frames: usize,
+    pub bytes: usize,
+}
+
+/// The lines of rows, of which some have a grid: `frames` in the same order, and `name` that of the
+/// grid which the k-th of the rows would have.
+pub(super) fn lines(
+    rows: &[Row],
+    frames: &[Frame],
+    name: impl Fn(usize) -> String,
+) -> Result<String, serde_json::Error> {
+    let mut out = String::new();
+    let mut frames = frames.iter().map(|f| f.file.as_str()).peekable();
+    for (k, row) in rows.iter().enumerate() {
+        let grid = frames.next_if_eq(&name(k).as_str());
+        out += &serde_json::to_string(&(row, grid))?;
+        out += "\n";
+    }
+    Ok(out)
+}
+
+/// What lines hold.
+pub(super) fn read(lines: &str) -> Result<(Vec<Row>, Vec<Frame>), serde_json::Error> {
+    let (mut rows, mut frames) = (Vec::new(), Vec::new());
+    for line in lines.lines() {
+        let (row, grid): (Row, Option<String>) = serde_json::from_str(line)?;
+        frames.extend(grid.map(|file| Frame { t: row.t, file }));
+        rows.push(row);
+    }
+    Ok((rows, frames))
+}

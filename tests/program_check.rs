@@ -1,0 +1,116 @@
+//! `pullback check`: every model of the gallery passes, and what it prints and returns.
+#![allow(clippy::unwrap_used)]
+
+mod program_support;
+
+use program_support::{MODEL, directory, program, with, write};
+use pullback::check;
+use std::path::Path;
+
+#[test]
+fn all_models_of_the_gallery_pass() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let mut count = 0;
+    for entry in std::fs::read_dir(models).unwrap() {
+        let path = entry.unwrap().path();
+        for seed in 0..2 {
+            let report = check::file(&path, seed).unwrap();
+            assert!(
+                report.is_ok(),
+                "{} with seed {seed}\n{}",
+                path.display(),
+                check::table(&report)
+            );
+        }
+        count += 1;
+    }
+    assert!(count >= 25, "{count}");
+}
+
+fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("check")
+        .args(arguments)
+        .output()
+        .unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+#[test]
+fn the_table_and_the_rows_of_a_model() {
+    let directory = directory("program_check");
+    let path = write(&directory, MODEL);
+    let path = path.to_str().unwrap();
+    let (code, table, errors) = run(&[path]);
+    assert_eq!((code, errors.as_str()), (Some(0), ""), "{table}");
+    for words in [
+        "component",
+        "K = -dr/dx",
+        "element beam:* (Beam<2>), 8 of them",
+        "load load 1",
+        "10 components, 0 wrong",
+    ] {
+        assert!(table.contains(words), "{words}\n{table}");
+    }
+    let (code, json, _) = run(&[path, "--json", "--seed", "3"]);
+    assert_eq!(code, Some(0));
+    let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rows = rows.as_array().unwrap();
+    assert!(rows.len() > 100, "{}", rows.len());
+    for row in rows {
+        assert_eq!(row["passed"], true, "{row}");
+        assert!(
+            row["value"].is_number() && row["limit"].is_number(),
+            "{row}"
+        );
+    }
+    let components = rows.iter().map(|r| r["component"].as_str().unwrap());
+    assert!(components.clone().any(|c| c == "model"));
+    assert!(components.clone().any(|c| c == "element beam:8 (Beam<2>)"));
+}
+
+#[test]
+fn a_model_that_cannot_be_evaluated_fails_and_a_wrong_file_is_refused() {
+    let directory = directory("program_check_wrong");
+    let path = write(&directory, &with("from = \"A\"", "from = \"C\""));
+    let (code, table, errors) = run(&[path.to_str().unwrap()]);
+    assert_eq!((code, table.as_str()), (Some(2), ""));
+    assert!(
+        errors.contains("C") && errors.contains("model.toml"),
+        "{errors}"
+    );
+    let _ = program;
+}
+
+#[test]
+fn failures_are_told_one_by_one() {
+    let mut report = check::Report::new("element pin (Pin)");
+    report.defect("K symmetric", "start", 2.0, 1e-9);
+    report.blame(|| {
+        vec![check::Block {
+            matrix: "K".to_owned(),
+            rows: "rotation of node a".to_owned(),
+            columns: "displacement of node b".to_owned(),
+            defect: 2.0,
+            right: 4.0,
+            factor: 0.5,
+        }]
+    });
+    let table = check::table(&report);
+    for words in [
+        "FAIL element pin (Pin): K symmetric",
+        "K (rows: rotation of node a; columns: displacement of node b): off by 2.000e0",
+        "it is 0.500 times what is right",
+        "1 properties of 1 components, 1 wrong",
+    ] {
+        assert!(table.contains(words), "{words}\n{table}");
+    }
+    let entries = check::entries(&report);
+    assert!(!entries[0].passed);
+    assert_eq!(entries[0].blocks[0].factor, Some(0.5));
+}
