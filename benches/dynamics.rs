@@ -12,7 +12,7 @@ mod models;
 use criterion::{Criterion, criterion_group, criterion_main};
 use models::{falling, flying, robot_arm};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
-use pullback::elements::beam::{Beam, Damping};
+use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
 use pullback::elements::joint::{Hung, Revolute};
@@ -301,7 +301,7 @@ fn costs(make: &dyn Fn(usize) -> Model, elements: usize, options: &DynamicOption
     let mut b = r.clone();
     let solve = seconds(count, || {
         b.copy_from_slice(&r);
-        solver.solve(&mut b).expect(regular);
+        solver.solve(Some(&S), &mut b).expect(regular);
     });
     let charts = seconds(count, || {
         let (q, v) = (&mut state.q, &mut state.v);

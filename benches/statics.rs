@@ -128,7 +128,7 @@ fn whole_analysis(c: &mut Criterion) {
             times[2 * k] = seconds(elements, || solver.factorise(&S).expect("regular"));
             times[2 * k + 1] = seconds(elements, || {
                 b.copy_from_slice(&r);
-                solver.solve(&mut b).expect("regular");
+                solver.solve(Some(&S), &mut b).expect("regular");
             });
         }
         println!(

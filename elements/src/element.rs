@@ -149,6 +149,12 @@ pub trait Element: Send + Sync {
         0.0
     }
 
+    /// Kinetic energy, where there is a faster way to it than ½ ẋ·M ẋ; asked only in motion.
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let _ = at;
+        None
+    }
+
     /// Power lost in damping, ≥ 0; zero for elements without damping.
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         let _ = at;

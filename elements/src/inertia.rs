@@ -13,7 +13,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
-use pullback_manifold::quotients::Quotients;
+use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
 use pullback_manifold::system::Weights;
 
@@ -78,28 +78,23 @@ pub(crate) struct FrameMotion {
     pub x_ddot: Vector3<f64>,
 }
 
-/// What a variation of the motion does to Ω and A, and what else the tangents of f_acc share:
-/// δΩ = C₁ δΨ + T δΨ̇ and δA = C₅₁ δΨ + C₄ δΨ̇ + T δΨ̈.
-pub(crate) struct Variations {
-    C1: Matrix3<f64>,
-    C4: Matrix3<f64>,
-    C51: Matrix3<f64>,
-    /// C₂(h, Ψ).
-    C2: Matrix3<f64>,
-    /// D_Ω (Ω×JΩ).
-    H: Matrix3<f64>,
-}
-
 /// What force and tangents share.
 pub(crate) struct Moving<'a> {
     inertia: &'a Inertia,
     motion: &'a FrameMotion,
     quotients: Quotients,
-    R: Matrix3<f64>,
     T: Matrix3<f64>,
     Omega: Vector3<f64>,
     A: Vector3<f64>,
-    eccentric: bool,
+    /// What a first moment of mass adds.
+    eccentric: Option<Eccentric>,
+}
+
+/// What only matters where the mass centre is not the frame's origin.
+struct Eccentric {
+    R: Matrix3<f64>,
+    /// A×S + Ω×(Ω×S), material.
+    l: Vector3<f64>,
 }
 
 fn stack(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
@@ -181,9 +176,13 @@ impl Inertia {
         psi: &Vector3<f64>,
         psi_dot: &Vector3<f64>,
     ) -> f64 {
-        let Omega = so3::tangent(psi) * psi_dot;
-        let coupling = (so3::rotation(psi) * Omega.cross(&self.S)).dot(x_dot);
-        0.5 * self.mass * x_dot.norm_squared() + coupling + 0.5 * Omega.dot(&(self.J * Omega))
+        let c = TangentQuotients::new(psi.norm_squared());
+        let Omega = so3::spun(psi, psi_dot, &c);
+        let mut energy = self.mass * x_dot.norm_squared() + Omega.dot(&(self.J * Omega));
+        if self.S != Vector3::zeros() {
+            energy += 2.0 * so3::turned(psi, &Omega.cross(&self.S), &c).dot(x_dot);
+        }
+        0.5 * energy
     }
 
     /// Whether there is no inertia at all.
@@ -196,15 +195,21 @@ impl Inertia {
         let quotients = Quotients::new(motion.psi.norm());
         let c = quotients.tangent();
         let T = so3::T(&motion.psi, &c);
+        let Omega = T * motion.psi_dot;
+        let A = T * motion.psi_ddot + so3::T_dot_psi_dot(&motion.psi_dot, &motion.psi, &quotients);
+        let S = &self.S;
+        let eccentric = (*S != Vector3::zeros()).then(|| Eccentric {
+            R: so3::R(&motion.psi, &c),
+            l: A.cross(S) + Omega.cross(&Omega.cross(S)),
+        });
         Moving {
             inertia: self,
             motion,
-            R: so3::R(&motion.psi, &c),
-            T,
-            Omega: T * motion.psi_dot,
-            A: T * motion.psi_ddot + so3::T_dot_psi_dot(&motion.psi_dot, &motion.psi, &quotients),
             quotients,
-            eccentric: self.S != Vector3::zeros(),
+            T,
+            Omega,
+            A,
+            eccentric,
         }
     }
 }
@@ -215,26 +220,18 @@ impl Moving<'_> {
     fn h(&self) -> Vector3<f64> {
         let Inertia { S, J, .. } = self.inertia;
         let h = J * self.A + self.Omega.cross(&(J * self.Omega));
-        if self.eccentric {
-            h + S.cross(&self.R.tr_mul(&self.motion.x_ddot))
-        } else {
-            h
+        match &self.eccentric {
+            None => h,
+            Some(Eccentric { R, .. }) => h + S.cross(&R.tr_mul(&self.motion.x_ddot)),
         }
-    }
-
-    /// A×S + Ω×(Ω×S), material.
-    #[inline]
-    fn l(&self) -> Vector3<f64> {
-        let S = &self.inertia.S;
-        self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
     }
 
     /// f_acc over (x, Ψ).
     #[inline]
     pub fn force(&self) -> Vector6<f64> {
         let mut f = self.motion.x_ddot * self.inertia.mass;
-        if self.eccentric {
-            f += self.R * self.l();
+        if let Some(Eccentric { R, l }) = &self.eccentric {
+            f += R * l;
         }
         stack(&f, &self.T.tr_mul(&self.h()))
     }
@@ -248,63 +245,55 @@ impl Moving<'_> {
             M[(k, k)] = *mass;
         }
         put(&mut M, 3, 3, &self.T.tr_mul(&(J * self.T)));
-        if self.eccentric {
-            let B = self.R * skew(S) * self.T * -1.0;
+        if let Some(Eccentric { R, .. }) = &self.eccentric {
+            let B = R * skew(S) * self.T * -1.0;
             put(&mut M, 0, 3, &B);
             put(&mut M, 3, 0, &B.transpose());
         }
         M
     }
 
-    /// What all tangents at this motion share.
+    /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
+    ///
+    /// A variation of the motion does δΩ = C₁ δΨ + T δΨ̇ and δA = (C₅ + C₁) δΨ + C₄ δΨ̇ + T δΨ̈.
     #[inline]
-    pub fn variations(&self) -> Variations {
-        let (J, Omega, c) = (&self.inertia.J, &self.Omega, &self.quotients);
+    pub fn tangent(&self, weights: Weights) -> Matrix6<f64> {
+        let Self {
+            inertia: Inertia { mass, S, J },
+            motion,
+            quotients: c,
+            T,
+            Omega,
+            ..
+        } = self;
         let FrameMotion {
             psi,
             psi_dot,
             psi_ddot,
             ..
-        } = self.motion;
-        Variations {
-            C1: so3::C1(psi_dot, psi, c),
-            C4: so3::C4(psi_dot, psi, c),
-            C51: so3::C5(psi_dot, psi, c) + so3::C1(psi_ddot, psi, c),
-            C2: so3::C2(&self.h(), psi, c),
-            H: skew(Omega) * J - skew(&(J * Omega)),
-        }
-    }
-
-    /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
-    #[inline]
-    pub fn tangent(&self, by: &Variations, weights: Weights) -> Matrix6<f64> {
-        let Self {
-            inertia: Inertia { mass, S, J },
-            motion,
-            R,
-            T,
-            Omega,
-            ..
-        } = self;
+        } = *motion;
         let Weights { K, C, M } = weights;
-        let Omega_q = by.C1 * K + T * C;
-        let A_q = by.C51 * K + by.C4 * C + T * M;
-        let mut h_q = by.H * Omega_q + J * A_q;
+        let Omega_q = so3::C1(&(psi_dot * K), psi, c) + T * C;
+        let A_q = so3::A_varied([K, C, M], psi_dot, psi_ddot, psi, c);
+        // D_Ω (Ω×JΩ).
+        let H = skew(Omega) * J - skew(&(J * Omega));
+        let mut h_q = H * Omega_q + J * A_q;
         let mut tangent = Matrix6::zeros();
-        if self.eccentric {
+        if let Some(Eccentric { R, l }) = &self.eccentric {
             let S_skew = skew(S);
             h_q += S_skew * skew(&R.tr_mul(&motion.x_ddot)) * T * K;
             // D_Ω (Ω×(Ω×S)).
             let L = Matrix3::from_diagonal_element(Omega.dot(S)) + Omega * S.transpose()
                 - S * Omega.transpose() * 2.0;
-            let l_q = L * Omega_q - S_skew * A_q - skew(&self.l()) * T * K;
+            let l_q = L * Omega_q - S_skew * A_q - skew(l) * T * K;
             put(&mut tangent, 0, 3, &(R * l_q));
             put(&mut tangent, 3, 0, &(T.tr_mul(&S_skew) * R.transpose() * M));
         }
         for k in 0..3 {
             tangent[(k, k)] = mass * M;
         }
-        put(&mut tangent, 3, 3, &(by.C2 * K + T.tr_mul(&h_q)));
+        let turning = so3::C2(&(self.h() * K), psi, c) + T.tr_mul(&h_q);
+        put(&mut tangent, 3, 3, &turning);
         tangent
     }
 
@@ -314,26 +303,23 @@ impl Moving<'_> {
             inertia: Inertia { mass, S, J },
             motion,
             quotients: c,
-            R,
             T,
             Omega,
             ..
         } = self;
-        let u = R.tr_mul(&motion.x_dot);
-        let k = J * Omega + S.cross(&u);
-        let w = Omega.cross(S);
-        let p = stack(&(motion.x_dot * *mass + R * w), &T.tr_mul(&k));
         let C1 = so3::C1(&motion.psi_dot, &motion.psi, c);
+        let (mut linear, mut k, mut inner) = (motion.x_dot * *mass, J * Omega, J * C1);
         let mut D = Matrix6::zeros();
-        put(&mut D, 0, 3, &(R * (skew(&w) * T + skew(S) * C1) * -1.0));
-        let inner = J * C1 + skew(S) * skew(&u) * T;
-        put(
-            &mut D,
-            3,
-            3,
-            &(so3::C2(&k, &motion.psi, c) + T.tr_mul(&inner)),
-        );
-        (p, D)
+        if let Some(Eccentric { R, .. }) = &self.eccentric {
+            let (u, w) = (R.tr_mul(&motion.x_dot), Omega.cross(S));
+            linear += R * w;
+            k += S.cross(&u);
+            inner += skew(S) * skew(&u) * T;
+            put(&mut D, 0, 3, &(R * (skew(&w) * T + skew(S) * C1) * -1.0));
+        }
+        let turning = so3::C2(&k, &motion.psi, c) + T.tr_mul(&inner);
+        put(&mut D, 3, 3, &turning);
+        (stack(&linear, &T.tr_mul(&k)), D)
     }
 }
 

@@ -34,7 +34,7 @@ fn factorise_and_solve_do_not_allocate() {
         let region = Region::new(GLOBAL);
         for _ in 0..3 {
             solver.factorise(&values).expect("factorise");
-            solver.solve(&mut b).expect("solve");
+            solver.solve(Some(&values), &mut b).expect("solve");
         }
         let change = region.change();
         assert_eq!(change.allocations + change.reallocations, 0, "{change:?}");

@@ -99,7 +99,10 @@ impl BlockPattern {
     }
 
     /// The blocks of block column `j`: block row and the range of its values, column by column.
-    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + '_ {
+    pub fn column(
+        &self,
+        j: usize,
+    ) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + Clone + '_ {
         (self.columns[j]..self.columns[j + 1])
             .map(move |k| (self.rows[k] as usize, self.values[k]..self.values[k + 1]))
     }

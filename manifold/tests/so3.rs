@@ -202,6 +202,16 @@ fn identities_hold() {
         let C3 = C3(&V, &W, &Psi, &c);
         close("C₃ symmetric", &C3, &C3.transpose(), 0.0);
         let quadratic = T_dot_psi_dot(&V, &Psi, &c);
+        close(
+            "C₁ d",
+            &T_varied(&V, &W, &Psi, &c),
+            &(C1(&V, &Psi, &c) * W),
+            2e-15,
+        );
+        let (C1, C4, C5) = (C1(&W, &Psi, &c), C4(&V, &Psi, &c), C5(&V, &Psi, &c));
+        let weights = [0.7, -1.3, 0.4];
+        let parts = (C5 + C1) * weights[0] + C4 * weights[1] + T * weights[2];
+        close("DA", &A_varied(weights, &V, &W, &Psi, &c), &parts, 1e-14);
         close_to_unit("ṪΨ̇", &(T_dot(&V, &Psi, &c) * V), &quadratic, 2e-15);
         close("quaternion", &quaternion(&Psi).rotation(), &R, 2e-15);
         let other = rotation(&W);

@@ -230,8 +230,8 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
     // A parallelogram where the axis is not misaligned: bar 3 turns like bar 1.
     let mut aligned = file.clone();
     for joint in &mut aligned.joints {
-        if let Some(axis) = &mut joint.axis {
-            *axis = [0.0, 0.0, 1.0];
+        if let Some(axis) = joint.keys.get_mut("axis") {
+            *axis = serde_json::json!([0.0, 0.0, 1.0]);
         }
     }
     let run = context.motion(&aligned, &watched, Run::step(8e-3))?;

@@ -111,9 +111,14 @@ pub(super) fn start(
                 let Some(given) = given else { continue };
                 let at = ["joints", index.as_str(), key];
                 let node = released.find(source, &at, &name)?;
+                let geared = file.gears.iter().any(|g| g.joints.contains(&name));
                 // Values of a loop have been there when it was assembled.
-                model.set(vector, node, 0, given);
-                if key == "rate" && !model.is_own(node) {
+                let set = model.set(vector, node, 0, given);
+                if !set && geared {
+                    let joint = name.clone();
+                    return Err(source.value(&at, Problem::Geared { joint, key }));
+                }
+                if !set && key == "rate" && !model.is_own(node) {
                     rates.push((node, 0, given));
                 }
             }

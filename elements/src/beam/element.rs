@@ -8,7 +8,7 @@ use super::orientation::oriented;
 use super::point::{GaussPoint, mirror};
 use super::section::{Damping, Section};
 use super::shape::{gauss, lagrange};
-use super::strain::{Law, Line, Strained};
+use super::strain::{Law, Line, Strained, extrapolated, strain_energy};
 use super::viscous::Viscous;
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response, SectionState};
 use nalgebra::{Matrix3, Vector3};
@@ -50,7 +50,10 @@ pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 /// the choice of I, [`Total`] or [`Geodesic`](super::Geodesic).
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize, I = Total<NN>> {
-    points: Vec<GaussPoint<NN>>,
+    /// The first integration point, the only one of two nodes, stands in the element itself: an
+    /// assembly waits for every detour through memory.
+    first: GaussPoint<NN>,
+    others: Vec<GaussPoint<NN>>,
     rotations: I,
     /// Whether the section has mass.
     massive: bool,
@@ -116,10 +119,11 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
                 law: Law::rotated(&section.C, &R0),
             })
         };
-        let points = gauss(NN - 1)
-            .into_iter()
-            .map(point)
-            .collect::<Result<_, _>>()?;
+        let mut rule = gauss(NN - 1).into_iter().map(point);
+        let Some(first) = rule.next() else {
+            return Err(BeamError::Nodes(NN));
+        };
+        let (first, others) = (first?, rule.collect::<Result<_, _>>()?);
         let masses = if section.inertia.is_zero() {
             None
         } else {
@@ -134,11 +138,18 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             masses.try_into().ok()
         };
         Ok(Self {
-            points,
+            first,
+            others,
             massive: masses.is_some(),
             rotations: I::new(places, masses),
             damping: section.damping,
         })
+    }
+
+    /// The integration points of internal forces.
+    #[inline]
+    fn points(&self) -> impl Iterator<Item = &GaussPoint<NN>> {
+        std::iter::once(&self.first).chain(&self.others)
     }
 
     /// x′, Ψ, Ψ′ at an integration point.
@@ -195,7 +206,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     ) -> Result<(), ElementError> {
         // Their tangents are added after the mirror: they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
-        for (p, viscous) in self.points.iter().zip(&mut viscous) {
+        for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
             let psi = line.psi.norm();
             if psi > EDGE {
@@ -221,10 +232,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
                 // Viscous stresses are not extrapolated.
                 let (N, M) = match previous.filter(|_| !damped) {
                     None => (strained.N, strained.M),
-                    Some(x) => {
-                        let from = Self::line(p, x);
-                        Strained::new(&from, &p.X_prime, &p.law).extrapolated(&from, &line, &p.law)
-                    }
+                    Some(x) => extrapolated(&Self::line(p, x), &line, &p.X_prime, &p.law),
                 };
                 let D = strained.stiffness(&line, &p.law, &N, &M);
                 p.spread(&D, p.weight * weights.K, K);
@@ -233,7 +241,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         for (_, K) in tangents.iter_mut().flatten().filter(|t| t.0.K != 0.0) {
             mirror::<NN>(K);
         }
-        for (p, viscous) in self.points.iter().zip(&viscous) {
+        for (p, viscous) in self.points().zip(&viscous) {
             if let Some(viscous) = viscous {
                 viscous.add_tangents(&p.N, &p.dN, p.weight, tangents);
             }
@@ -276,10 +284,17 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let seen = self.rotations.seen(at.x, &[]);
         let line = |p| Self::line(p, seen.x.as_flattened());
-        self.points
-            .iter()
-            .map(|p| p.weight * Strained::new(&line(p), &p.X_prime, &p.law).energy())
+        self.points()
+            .map(|p| p.weight * strain_energy(&line(p), &p.X_prime, &p.law))
             .sum()
+    }
+
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        if self.massive {
+            self.rotations.kinetic_energy(at)
+        } else {
+            Some(0.0)
+        }
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
@@ -310,12 +325,12 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
         }
         let rows = M.chunks_exact(6 * NN).zip(at.v);
         let drag = rows.map(|(M, v)| v * M.iter().zip(at.v).map(|(m, v)| m * v).sum::<f64>());
-        self.points.iter().map(viscous).sum::<f64>() + drag.sum::<f64>()
+        self.points().map(viscous).sum::<f64>() + drag.sum::<f64>()
     }
 
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         let seen = self.rotations.seen(at.x, &[]);
-        for p in &self.points {
+        for p in self.points() {
             let line = Self::line(p, seen.x.as_flattened());
             let s = Strained::new(&line, &p.X_prime, &p.law);
             let d: Vector3<f64> =

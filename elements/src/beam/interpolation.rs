@@ -106,6 +106,12 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
 
     /// Adds −f_acc, the drag α p against the momenta p, and their tangents.
     fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
+
+    /// Kinetic energy, where there is a faster way to it than ½ ẋ·M ẋ.
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let _ = at;
+        None
+    }
 }
 
 /// The nodes in the coordinates in which they are interpolated.
@@ -179,5 +185,9 @@ impl<const NN: usize> Rotations<NN> for Total<NN> {
         for p in self.masses.iter().flatten() {
             p.add(at, alpha, r, tangents);
         }
+    }
+    fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
+        let masses = self.masses.iter().flatten();
+        Some(masses.map(|p| p.kinetic_energy(at)).sum())
     }
 }

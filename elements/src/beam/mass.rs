@@ -60,15 +60,13 @@ impl<const NN: usize> MassPoint<NN> {
                 *r -= self.weight * N * f;
             }
         }
-        let mut variations = None;
         for (weights, out) in tangents.iter_mut().flatten() {
             if weights.K == 0.0 && weights.C == 0.0 {
                 self.spread(&(moving.mass() * weights.M), out);
                 continue;
             }
-            let by = variations.get_or_insert_with(|| moving.variations());
             let M = weights.M + alpha * weights.C;
-            let mut tangent = moving.tangent(by, Weights { M, ..*weights });
+            let mut tangent = moving.tangent(Weights { M, ..*weights });
             if let Some((_, p_q)) = &drag {
                 tangent += p_q * (alpha * weights.K);
             }
@@ -103,5 +101,12 @@ impl<const NN: usize> MassPoint<NN> {
                 }
             }
         }
+    }
+
+    /// Kinetic energy.
+    pub(super) fn kinetic_energy(&self, at: &Motion<'_>) -> f64 {
+        let motion = self.motion(at);
+        let FrameMotion { psi, psi_dot, .. } = &motion;
+        self.weight * self.inertia.kinetic_energy(&motion.x_dot, psi, psi_dot)
     }
 }

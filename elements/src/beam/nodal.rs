@@ -91,8 +91,7 @@ impl Spin {
         };
         if w.K != 0.0 || w.C != 0.0 {
             by.Omega = so3::C1(psi_dot, psi, c) * w.K + self.T * w.C;
-            let C51 = so3::C5(psi_dot, psi, c) + so3::C1(&self.psi_ddot, psi, c);
-            by.A += C51 * w.K + so3::C4(psi_dot, psi, c) * w.C;
+            by.A = so3::A_varied([w.K, w.C, w.M], psi_dot, &self.psi_ddot, psi, c);
         }
         by
     }

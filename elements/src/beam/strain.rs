@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_manifold::quotients::Quotients;
+use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
 
 /// Section law with components in the global frame of the reference configuration: rotated once
@@ -106,11 +106,6 @@ impl Strained {
         self.g
     }
 
-    /// Strain energy per unit length.
-    pub(super) fn energy(&self) -> f64 {
-        0.5 * (self.N.dot(&self.Gamma) + self.M.dot(&self.K))
-    }
-
     /// Bᵀ(N, M) with B = [Rᵀ 0 (Rᵀx′)~T; 0 T C₁(Ψ′,Ψ)], \[M04\] (162).
     #[inline]
     pub(super) fn forces(&self) -> Forces {
@@ -119,22 +114,6 @@ impl Strained {
             psi_prime: self.T.tr_mul(&self.M),
             psi: self.T.tr_mul(&self.N.cross(&self.g)) + self.C1.tr_mul(&self.M),
         }
-    }
-
-    /// Stress resultants extrapolated linearly to the line `to` from this one, `line`.
-    pub(super) fn extrapolated(
-        &self,
-        line: &Line,
-        to: &Line,
-        law: &Law,
-    ) -> (Vector3<f64>, Vector3<f64>) {
-        let psi = to.psi - line.psi;
-        let Gamma = self.R.tr_mul(&(to.x_prime - line.x_prime)) + self.g.cross(&(self.T * psi));
-        let K = self.T * (to.psi_prime - line.psi_prime) + self.C1 * psi;
-        (
-            self.N + law.GG * Gamma + law.GK * K,
-            self.M + law.GK.tr_mul(&Gamma) + law.KK * K,
-        )
     }
 
     /// BᵀCB + K_σ, \[M04\] (167), with the stress resultants N, M in K_σ.
@@ -172,4 +151,39 @@ impl Strained {
                 + so3::C2(&Nxg, &line.psi, quotients),
         }
     }
+}
+
+/// Strain energy per unit length.
+pub(super) fn strain_energy(line: &Line, X_prime: &Vector3<f64>, law: &Law) -> f64 {
+    let c = TangentQuotients::new(line.psi.norm_squared());
+    let Gamma = so3::turned(&-line.psi, &line.x_prime, &c) - X_prime;
+    let K = so3::spun(&line.psi, &line.psi_prime, &c);
+    let N = law.GG * Gamma + law.GK * K;
+    0.5 * (N.dot(&Gamma) + K.dot(&(law.GK.tr_mul(&Gamma) + law.KK * K)))
+}
+
+/// Stress resultants at the line `to`, extrapolated linearly from the line `from`.
+///
+/// Γ = Rᵀx′ − X′ is linear in x′ and K = TΨ′ in Ψ′, so that with δ = `to` − `from` and R, T at `from`
+/// Γ + DΓ·δ = Rᵀx′ − X′ + g×TδΨ and K + DK·δ = TΨ′ + C₁δΨ, where x′ and Ψ′ are those of `to`.
+#[inline]
+pub(super) fn extrapolated(
+    from: &Line,
+    to: &Line,
+    X_prime: &Vector3<f64>,
+    law: &Law,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let quotients = Quotients::new(from.psi.norm());
+    let c = quotients.tangent();
+    let d_psi = to.psi - from.psi;
+    let back = -from.psi;
+    let g = so3::turned(&back, &from.x_prime, &c);
+    let Gamma =
+        so3::turned(&back, &to.x_prime, &c) - X_prime + g.cross(&so3::spun(&from.psi, &d_psi, &c));
+    let K = so3::spun(&from.psi, &to.psi_prime, &c)
+        + so3::T_varied(&from.psi_prime, &d_psi, &from.psi, &quotients);
+    (
+        law.GG * Gamma + law.GK * K,
+        law.GK.tr_mul(&Gamma) + law.KK * K,
+    )
 }

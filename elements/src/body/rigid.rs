@@ -152,8 +152,7 @@ impl Element for RigidBody {
             add(out.M.as_deref_mut(), &moving.mass());
             return Ok(());
         }
-        let variations = moving.variations();
-        let one = |K, C, M| moving.tangent(&variations, Weights { K, C, M });
+        let one = |K, C, M| moving.tangent(Weights { K, C, M });
         add(out.M.as_deref_mut(), &moving.mass());
         add(out.C.as_deref_mut(), &one(0.0, 1.0, 0.0));
         add(out.K.as_deref_mut(), &one(1.0, 0.0, 0.0));

@@ -163,7 +163,7 @@ impl Model {
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
-            if e.element.is_load() {
+            if e.load {
                 local.measure_load(e, &self.nodes, &mut w.scales);
             }
             if rates && w.moving {
@@ -185,7 +185,7 @@ impl Model {
             }
             if let Some((weights, values)) = S {
                 local.combine(e, &self.nodes, *weights, [statics, rates], &w.operators);
-                self.placement.scatter(e, &local.S, values);
+                self.placement.scatter(e, &self.spans, &local.S, values);
             }
         }
         Ok(())
@@ -241,7 +241,7 @@ impl System for Model {
         self.work.r_t.fill(0.0);
         self.work.scales.force = [0.0; 3];
         if let Some((_, values)) = &mut S {
-            values.fill(0.0);
+            self.placement.clear_unwritten(values);
         }
         let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
         self.add_elements(at.t, statics, borrow, rates)?;

@@ -82,20 +82,27 @@ impl Model {
             let switched = local.switch(e, &self.nodes);
             let motion = local.motion(e, at.t, statics);
             let energy = e.element.energy(&motion);
-            if e.element.is_load() {
+            if e.load {
                 audit.load_potential += energy;
             } else {
                 *stored += energy;
             }
             if !statics {
                 *dissipated += e.element.dissipation(&motion);
+                // Its force is asked for where it has power: at what is driven or follows.
+                let known =
+                    (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
+                if let Some(energy) = known.flatten() {
+                    *kinetic += energy;
+                    continue;
+                }
             }
             local
                 .momenta(e, at.t, statics)
                 .map_err(|error| named(error, &e.name))?;
             if !statics {
                 let Local { x, v, r, work, .. } = local;
-                if e.element.is_load() {
+                if e.load {
                     *supplied += dot(&r[..n], v);
                 }
                 *kinetic += 0.5 * dot(&work[..n], v);
@@ -140,7 +147,7 @@ impl Model {
         self.expand(at)?;
         let w = &mut self.work;
         w.r.fill(0.0);
-        for e in self.elements.iter().filter(|e| !e.element.is_load()) {
+        for e in self.elements.iter().filter(|e| !e.load) {
             let local = &mut w.local;
             local.gather(e, &self.spans, &w.x);
             local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));

@@ -52,27 +52,16 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut placement = Placement {
-            rows: vec![Vec::new(); nodes.len()],
-            blocks: vec![NONE; nodes.len()],
-            ..Placement::default()
-        };
+        let mut placement = Placement::new(nodes.len(), total);
         for n in outward(&nodes, &elements, &prescribed) {
             let node = &nodes[n];
             let mut size = 0;
-            let rows = node
-                .range()
-                .map(|c| {
-                    if !free[c] {
-                        return NONE;
-                    }
-                    unknowns[c] = coordinates.len() as u32;
-                    coordinates.push(c);
-                    size += 1;
-                    size - 1
-                })
-                .collect();
-            placement.rows[n] = rows;
+            for c in node.range().filter(|&c| free[c]) {
+                unknowns[c] = coordinates.len() as u32;
+                coordinates.push(c);
+                placement.rows[c] = size;
+                size += 1;
+            }
             if size > 0 {
                 placement.blocks[n] = sizes.len() as u32;
                 sizes.push(size as usize);
@@ -211,7 +200,7 @@ fn check_connections(
 ) -> Result<(), ModelError> {
     let mut connected = vec![false; nodes.len()];
     for e in elements {
-        for &n in &e.nodes {
+        for &n in e.nodes.iter() {
             connected[n as usize] |= !e.element.is_load();
         }
     }

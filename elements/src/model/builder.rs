@@ -3,7 +3,7 @@
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
 use super::loops::Closing;
-use super::{Attached, Form, ModelError, Node, Source};
+use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
@@ -80,6 +80,8 @@ pub struct ModelBuilder {
     pub(super) closings: Vec<Closing>,
     /// Where coordinates of loops should start.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
+    /// Coordinates that follow another one through gears, and their ratios to it.
+    gears: HashMap<NodeId, (NodeId, f64)>,
 }
 
 impl ModelBuilder {
@@ -253,6 +255,38 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].place
     }
 
+    /// Number of coordinates of a node: six of a frame.
+    pub fn dim(&self, node: NodeId) -> usize {
+        self.nodes[node.0 as usize].dim
+    }
+
+    /// Whether a node has coordinates of its own, and follows no others.
+    pub(crate) fn is_own(&self, node: NodeId) -> bool {
+        self.nodes[node.0 as usize].is_own()
+    }
+
+    /// The coordinate that a coordinate follows through gears in the end, and its ratio to that.
+    pub(crate) fn behind_gears(&self, mut node: NodeId) -> (NodeId, f64) {
+        let mut ratio = 1.0;
+        while let Some(&(leader, r)) = self.gears.get(&node) {
+            (node, ratio) = (leader, ratio * r);
+        }
+        (node, ratio)
+    }
+
+    /// Lets a coordinate follow an earlier one through a map: a gear of this ratio.
+    pub(crate) fn follow(
+        &mut self,
+        leader: NodeId,
+        follower: NodeId,
+        ratio: f64,
+        map: Box<dyn Parametrization>,
+    ) {
+        self.gears.insert(follower, (leader, ratio));
+        let dependence = Dependence::new(map, vec![vec![leader.0]], 1);
+        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(dependence));
+    }
+
     pub(super) fn check_own(
         &self,
         nodes: &[NodeId],
@@ -313,8 +347,9 @@ impl ModelBuilder {
         self.elements.push(Attached {
             name,
             dead: element.is_dead(),
+            load: element.is_load(),
             element,
-            nodes: nodes.iter().map(|n| n.0).collect(),
+            nodes: NodeList::new(nodes),
             frames: (0..)
                 .zip(nodes)
                 .filter(|(_, n)| self.nodes[n.0 as usize].is_frame())
@@ -323,10 +358,11 @@ impl ModelBuilder {
             switched: 0,
             overturned: false,
             mapped: false,
+            held: false,
             pulled: 0,
             blocks: 0,
             first_block: 0,
-            first_position: 0,
+            first_place: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }

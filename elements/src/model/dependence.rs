@@ -367,8 +367,9 @@ impl Model {
                 K_sigma.iter_mut().for_each(|k| *k *= minus.K);
                 &*K_sigma
             };
+            let (own, pulled) = (&d.ancestors, (pulled, d.pulled));
             self.placement
-                .scatter_nodes(&d.ancestors, pulled, d.pulled, &self.pattern, values);
+                .scatter_nodes(own, &self.spans, pulled, &self.pattern, values);
         }
     }
 

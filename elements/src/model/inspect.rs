@@ -170,7 +170,7 @@ impl Model {
         let mut units = vec![f64::INFINITY; self.nodes.len()];
         for e in &self.elements {
             if let Some(size) = self.extent(&e.nodes).filter(|&l| l > 0.0) {
-                for &n in &e.nodes {
+                for &n in e.nodes.iter() {
                     let unit = &mut units[n as usize];
                     *unit = unit.min(size);
                 }

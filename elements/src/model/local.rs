@@ -197,7 +197,10 @@ impl Local {
     ) -> Result<(), ElementError> {
         let n = e.element.dim();
         self.r[..n].fill(0.0);
-        self.M[..n * n].fill(0.0);
+        let moving = !statics && !e.dead;
+        if moving {
+            self.M[..n * n].fill(0.0);
+        }
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
@@ -209,12 +212,15 @@ impl Local {
             r: &mut self.r[..n],
             K: None,
             C: None,
-            M: (!statics).then_some(&mut self.M[..n * n]),
+            M: moving.then_some(&mut self.M[..n * n]),
             r_t: None,
         };
         e.element.evaluate(&at, &mut out)?;
         let p = &mut self.work[..end];
         p.fill(0.0);
+        if !moving {
+            return Ok(());
+        }
         for (v, M) in self.v.iter().zip(self.M.chunks_exact(n)).take(end) {
             for (p, M) in p.iter_mut().zip(M) {
                 *p += M * v;
@@ -235,7 +241,7 @@ impl Local {
 
     pub(super) fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
         let mut k = 0;
-        for &node in &e.nodes {
+        for &node in e.nodes.iter() {
             for kind in &nodes[node as usize].kinds {
                 let force = &mut scales.force[kind.index()];
                 *force = force.max(self.r[k].abs());
@@ -364,7 +370,7 @@ impl Local {
             return;
         }
         let mut slots = [Slot::default(); MAX_NODES];
-        for (slot, &node) in slots.iter_mut().zip(&e.nodes) {
+        for (slot, &node) in slots.iter_mut().zip(e.nodes.iter()) {
             *slot = nodes[node as usize].slot(operators, !statics);
         }
         let tangents = Tangents {

@@ -31,14 +31,14 @@ pub use query::Reaction;
 
 use crate::element::Element;
 use crate::time::TimeFunction;
-use assembly::Workspace;
+use assembly::{MAX_NODES, Workspace};
 use dependence::{Dependence, Operators};
 use nalgebra::Vector3;
 use placement::Placement;
 use pullback_manifold::pullback::Slot;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -148,11 +148,39 @@ impl Node {
     }
 }
 
+/// The nodes of an element, kept in place: an assembly waits for every detour through memory.
+struct NodeList {
+    len: u32,
+    nodes: [u32; MAX_NODES],
+}
+
+impl NodeList {
+    /// Of at most [`MAX_NODES`] nodes.
+    fn new(of: &[NodeId]) -> Self {
+        let mut nodes = [NONE; MAX_NODES];
+        for (node, id) in nodes.iter_mut().zip(of) {
+            *node = id.0;
+        }
+        Self {
+            len: of.len() as u32,
+            nodes,
+        }
+    }
+}
+
+impl Deref for NodeList {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.nodes[..self.len as usize]
+    }
+}
+
 /// An element with its nodes and its places in the assembly.
 struct Attached {
     name: String,
     element: Box<dyn Element>,
-    nodes: Vec<u32>,
+    nodes: NodeList,
     /// Bit k: node k is a frame.
     frames: u32,
     /// Bit k: node k is evaluated through the complement map.
@@ -161,13 +189,17 @@ struct Attached {
     overturned: bool,
     /// Whether any node is mapped.
     mapped: bool,
+    /// Whether a coordinate of its nodes is prescribed or follows others.
+    held: bool,
     /// Whether it has no tangents.
     dead: bool,
+    /// Whether it stands for applied loads.
+    load: bool,
     /// Number of coordinates after the pull-back to own nodes.
     pulled: usize,
     blocks: usize,
     first_block: usize,
-    first_position: usize,
+    first_place: usize,
 }
 
 /// A coordinate that is a given function of time.

@@ -133,7 +133,7 @@ fn solve_mass<Y: System + ?Sized>(
         if let Some(b) = b {
             r.copy_from_slice(b);
         }
-        match solver.factorise(S).and_then(|()| solver.solve(r)) {
+        match solver.factorise(S).and_then(|()| solver.solve(Some(S), r)) {
             Ok(()) => return Ok(()),
             Err(error) => refused = Some(error),
         }

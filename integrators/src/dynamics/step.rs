@@ -239,7 +239,9 @@ impl Stepper {
             solver.factorise(&self.S).map_err(Failure::Linear)?;
         }
         self.dq.copy_from_slice(&self.r);
-        solver.solve(&mut self.dq).map_err(Failure::Linear)?;
+        solver
+            .solve(Some(&self.S), &mut self.dq)
+            .map_err(Failure::Linear)?;
         let scales = system.scales().coordinate;
         let size = |(i, dq): (usize, &f64)| dq.abs() / scales[system.kind(i).index()];
         Ok(self.dq.iter().enumerate().map(size).fold(0.0, f64::max))

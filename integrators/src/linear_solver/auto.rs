@@ -20,8 +20,6 @@ pub struct AutoSolver {
     /// Factorisations in a row in which the block solver failed and the fallback did not.
     failures: usize,
     lu_analysed: bool,
-    values: Vec<f64>,
-    rhs: Vec<f64>,
 }
 
 /// One of the solvers behind [`AutoSolver`].
@@ -71,7 +69,6 @@ impl LinearSolver for AutoSolver {
         self.active = None;
         self.failures = 0;
         self.lu_analysed = false;
-        self.rhs = vec![0.0; pattern.dim()];
         self.chosen = match self.block.analyse(pattern, symmetry) {
             Ok(()) if self.block.suits() => Chosen::Block,
             Ok(()) | Err(LinearError::Fill { .. }) => {
@@ -126,23 +123,19 @@ impl LinearSolver for AutoSolver {
         }
     }
 
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match self.active {
             None => Err(LinearError::NotReady { asked: "solve" }),
-            Some(Chosen::Cholesky) => self.cholesky.solve(b),
-            Some(Chosen::Lu) => self.lu.solve(b),
-            Some(Chosen::Block) => {
-                match self.block.solve(b) {
-                    Err(LinearError::Residual { .. }) => {}
-                    result => return result,
-                }
+            Some(Chosen::Cholesky) => self.cholesky.solve(values, b),
+            Some(Chosen::Lu) => self.lu.solve(values, b),
+            Some(Chosen::Block) => match (self.block.solve(values, b), values) {
                 // `b` is untouched when a solve fails.
-                let mut values = std::mem::take(&mut self.values);
-                self.block.values(&mut values);
-                let result = self.fall_back(&values);
-                self.values = values;
-                result.and_then(|()| self.lu.solve(b))
-            }
+                (Err(LinearError::Residual { .. }), Some(known)) => {
+                    self.fall_back(known)?;
+                    self.lu.solve(values, b)
+                }
+                (result, _) => result,
+            },
         }
     }
 }

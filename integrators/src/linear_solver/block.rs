@@ -81,26 +81,6 @@ impl BlockLu {
     pub fn smallest_pivot(&self) -> f64 {
         self.ready.as_ref().map_or(f64::NAN, |r| r.smallest)
     }
-
-    /// The values of the last factorisation, exactly (of a symmetric matrix: both halves).
-    pub(super) fn values(&self, values: &mut Vec<f64>) {
-        values.clear();
-        if let Some(ready) = &self.ready {
-            values.resize(ready.pattern.len(), 0.0);
-            ready.original(values);
-        }
-    }
-
-    /// Solution without residual check: what an inverse iteration wants.
-    pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
-        let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
-            return Err(LinearError::NotReady { asked: "solve" });
-        };
-        ready.gather(b);
-        ready.substitute(false);
-        ready.scatter(b);
-        Ok(())
-    }
 }
 
 impl LinearSolver for BlockLu {
@@ -139,16 +119,21 @@ impl LinearSolver for BlockLu {
         }
     }
 
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
             return Err(LinearError::NotReady { asked: "solve" });
         };
         check_length("right-hand side", ready.pattern.dim(), b.len())?;
         ready.gather(b);
         ready.substitute(false);
+        let Some(values) = values else {
+            ready.scatter(b);
+            return Ok(());
+        };
+        check_length("matrix", ready.pattern.len(), values.len())?;
         let mut best = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
-            let relative = ready.relative_residual(b)?;
+            let relative = ready.relative_residual(values, b)?;
             if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
                 if !(relative <= RESIDUAL_LIMIT) {
                     return Err(LinearError::Residual {

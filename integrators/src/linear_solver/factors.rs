@@ -13,8 +13,6 @@ pub(super) struct Factors {
     pub pattern: BlockPattern,
     pub symbolic: Symbolic,
     pub factors: Vec<f64>,
-    /// The scaled matrix in the order in which its blocks are loaded, for residuals.
-    pub matrix: Vec<f64>,
     /// Interchanges inside the diagonal blocks, in elimination order.
     pub swaps: Vec<u32>,
     pub swapped: Vec<bool>,
@@ -26,6 +24,8 @@ pub(super) struct Factors {
     pub smallest: f64,
     pub rhs: Vec<f64>,
     pub x: Vec<f64>,
+    /// `x` with its scales undone.
+    unscaled: Vec<f64>,
     pub residual: Vec<f64>,
 }
 
@@ -44,7 +44,6 @@ impl Factors {
         Self {
             pattern: pattern.clone(),
             factors: vec![0.0; symbolic.len],
-            matrix: vec![0.0; symbolic.read],
             swaps: vec![0; n],
             swapped: vec![false; panels],
             scales: vec![1.0; n],
@@ -53,6 +52,7 @@ impl Factors {
             smallest: 0.0,
             rhs: vec![0.0; n],
             x: vec![0.0; n],
+            unscaled: vec![0.0; n],
             residual: vec![0.0; n],
             symbolic,
         }
@@ -74,24 +74,22 @@ impl Factors {
         self.squares.fill(0.0);
         self.smallest = f64::INFINITY;
         let (mut links, mut targets, mut loads, mut fills) = (0, 0, 0, 0);
-        let mut read = 0;
         for k in 0..self.symbolic.panels.len() {
             let symbolic = &self.symbolic;
             let panel = &symbolic.panels[k];
             for load in &symbolic.loads[loads..panel.loads] {
-                let copied = copy_block(
+                let fits = copy_block(
                     symbolic,
                     load,
                     values,
                     scaled,
                     &mut self.scales,
                     &mut self.squares,
-                    [&mut self.matrix[read..], &mut self.factors[load.start..]],
+                    &mut self.factors[load.start..],
                 );
-                let Some(count) = copied else {
+                if !fits {
                     return Err(Failure::Scale);
-                };
-                read += count;
+                }
             }
             for &(start, count) in &symbolic.fills[fills..panel.fills] {
                 self.factors[start..start + count].fill(0.0);
@@ -227,29 +225,30 @@ impl Factors {
         }
     }
 
-    /// Computes `residual = rhs - A x` and its relative size.
-    pub fn relative_residual(&mut self, b: &[f64]) -> Result<f64, LinearError> {
+    /// Computes `residual = rhs - A x` for the matrix with these values, and its relative size.
+    pub fn relative_residual(&mut self, values: &[f64], b: &[f64]) -> Result<f64, LinearError> {
         let symbolic = &self.symbolic;
-        let r = &mut self.residual;
-        r.copy_from_slice(&self.rhs);
-        let mut read = 0;
+        let (r, x) = (&mut self.residual, &mut self.unscaled);
+        // Scales are powers of two: dividing by them and multiplying again leaves no trace.
+        for (i, s) in self.scales.iter().enumerate() {
+            r[i] = self.rhs[i] / s;
+            x[i] = self.x[i] * s;
+        }
         for load in &symbolic.loads {
             let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
             let (m, n) = (row.size, column.size);
-            let block = &self.matrix[read..];
-            kernels::subtract(m, n, block, &self.x[column.first..], &mut r[row.first..]);
-            read += m * n;
+            let lower = &values[load.lower..];
+            kernels::subtract(m, n, lower, &x[column.first..], &mut r[row.first..]);
             if load.row != load.column {
-                let block = match symbolic.symmetry {
-                    Symmetry::Symmetric => block,
-                    Symmetry::General => {
-                        read += m * n;
-                        &block[m * n..]
-                    }
-                };
-                let (x, y) = (&self.x[row.first..], &mut r[column.first..]);
-                kernels::subtract_transposed(m, n, block, x, y);
+                let (x, y) = (&x[row.first..], &mut r[column.first..]);
+                match symbolic.symmetry {
+                    Symmetry::Symmetric => kernels::subtract_transposed(m, n, lower, x, y),
+                    Symmetry::General => kernels::subtract(n, m, &values[load.upper..], x, y),
+                }
             }
+        }
+        for (r, s) in r.iter_mut().zip(&self.scales) {
+            *r *= s;
         }
         let (r, x, rhs) = (max_abs(r), max_abs(&self.x), max_abs(&self.rhs));
         let size = self.norm * x + rhs;
@@ -270,32 +269,9 @@ impl Factors {
             unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),
         })
     }
-
-    /// Undoes scaling and order of the copy of the matrix; powers of two leave no trace.
-    pub fn original(&self, values: &mut [f64]) {
-        let symbolic = &self.symbolic;
-        let mut read = 0;
-        for load in &symbolic.loads {
-            let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
-            let (m, n) = (row.size, column.size);
-            let pair = symbolic.symmetry == Symmetry::General && load.row != load.column;
-            let upper = if pair { m * n } else { 0 };
-            for c in 0..n {
-                for r in 0..m {
-                    let scale = self.scales[row.first + r] * self.scales[column.first + c];
-                    if load.row != load.column {
-                        let value = self.matrix[read + upper + r + c * m];
-                        values[load.upper + c + r * n] = value / scale;
-                    }
-                    values[load.lower + r + c * m] = self.matrix[read + r + c * m] / scale;
-                }
-            }
-            read += m * n + upper;
-        }
-    }
 }
 
-/// Copies one block or pair with scales; the number of values, or none if they are out of scale.
+/// Copies one block or pair with scales; false if they are out of scale.
 #[inline(always)]
 fn copy_block(
     symbolic: &Symbolic,
@@ -304,8 +280,8 @@ fn copy_block(
     scaled: bool,
     scales: &mut [f64],
     squares: &mut [f64],
-    [matrix, factors]: [&mut [f64]; 2],
-) -> Option<usize> {
+    factors: &mut [f64],
+) -> bool {
     let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
     let (m, n) = (row.size, column.size);
     let lower = &values[load.lower..load.lower + m * n];
@@ -316,25 +292,24 @@ fn copy_block(
                 *s = scaling::inverse_root(lower[c * (n + 1)]);
             }
         }
-        let square = kernels::scale(n, n, lower, s, s, matrix, factors);
+        let square = kernels::scale(n, n, lower, s, s, factors);
         squares[load.row] += square;
-        return (square <= scaling::MEAN_SQUARE_LIMIT * (n * n) as f64).then_some(n * n);
+        return square <= scaling::MEAN_SQUARE_LIMIT * (n * n) as f64;
     }
     let (rows, columns) = (
         &scales[row.first..row.first + m],
         &scales[column.first..column.first + n],
     );
     let mut count = m * n;
-    let mut square = kernels::scale(m, n, lower, rows, columns, matrix, factors);
+    let mut square = kernels::scale(m, n, lower, rows, columns, factors);
     if symbolic.symmetry == Symmetry::General {
         let upper = &values[load.upper..load.upper + m * n];
-        let (matrix, factors) = (&mut matrix[count..], &mut factors[count..]);
-        square += kernels::scale_transposed(m, n, upper, rows, columns, matrix, factors);
+        square += kernels::scale_transposed(m, n, upper, rows, columns, &mut factors[count..]);
         count *= 2;
     }
     squares[load.row] += square;
     squares[load.column] += square;
-    (square <= scaling::MEAN_SQUARE_LIMIT * count as f64).then_some(count)
+    square <= scaling::MEAN_SQUARE_LIMIT * count as f64
 }
 
 /// Turns the blocks of one link into those of `L` and `Uᵀ`.

@@ -187,7 +187,7 @@ impl LinearSolver for FaerLu {
         Err(columns.singular(condition))
     }
 
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, _: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(Ready {
             columns,
             symbolic,
@@ -306,10 +306,10 @@ impl LinearSolver for FaerCholesky {
         self.lu.factorise(values)
     }
 
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
             None => Err(LinearError::NotReady { asked: "solve" }),
-            Some(_) if self.misses > 0 => self.lu.solve(b),
+            Some(_) if self.misses > 0 => self.lu.solve(values, b),
             Some(Ready {
                 columns,
                 symbolic,

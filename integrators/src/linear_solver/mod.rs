@@ -56,11 +56,14 @@ pub trait LinearSolver: Send {
     /// Finds the elimination order and the structure of the factors.
     fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError>;
 
-    /// Factorises the matrix with these values; the values need not outlive the call.
+    /// Factorises the matrix with these values.
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError>;
 
-    /// Replaces `b` by the solution of `A x = b`.
-    fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError>;
+    /// Replaces `b` by the solution of `A x = b`, refined and checked against the `values` of the
+    /// last factorisation: no solver has to keep a copy of them. Without them (a simplified Newton
+    /// step, when the matrix is that of the next iterate already) it may be the factors' answer
+    /// as it is.
+    fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError>;
 }
 
 /// Why a linear system could not be solved.

@@ -53,7 +53,7 @@ pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector>
     let mut block = BlockLu::perturbed(FLOOR);
     let mut best: Option<NullVector> = None;
     if block.analyse(pattern, Symmetry::General).is_ok() && block.factorise(values).is_ok() {
-        best = check.iterate(|x| block.solve_unchecked(x));
+        best = check.iterate(|x| block.solve(None, x));
     }
     if best.as_ref().is_none_or(|v| v.residual > LIMIT) {
         let mut lu = FaerLu::new();

@@ -62,8 +62,6 @@ pub(super) struct Symbolic {
     pub fills: Vec<(usize, usize)>,
     /// Number of values in the factors.
     pub len: usize,
-    /// Number of values of the matrix that are read.
-    pub read: usize,
     /// Floating point operations of a factorisation.
     pub flops: f64,
     /// Estimated nanoseconds for these, if both halves are worked on.
@@ -95,7 +93,6 @@ impl Symbolic {
             loads: Vec::new(),
             fills: Vec::new(),
             len: 0,
-            read: 0,
             flops: 0.0,
             busy: 0.0,
             symmetry,
@@ -176,7 +173,6 @@ impl Symbolic {
                         upper: lower,
                         start: self.panels[i].start,
                     });
-                    self.read += self.panels[i].size.pow(2);
                 }
             }
             needed.clear();
@@ -218,10 +214,6 @@ impl Symbolic {
                             upper,
                             start: link.start,
                         });
-                        self.read += match self.symmetry {
-                            Symmetry::General => 2 * values,
-                            Symmetry::Symmetric => values,
-                        };
                     }
                     _ => self.fills.push((link.start, 2 * values)),
                 }

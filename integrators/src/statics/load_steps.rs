@@ -199,7 +199,9 @@ fn predict<Y: System + ?Sized>(
         *dq = r + rate * (to - from);
     }
     let residual = newton.largest(system, &newton.dq);
-    solver.solve(&mut newton.dq).map_err(Failure::Linear)?;
+    solver
+        .solve(Some(&newton.S), &mut newton.dq)
+        .map_err(Failure::Linear)?;
     for (q, dq) in q.iter_mut().zip(&newton.dq) {
         *q += dq;
     }

@@ -150,7 +150,9 @@ impl Newton {
     /// dq/dλ = K⁻¹ r_λ with the present factorisation.
     pub(super) fn solve_rate(&mut self, solver: &mut dyn LinearSolver) -> Result<(), Failure> {
         self.q_lambda.copy_from_slice(&self.r_lambda);
-        solver.solve(&mut self.q_lambda).map_err(Failure::Linear)
+        solver
+            .solve(Some(&self.S), &mut self.q_lambda)
+            .map_err(Failure::Linear)
     }
 
     /// Linear solutions made since the history was cleared.
@@ -219,7 +221,9 @@ impl Newton {
             }
             self.factorise(solver)?;
             self.dq.copy_from_slice(&self.r);
-            solver.solve(&mut self.dq).map_err(Failure::Linear)?;
+            solver
+                .solve(Some(&self.S), &mut self.dq)
+                .map_err(Failure::Linear)?;
             let mut d_lambda = 0.0;
             if let Some(c) = condition {
                 self.solve_rate(solver)?;
@@ -284,7 +288,7 @@ impl Newton {
                     free || self.test(system).1 <= ratio || {
                         self.simplified.copy_from_slice(&self.r);
                         solver
-                            .solve(&mut self.simplified)
+                            .solve(None, &mut self.simplified)
                             .map_err(Failure::Linear)?;
                         self.size(&self.simplified) <= (1.0 - 0.25 * damping) * full
                     }

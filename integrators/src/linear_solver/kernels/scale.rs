@@ -2,7 +2,7 @@
 
 use super::{by_size, columns, columns_mut};
 
-/// `out ← R B C`, twice, for the scales of rows and columns; returns the sum of squares.
+/// `out ← R B C` for the scales of rows and columns; returns the sum of squares.
 pub(in crate::linear_solver) fn scale(
     m: usize,
     n: usize,
@@ -10,15 +10,8 @@ pub(in crate::linear_solver) fn scale(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
-    by_size!(
-        m,
-        n,
-        scale_fixed,
-        scale_any,
-        (block, rows, columns, out, copy)
-    )
+    by_size!(m, n, scale_fixed, scale_any, (block, rows, columns, out))
 }
 
 fn scale_fixed<const M: usize, const N: usize>(
@@ -26,14 +19,12 @@ fn scale_fixed<const M: usize, const N: usize>(
     rows: &[f64],
     scales: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
-    let (Some(block), Some(rows), Some(scales), Some(out), Some(copy)) = (
+    let (Some(block), Some(rows), Some(scales), Some(out)) = (
         columns::<M, N>(block),
         rows.first_chunk::<M>(),
         scales.first_chunk::<N>(),
         columns_mut::<M, N>(out),
-        columns_mut::<M, N>(copy),
     ) else {
         return f64::NAN;
     };
@@ -42,7 +33,6 @@ fn scale_fixed<const M: usize, const N: usize>(
         for r in 0..M {
             let value = block[c][r] * rows[r] * scales[c];
             out[c][r] = value;
-            copy[c][r] = value;
             sum[r] += value * value;
         }
     }
@@ -56,7 +46,6 @@ fn scale_any(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
     let mut sum = 0.0;
     for ((out, block), &c) in out
@@ -71,11 +60,10 @@ fn scale_any(
             sum += value * value;
         }
     }
-    copy[..m * n].copy_from_slice(&out[..m * n]);
     sum
 }
 
-/// `out ← (C B R)ᵀ`, twice, `B` n × m, `out` m × n; returns the sum of squares.
+/// `out ← (C B R)ᵀ`, `B` n × m, `out` m × n; returns the sum of squares.
 pub(in crate::linear_solver) fn scale_transposed(
     m: usize,
     n: usize,
@@ -83,14 +71,13 @@ pub(in crate::linear_solver) fn scale_transposed(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
     by_size!(
         m,
         n,
         scale_transposed_fixed,
         scale_transposed_any,
-        (block, rows, columns, out, copy)
+        (block, rows, columns, out)
     )
 }
 
@@ -99,14 +86,12 @@ fn scale_transposed_fixed<const M: usize, const N: usize>(
     rows: &[f64],
     scales: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
-    let (Some(block), Some(rows), Some(scales), Some(out), Some(copy)) = (
+    let (Some(block), Some(rows), Some(scales), Some(out)) = (
         columns::<N, M>(block),
         rows.first_chunk::<M>(),
         scales.first_chunk::<N>(),
         columns_mut::<M, N>(out),
-        columns_mut::<M, N>(copy),
     ) else {
         return f64::NAN;
     };
@@ -115,7 +100,6 @@ fn scale_transposed_fixed<const M: usize, const N: usize>(
         for r in 0..M {
             let value = block[r][c] * rows[r] * scales[c];
             out[c][r] = value;
-            copy[c][r] = value;
             sum[r] += value * value;
         }
     }
@@ -129,7 +113,6 @@ fn scale_transposed_any(
     rows: &[f64],
     columns: &[f64],
     out: &mut [f64],
-    copy: &mut [f64],
 ) -> f64 {
     let mut sum = 0.0;
     for (c, (out, scale)) in out.chunks_exact_mut(m).zip(columns).take(n).enumerate() {
@@ -139,6 +122,5 @@ fn scale_transposed_any(
             sum += value * value;
         }
     }
-    copy[..m * n].copy_from_slice(&out[..m * n]);
     sum
 }
