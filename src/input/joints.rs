@@ -41,7 +41,7 @@ impl Entry<'_> {
     fn useless(&self, path: &[&str]) -> InputError {
         let hangs = if self.made.along { "lines" } else { "master" };
         let mut known = self.made.keys();
-        known.extend(["name", "type", hangs, "coordinates"].map(str::to_owned));
+        known.extend(["name", "type", hangs, "child", "coordinates"].map(str::to_owned));
         known.extend(ACTS.map(str::to_owned));
         let problem = Problem::JointKey {
             joint: self.joint.name.clone(),

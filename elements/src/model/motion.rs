@@ -4,6 +4,7 @@
 
 use super::builder::NodeId;
 use super::dependence::collect;
+use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
 use pullback_manifold::so3;
@@ -94,21 +95,20 @@ impl Model {
         let (r, psi) = (&self.work.r, three(&self.work.x, 3));
         // The covector of a spatial moment m is T m.
         let mut out = [-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))];
-        if let Some(child) = self.closing_force(node) {
-            (out[0], out[1]) = (out[0] + child[0], out[1] + child[1]);
-        }
+        let [force, moment] = self.closing_force(node);
+        (out[0], out[1]) = (out[0] + force, out[1] + moment);
         Some(out)
     }
 
-    /// Force and moment on the child of a joint that closes a loop: with the multipliers μ of the
-    /// equations in the child's axes they are −R μ.
-    fn closing_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
+    /// What a joint has to hold besides the forces on what hangs on it: those with which loops
+    /// close. With the multipliers μ of the equations in the child's axes the child is acted upon
+    /// by the force and moment −R μ, and the frame that it is one with by the opposite; they cancel
+    /// where a node carries both.
+    fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
         let w = &self.work;
+        let mut out = [Vector3::zeros(); 2];
         for report in &self.reports {
-            let ends = |&(frame, _): &(u32, u32)| frame == node.0;
-            let (Some(k), Some(x)) = (report.closures.iter().position(ends), report.map) else {
-                continue;
-            };
+            let Some(x) = report.map else { continue };
             let n = &self.nodes[x as usize];
             let Source::Mapped(d) = &n.source else {
                 continue;
@@ -117,11 +117,21 @@ impl Model {
             collect(d.masters(), &self.spans, &w.x, &mut q);
             let mut mu = vec![0.0; 6 * report.closures.len()];
             d.map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
-            let three = |k: usize| Vector3::new(mu[k], mu[k + 1], mu[k + 2]);
-            let R = self.node_state(NodeId(report.closures[k].1)).R;
-            return Some([-(R * three(6 * k)), -(R * three(6 * k + 3))]);
+            for (&(frame, child), mu) in report.closures.iter().zip(mu.chunks_exact(6)) {
+                let R = self.node_state(NodeId(child)).R;
+                let force = R * Vector3::new(mu[0], mu[1], mu[2]);
+                let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
+                for (end, sign) in [(frame, -1.0), (child, 1.0)] {
+                    if upwards(&self.nodes, end).contains(&node.0) {
+                        let place = |n: u32| self.node_state(NodeId(n)).place;
+                        let arm = place(end) - place(node.0);
+                        out[0] += force * sign;
+                        out[1] += (moment + arm.cross(&force)) * sign;
+                    }
+                }
+            }
         }
-        None
+        out
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; whether it is one.

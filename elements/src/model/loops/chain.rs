@@ -18,7 +18,7 @@ pub(super) struct Chain {
 }
 
 /// The frames that a frame follows, one after the other, itself first.
-fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
+pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     let mut out = vec![n];
     let mut at = n;
     while let Source::Mapped(d) = &nodes[at as usize].source {

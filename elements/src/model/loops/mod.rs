@@ -20,6 +20,7 @@ use super::dependence::Dependence;
 use super::{Form, ModelError, Node, Source};
 use crate::joint::{Hung, Offset};
 use crate::time::TimeFunction;
+pub(super) use chain::upwards;
 use chain::{Chain, coordinates};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
