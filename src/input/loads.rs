@@ -78,7 +78,7 @@ fn turns(file: &ModelFile, name: &str) -> bool {
     let joint = file
         .joints
         .iter()
-        .any(|j| j.master.as_ref().is_some_and(is));
+        .any(|j| j.master.as_ref().is_some_and(is) || j.child.as_ref().is_some_and(is));
     let rigid = |b: &&Body| b.inertia.is_some() || b.center.is_some();
     let body = file.bodies.iter().filter(rigid).any(|b| is(&b.node));
     let bushings = file.springs.iter().filter(|s| s.bushing.is_some());
