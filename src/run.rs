@@ -1,6 +1,6 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, ModelFile, Plan, Time};
+use crate::input::{self, InputError, Job, Joint, ModelFile, Plan, Time};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
 };
@@ -50,6 +50,8 @@ pub struct Outcome {
     pub parameter: &'static str,
     /// What looks doubtful about it.
     pub warnings: Vec<String>,
+    /// How the loops of the model close, and from which coordinates they start.
+    pub notes: Vec<String>,
     /// Where the results are.
     pub directory: PathBuf,
     /// Names of the files.
@@ -152,6 +154,7 @@ fn execute(
         geometry: &geometry,
         output,
     };
+    let notes = model.notes();
     // Whatever refuses to begin leaves the directory as it is.
     let mut progress = Progress::default();
     let mut every = 0;
@@ -159,7 +162,7 @@ fn execute(
         every = plan.checkpoint_every;
         progress = match &checkpoint {
             Some(checkpoint) => {
-                model.set_element_charts(checkpoint.element_charts());
+                checkpoint.restore(&mut model, directory)?;
                 checkpoint.progress().clone()
             }
             None => Progress::new(start(&model, 0.0, &initial.q, &initial.v)?),
@@ -167,7 +170,7 @@ fn execute(
         begin(&mut model, &plan.options, &mut progress)?;
     }
     let warnings = match &checkpoint {
-        None => strained(&file, &progress),
+        None => strained(&model, &file, &progress),
         Some(_) => Vec::new(),
     };
     let directory = match &checkpoint {
@@ -216,6 +219,7 @@ fn execute(
         t,
         parameter: plan.parameter(),
         warnings,
+        notes,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
     })
@@ -223,13 +227,22 @@ fn execute(
 
 /// A word about energy that is stored at the start of a motion because driven coordinates, or
 /// initial values, are not where the model is drawn.
-fn strained(file: &ModelFile, progress: &Progress) -> Vec<String> {
+fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
+    // The coordinates of a loop are where they are together.
+    let looped = |j: &&Joint| {
+        let own = format!("{} ", j.name);
+        let mut all = model
+            .released()
+            .filter(|(_, name, _)| name.starts_with(&own));
+        all.any(|(node, ..)| !model.is_own(node))
+    };
     let joints = file
         .joints
         .iter()
-        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off));
+        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off))
+        .filter(|j| !looped(j));
     let joints = joints.map(|j| format!("joint {}", j.name));
     let supports = file.supports.iter().filter(|s| {
         let driven = s.driven.as_ref();

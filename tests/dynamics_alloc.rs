@@ -45,6 +45,7 @@ fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -
 }
 
 /// Two angles a and b on a circle: neither can be the coordinate for long.
+#[derive(Clone)]
 struct Circle;
 
 impl Implicit<2, 1> for Circle {

@@ -7,6 +7,7 @@ mod dynamics_support;
 mod loops_support;
 
 use dynamics_support::*;
+use loops_support::four_bar::*;
 use loops_support::*;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback::elements::body::PointMass;
@@ -155,12 +156,6 @@ fn a_slider_crank_in_coordinates_that_turn_back() {
 
 // Four-bar linkage -----------------------------------------------------------------------------
 
-/// Crank, coupler, rocker: where the crank points along the base the others are nearly parallel, so
-/// that its angle hardly determines theirs.
-const BARS: [f64; 3] = [1.0, 1.6, 1.5];
-const BASE: f64 = 1.3;
-const MASSES: [f64; 3] = [2.0, 1.0, 1.2];
-
 /// Angles of crank, coupler and rocker.
 #[derive(Clone, Copy, Debug)]
 struct FourBar;
@@ -178,22 +173,6 @@ impl Implicit<3, 2> for FourBar {
         ["crank", "coupler", "rocker"][k].to_owned()
     }
 }
-
-/// Angles of coupler and rocker from that of the crank: the circles of their ends meet.
-fn closed_form<S: Scalar>(crank: S) -> [S; 2] {
-    let [a, b, c] = BARS;
-    let (px, py) = (crank.cos() * a, crank.sin() * a);
-    let (ux, uy) = (-px + BASE, -py);
-    let r = (ux * ux + uy * uy).sqrt();
-    let cosine = (r * r + (b * b - c * c)) / (r * (2.0 * b));
-    let opening = (-(cosine * cosine) + 1.0).sqrt().atan2(cosine);
-    let coupler = uy.atan2(ux) + opening;
-    let (ex, ey) = (px + coupler.cos() * b, py + coupler.sin() * b);
-    [coupler, ey.atan2(ex - BASE)]
-}
-
-const CRANK_START: f64 = 1.2;
-const CRANK_RATE: f64 = 6.0;
 
 fn four_bar() -> (Model, NodeId, Vec<f64>) {
     let [coupler, rocker] = closed_form(CRANK_START);
@@ -231,42 +210,6 @@ fn four_bar() -> (Model, NodeId, Vec<f64>) {
     );
     bar(&mut b, ground, [BASE, 0.0, 0.0], third, BARS[2], MASSES[2]);
     (b.build().unwrap(), x, vec![rate])
-}
-
-fn four_bar_exact(to: f64) -> Vec<f64> {
-    let ode = |_: f64, z: &Vector2<f64>| {
-        let angle = Taylor {
-            v: z[0],
-            d: 1.0,
-            dd: 0.0,
-        };
-        let [coupler, rocker] = closed_form(angle);
-        let rate = |x: Taylor<f64>| Taylor {
-            v: x.d,
-            d: x.dd,
-            dd: 0.0,
-        };
-        let (k2, k3) = (rate(coupler), rate(rocker));
-        let ([a, b, c], [m1, m2, m3]) = (BARS, MASSES);
-        let between = (angle - coupler).cos();
-        let M = k2 * k2 * (m2 * b * b / 3.0)
-            + k2 * between * (m2 * a * b)
-            + k3 * k3 * (m3 * c * c / 3.0)
-            + (m1 * a * a / 3.0 + m2 * a * a);
-        let V = angle.sin() * ((0.5 * m1 + m2) * G * a)
-            + coupler.sin() * (0.5 * m2 * G * b)
-            + rocker.sin() * (0.5 * m3 * G * c);
-        Vector2::new(z[1], one_freedom(M, V, z[1]))
-    };
-    let z = integrate_ode(&ode, Vector2::new(CRANK_START, CRANK_RATE), to, 40_000);
-    assert!((z[0] - CRANK_START).abs() > std::f64::consts::TAU, "{z}");
-    let angle = Taylor {
-        v: z[0],
-        d: z[1],
-        dd: 0.0,
-    };
-    let [coupler, rocker] = closed_form(angle);
-    vec![z[0], coupler.v, rocker.v, z[1], coupler.d, rocker.d]
 }
 
 #[test]

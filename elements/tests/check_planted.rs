@@ -34,6 +34,7 @@ enum Planted {
 }
 
 /// A rigid link with a closed form that overrides the derived one.
+#[derive(Clone)]
 struct Link(Planted);
 
 const C: [f64; 3] = [0.3, -0.2, 0.5];
@@ -259,6 +260,7 @@ fn a_frame_that_does_not_turn_with_its_master() {
 }
 
 /// A revolute joint that turns about an axis fixed in space.
+#[derive(Clone)]
 struct Fixed;
 
 impl Joint<7> for Fixed {

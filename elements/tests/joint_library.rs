@@ -14,6 +14,7 @@ use pullback_manifold::so3;
 use std::f64::consts::TAU;
 
 /// A helix of radius 1 and rise 0.3 per radian.
+#[derive(Clone)]
 struct Helix;
 
 impl Curve for Helix {
@@ -23,6 +24,7 @@ impl Curve for Helix {
 }
 
 /// A saddle.
+#[derive(Clone)]
 struct Saddle;
 
 impl Surface for Saddle {
@@ -173,6 +175,7 @@ fn axes_without_a_direction_or_along_each_other_are_refused() {
 }
 
 /// A joint that says it releases less than its map takes.
+#[derive(Clone)]
 struct Wrong;
 
 impl Joint<8> for Wrong {

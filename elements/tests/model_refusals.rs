@@ -228,6 +228,7 @@ impl Element for Broken {
     }
 }
 
+#[derive(Clone)]
 struct Bounded;
 
 impl Map<6, 6> for Bounded {

@@ -21,7 +21,7 @@ pub trait Chart<const D: usize> {
     type Point;
 
     /// The change of chart.
-    type Transition: Map<D, D>;
+    type Transition: Map<D, D> + Clone + 'static;
 
     /// The point with coordinates q.
     fn point(&self, q: &SVector<f64, D>) -> Self::Point;

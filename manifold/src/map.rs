@@ -165,66 +165,9 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// The same map behind the object-safe [`Parametrization`].
     fn boxed(self) -> Box<dyn Parametrization>
     where
-        Self: Sized + 'static,
+        Self: Sized + Clone + 'static,
     {
         Box::new(Erased::<Self, D, N>(self))
-    }
-}
-
-/// A map that is looked at: what would change its charts does nothing.
-impl<M, const D: usize, const N: usize> Map<D, N> for &M
-where
-    M: Map<D, N>,
-{
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N> {
-        (**self).phi(t, q)
-    }
-
-    fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
-        (**self).margin(t, q)
-    }
-
-    fn edge(&self) -> &'static str {
-        (**self).edge()
-    }
-
-    fn is_objective(&self) -> bool {
-        (**self).is_objective()
-    }
-
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        (**self).trouble(t, q)
-    }
-
-    fn note(&self) -> Option<String> {
-        (**self).note()
-    }
-
-    fn segment(&self) -> usize {
-        (**self).segment()
-    }
-
-    fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
-        (**self).tangent(t, q)
-    }
-
-    fn kinematics(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        v: &SVector<f64, D>,
-        a: &SVector<f64, D>,
-    ) -> Kinematics<D, N> {
-        (**self).kinematics(t, q, v, a)
-    }
-
-    fn geometric_stiffness(
-        &self,
-        t: f64,
-        q: &SVector<f64, D>,
-        f: &SVector<f64, N>,
-    ) -> SMatrix<f64, D, D> {
-        (**self).geometric_stiffness(t, q, f)
     }
 }
 
@@ -241,49 +184,89 @@ pub struct KinematicsMut<'a> {
 
 /// A [`Map`] of any dimensions behind a pointer: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`]; nobody else needs to implement it. Slices have
-/// the lengths that [`Parametrization::dims`] says; matrices are stored column by column.
+/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known at run time only
+/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
+/// says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
     /// The name of the map's type.
-    fn kind(&self) -> &'static str;
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
 
     /// (d, n): number of coordinates q and number of embedding coordinates x.
     fn dims(&self) -> (usize, usize);
 
-    /// See [`Map::margin`].
-    fn margin(&self, t: f64, q: &[f64]) -> f64;
+    /// A copy, in the same charts.
+    fn duplicate(&self) -> Box<dyn Parametrization>;
+
+    /// See [`Map::margin`]; infinite by default.
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        let _ = (t, q);
+        f64::INFINITY
+    }
 
     /// See [`Map::edge`].
-    fn edge(&self) -> &'static str;
+    fn edge(&self) -> &'static str {
+        CHART_EDGE
+    }
 
-    /// See [`Map::change_charts`].
-    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges;
+    /// See [`Map::change_charts`]; nothing to do by default.
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
+        let _ = (t, q);
+        ChartChanges::default()
+    }
 
     /// See [`Map::is_objective`].
-    fn is_objective(&self) -> bool;
+    fn is_objective(&self) -> bool {
+        true
+    }
 
-    /// See [`Map::rewrite`]: the coordinates, which stand from `first` on, their velocities (zero
-    /// if empty) and any number of accelerations are changed in place; whether they were.
-    fn rewrite(
-        &mut self,
-        t: f64,
-        first: usize,
-        q: &mut [f64],
-        v: &mut [f64],
-        a: &mut [&mut [f64]],
-    ) -> bool;
+    /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
+    /// changed in place; whether they were. Nothing to do by default.
+    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        let _ = (t, q, v, a);
+        false
+    }
 
     /// See [`Map::rewrites`].
-    fn rewrites(&self) -> bool;
+    fn rewrites(&self) -> bool {
+        false
+    }
 
     /// See [`Map::trouble`].
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String>;
+    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+        let _ = (t, q);
+        None
+    }
 
     /// See [`Map::note`].
-    fn note(&self) -> Option<String>;
+    fn note(&self) -> Option<String> {
+        None
+    }
 
     /// See [`Map::segment`].
-    fn segment(&self) -> usize;
+    fn segment(&self) -> usize {
+        0
+    }
+
+    /// What the map remembers of its way besides the coordinates, where it cannot be found from
+    /// them: what a checkpoint has to hold.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Goes on from what [`Parametrization::memory`] gave for the same map; false, and no change,
+    /// where that is not of this map.
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        memory.is_empty()
+    }
+
+    /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
+    /// there are equations; as many as there are.
+    fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
+        let _ = (t, q, f);
+        lambda.fill(0.0);
+    }
 
     /// Writes x (n) and B (n×d).
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
@@ -296,11 +279,11 @@ pub trait Parametrization: Send + Sync {
 }
 
 /// The bridge from fixed sizes to slices.
-pub(crate) struct Erased<M, const D: usize, const N: usize>(pub M);
+struct Erased<M, const D: usize, const N: usize>(M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
 where
-    M: Map<D, N>,
+    M: Map<D, N> + Clone + 'static,
 {
     fn kind(&self) -> &'static str {
         std::any::type_name::<M>()
@@ -308,6 +291,10 @@ where
 
     fn dims(&self) -> (usize, usize) {
         (D, N)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(Self(self.0.clone()))
     }
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
@@ -326,31 +313,16 @@ where
         self.0.is_objective()
     }
 
-    fn rewrite(
-        &mut self,
-        t: f64,
-        first: usize,
-        q: &mut [f64],
-        v: &mut [f64],
-        a: &mut [&mut [f64]],
-    ) -> bool {
-        let own = first..first + D;
-        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(&x[own.clone()]);
-        let velocity = if v.is_empty() {
-            SVector::zeros()
-        } else {
-            take(v)
-        };
-        let Some(new) = self.0.rewrite(t, &take(q), &velocity) else {
+    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(x);
+        let Some(new) = self.0.rewrite(t, &take(q), &take(v)) else {
             return false;
         };
-        q[own.clone()].copy_from_slice(new.q.as_slice());
-        if !v.is_empty() {
-            v[own.clone()].copy_from_slice(new.v.as_slice());
-        }
+        q.copy_from_slice(new.q.as_slice());
+        v.copy_from_slice(new.v.as_slice());
         for a in a {
             let accelerations = new.B * take(a) + new.c;
-            a[own.clone()].copy_from_slice(accelerations.as_slice());
+            a.copy_from_slice(accelerations.as_slice());
         }
         true
     }

@@ -247,6 +247,7 @@ enum Turned {
     TooEarly,
 }
 
+#[derive(Clone)]
 struct Change(Turned);
 
 impl Map<3, 3> for Change {

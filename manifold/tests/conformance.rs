@@ -17,6 +17,7 @@ use pullback_manifold::so3;
 const EXACT: f64 = 1e-12;
 
 /// q ↦ a pendulum on a driven cart: a map that knows the time.
+#[derive(Clone)]
 struct Driven;
 
 impl Map<2, 3> for Driven {
@@ -31,6 +32,7 @@ impl Map<2, 3> for Driven {
 }
 
 /// Master node and angle ↦ the slave's frame: a revolute joint after an offset.
+#[derive(Clone)]
 struct HingeAtEnd;
 
 impl Map<7, 6> for HingeAtEnd {
@@ -97,6 +99,7 @@ fn composed_maps() {
 }
 
 /// Stays where the complement exists: the composed map knows the domain of the inner map only.
+#[derive(Clone)]
 struct AwayFromZero;
 
 impl Map<5, 3> for AwayFromZero {
@@ -110,6 +113,7 @@ impl Map<5, 3> for AwayFromZero {
 }
 
 /// Two coordinates to two, nonlinear and dependent on time.
+#[derive(Clone)]
 struct DrivenPlane;
 
 impl Map<2, 2> for DrivenPlane {
@@ -119,6 +123,7 @@ impl Map<2, 2> for DrivenPlane {
 }
 
 /// The composed map written as one φ, so that its derivatives never see the chain rule of operators.
+#[derive(Clone)]
 struct Whole;
 
 impl Map<2, 3> for Whole {

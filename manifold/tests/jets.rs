@@ -32,6 +32,7 @@ macro_rules! phi {
     }};
 }
 
+#[derive(Clone)]
 struct Phi;
 
 impl Map<D, N> for Phi {
@@ -145,6 +146,7 @@ fn value_gradient_and_time_jets_are_those_of_num_dual() {
 
 /// Structure of every kind: q0 enters by a sum only, q1 with the time, q2 by its square, q3 to q6
 /// with each other; the number of variables is odd and larger than a block of the Hessian.
+#[derive(Clone)]
 struct Structured;
 
 const W: [f64; 7] = [0.4, 0.9, -0.6, 0.3, 1.2, -0.8, 0.5];

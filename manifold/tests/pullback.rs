@@ -100,6 +100,7 @@ impl Place {
 }
 
 /// A driven joint: one coordinate and the time give one of the embedding space.
+#[derive(Clone)]
 struct Screw;
 
 impl Map<1, 1> for Screw {

@@ -195,6 +195,9 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
         &"time" => "; --resume goes on from there",
         _ => "",
     };
+    for note in outcome.notes.iter().filter(|_| !quiet) {
+        println!("{note}");
+    }
     for warning in &outcome.warnings {
         eprintln!("warning: {warning}");
     }

@@ -7,6 +7,8 @@ mod flights;
 mod helix;
 mod hooke;
 mod limit_points;
+mod linkages;
+mod mechanisms;
 mod motion;
 mod planar;
 mod spatial;
@@ -49,6 +51,14 @@ pub const CASES: &[Case] = &[
     flights::FLYING,
     swings::DOUBLE,
     swings::RUBBER,
+    linkages::FOUR_BAR,
+    linkages::FLEXIBLE_COUPLER,
+    linkages::SLIDER_CRANK,
+    linkages::FLEXIBLE_ROD,
+    linkages::PARALLELOGRAMS,
+    mechanisms::SQUEEZER,
+    mechanisms::BRICARD,
+    mechanisms::MISALIGNED,
 ];
 
 /// Runs the cases of the given names (all when there are none) and returns one row per compared

@@ -311,6 +311,11 @@ fn add_nodes(
 fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
     let node = match &error {
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
+        ModelError::Apart { joint, .. } | ModelError::LooseLoop { joint, .. } => joint.clone(),
+        ModelError::Loop { joints, .. } => {
+            let first = joints.split(", ").next();
+            first.unwrap_or_default().to_owned()
+        }
         _ => String::new(),
     };
     let line = node.split('/').next().and_then(|name| {

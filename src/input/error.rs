@@ -166,6 +166,11 @@ pub enum Problem {
     InitialHung { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
+    #[error(
+        "the initial rates of the joints contradict each other: their loops leave a difference of \
+         {left:.3e}"
+    )]
+    LoopRates { left: f64 },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]
@@ -282,6 +287,9 @@ impl Problem {
             Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, hat, table, sine or run-up",
+            Self::LoopRates { .. } => {
+                "give as many rates as the loops leave free, the others follow"
+            }
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
             _ => return None,

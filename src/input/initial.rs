@@ -98,6 +98,7 @@ pub(super) fn start(
         // Where a map cannot be evaluated at the start, the analysis says so.
         model.fit_rates(&q, &mut v, chosen.as_deref(), &motion).ok();
     }
+    let mut rates = Vec::new();
     for (k, joint) in file.joints.iter().enumerate() {
         let index = k.to_string();
         for (coordinate, acts) in joint.all_acts() {
@@ -111,11 +112,26 @@ pub(super) fn start(
                 let at = ["joints", index.as_str(), key];
                 let node = released.find(source, &at, &name)?;
                 let geared = file.gears.iter().any(|g| g.joints.contains(&name));
-                if !model.set(vector, node, 0, given) && geared {
+                // Values of a loop have been there when it was assembled.
+                let set = model.set(vector, node, 0, given);
+                if !set && geared {
                     let joint = name.clone();
                     return Err(source.value(&at, Problem::Geared { joint, key }));
                 }
+                if !set && key == "rate" && !model.is_own(node) {
+                    rates.push((node, 0, given));
+                }
             }
+        }
+    }
+    if !rates.is_empty() {
+        let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
+        // Where a map cannot be evaluated at the start, the analysis says so.
+        let left = model
+            .fit_coordinate_rates(&q, &mut v, &rates)
+            .unwrap_or(0.0);
+        if left > 1e-9 * most {
+            return Err(InputError::whole(Problem::LoopRates { left }));
         }
     }
     Ok(Start { q, v })

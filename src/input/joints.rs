@@ -41,7 +41,7 @@ impl Entry<'_> {
     fn useless(&self, path: &[&str]) -> InputError {
         let hangs = if self.made.along { "lines" } else { "master" };
         let mut known = self.made.keys();
-        known.extend(["name", "type", hangs, "coordinates"].map(str::to_owned));
+        known.extend(["name", "type", hangs, "child", "coordinates"].map(str::to_owned));
         known.extend(ACTS.map(str::to_owned));
         let problem = Problem::JointKey {
             joint: self.joint.name.clone(),
@@ -246,6 +246,9 @@ fn act(
     coordinate: NodeId,
 ) -> Result<(), InputError> {
     let path = |key: &'static str| [at, &[key]].concat();
+    if let Some(value) = acts.value {
+        builder.start(coordinate, 0, value);
+    }
     if let Some(time) = &acts.driven {
         for (key, given) in [
             ("spring", acts.spring.is_some()),

@@ -79,6 +79,15 @@ pub(super) fn make(
             return Err(stuck(source, nodes, file, &waiting));
         }
     }
+    for (k, joint) in file.joints.iter().enumerate() {
+        let Some(child) = &joint.child else { continue };
+        let index = k.to_string();
+        let path = ["joints", index.as_str(), "child"];
+        let child = nodes.find(source, &path, child)?;
+        let frame = nodes.find(source, &path, &joint.name)?;
+        let refuse = |error| source.value(&path, Problem::Model(error));
+        builder.close(frame, child).map_err(refuse)?;
+    }
     for (k, gear) in file.gears.iter().enumerate() {
         let index = k.to_string();
         let path = |inner: &'static str| ["gears", index.as_str(), "joints", inner];

@@ -34,7 +34,7 @@ impl Site<'_> {
     /// As [`ModelBuilder::mapped_node`].
     pub fn join<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         self.builder.attach(self.name, self.master, joint)
     }

@@ -46,6 +46,8 @@ pub struct Checkpoint {
     unknowns: Vec<String>,
     pub(super) progress: Progress,
     pub(super) element_charts: Vec<u32>,
+    /// What maps remember of their way.
+    pub(super) maps: Vec<Vec<f64>>,
     /// Rotation vectors that the probes have seen last.
     pub(super) memories: Vec<[f64; 3]>,
     pub(super) record: Record,
@@ -121,6 +123,7 @@ impl Checkpoint {
             unknowns,
             progress: progress.clone(),
             element_charts: Vec::new(),
+            maps: Vec::new(),
             memories: Vec::new(),
             record: Record::default(),
             log: Extent::default(),
@@ -227,9 +230,19 @@ impl Checkpoint {
         &self.progress
     }
 
-    /// What [`Model::element_charts`](pullback_elements::model::Model::element_charts) said there.
-    pub fn element_charts(&self) -> &[u32] {
-        &self.element_charts
+    /// Puts a model into the charts that it was in.
+    ///
+    /// # Errors
+    /// [`ResumeError::Damaged`] where they are not those of this model.
+    pub(crate) fn restore(&self, model: &mut Model, directory: &Path) -> Result<(), ResumeError> {
+        model.set_element_charts(&self.element_charts);
+        if model.recall_maps(&self.maps) {
+            return Ok(());
+        }
+        Err(ResumeError::Damaged {
+            path: directory.join(NAME),
+            what: "what the joints remember is not of this model".to_owned(),
+        })
     }
 
     /// Names of the ParaView files written by then.

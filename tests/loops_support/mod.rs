@@ -2,6 +2,8 @@
 
 #![allow(non_snake_case, dead_code)]
 
+pub mod four_bar;
+
 use super::dynamics_support::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;

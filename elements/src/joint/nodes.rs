@@ -53,7 +53,7 @@ impl ModelBuilder {
         joint: J,
     ) -> Result<JointNodes, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         self.join(name, self.place(master).into(), joint, &[master])
     }
@@ -72,7 +72,7 @@ impl ModelBuilder {
         masters: &[NodeId],
     ) -> Result<JointNodes, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         let mut released = Vec::new();
         for &coordinate in joint.released() {
@@ -99,7 +99,7 @@ impl ModelBuilder {
         masters: &[NodeId],
     ) -> Result<NodeId, ModelError>
     where
-        J: Joint<D> + 'static,
+        J: Joint<D> + Clone + 'static,
     {
         self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
     }

@@ -62,7 +62,7 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
 ///
 /// # Errors
 /// As [`ModelBuilder::mapped_node`].
-pub fn on_curve<C: Curve + 'static>(
+pub fn on_curve<C: Curve + Clone + 'static>(
     b: &mut ModelBuilder,
     name: &str,
     master: NodeId,

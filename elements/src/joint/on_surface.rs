@@ -69,7 +69,7 @@ impl<F: Surface> Joint<11> for OnSurface<F> {
 ///
 /// # Errors
 /// As [`ModelBuilder::mapped_node`].
-pub fn on_surface<F: Surface + 'static>(
+pub fn on_surface<F: Surface + Clone + 'static>(
     b: &mut ModelBuilder,
     name: &str,
     master: NodeId,

@@ -24,6 +24,8 @@ pub(super) struct Workspace {
     pub x: Vec<f64>,
     pub v: Vec<f64>,
     pub a: Vec<f64>,
+    /// Time of these.
+    pub t: f64,
     /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
@@ -38,6 +40,8 @@ pub(super) struct Workspace {
     /// Kinematic operators of nodes that follow others.
     pub operators: Operators,
     pub local: Local,
+    /// Accelerations of a map's coordinates, while it changes their meaning.
+    pub accelerations: Vec<Vec<f64>>,
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
@@ -56,7 +60,7 @@ impl Workspace {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
         let dependence = |node: &Node| match &node.source {
             Source::Own => (0, node.dim),
-            Source::Mapped(d) => (d.direct, d.most.max(node.dim)),
+            Source::Mapped(d) => (d.direct, d.most.max(node.dim).max(d.direct)),
         };
         let masters = nodes.iter().map(|n| dependence(n).0).max().unwrap_or(0);
         let pulled = |e: &Attached| {
@@ -75,6 +79,7 @@ impl Workspace {
             x: zeros(total),
             v: zeros(total),
             a: zeros(total),
+            t: 0.0,
             r: zeros(total),
             r_t: zeros(total),
             previous: zeros(total),
@@ -83,6 +88,7 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             local: Local::new(n, masters),
+            accelerations: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
             sheets: Sheets::default(),
@@ -97,6 +103,7 @@ impl Model {
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         let statics = at.v.is_empty();
         let w = &mut self.work;
+        w.t = at.t;
         for (&c, q) in self.coordinates.iter().zip(at.q) {
             w.x[c] = *q;
         }
@@ -275,7 +282,13 @@ impl System for Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
-        self.update_charts(t, q, v, accelerations)
+        let changes = self.update_charts(t, q, v, accelerations);
+        if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
+            // Observers find the accepted state. A joint outside its domain is named when the model
+            // is next evaluated.
+            let _ = self.expand(Point { t, q, v, a });
+        }
+        changes
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {

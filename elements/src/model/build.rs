@@ -3,6 +3,7 @@
 use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
 use super::dependence;
+use super::loops;
 use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::time::TimeFunction;
@@ -19,18 +20,24 @@ impl ModelBuilder {
             mut nodes,
             mut elements,
             prescribed,
+            closings,
+            starts,
             ..
         } = self;
         if nodes.is_empty() {
             return Err(ModelError::Empty);
         }
+        let length = size(&nodes);
+        let held = loops::Held(&prescribed);
+        let reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
         let mut total = 0;
         for node in &mut nodes {
             node.first = total;
             total += node.dim;
         }
-        let operators = dependence::arrange(&mut nodes);
-        check_connections(&nodes, &elements)?;
+        let dependent = dependence::order(&nodes);
+        let operators = dependence::arrange(&mut nodes, &dependent);
+        check_connections(&nodes, &dependent, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_rewritten(&nodes, &elements, &prescribed)?;
 
@@ -69,26 +76,12 @@ impl ModelBuilder {
             let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
             set.iter().filter_map(block).collect()
         };
-        let dependent: Vec<u32> = (0..nodes.len() as u32)
-            .filter(|&n| !nodes[n as usize].is_own())
-            .collect();
         let groups = elements.iter().map(|e| &e.nodes[..]);
         let groups = groups.chain(dependent.iter().map(std::slice::from_ref));
         let groups = groups.flat_map(|group| dependence::alternatives(&nodes, group));
         let pattern = BlockPattern::new(&sizes, groups.map(blocks_of));
         placement.locate(&nodes, &mut elements, &pattern);
 
-        let corner = |pick: fn(f64, f64) -> f64| {
-            nodes
-                .iter()
-                .filter(|n| n.is_frame())
-                .map(|n| n.place)
-                .reduce(|a, b| a.zip_map(&b, pick))
-                .unwrap_or_default()
-        };
-        let length = Some((corner(f64::max) - corner(f64::min)).norm())
-            .filter(|&l| l > 0.0)
-            .unwrap_or(1.0);
         let driven_rotations = (0..nodes.len())
             .filter(|&n| {
                 let first = nodes[n].first;
@@ -108,6 +101,7 @@ impl ModelBuilder {
             nodes,
             spans,
             dependent,
+            reports,
             elements,
             prescribed,
             driven_rotations,
@@ -123,6 +117,18 @@ impl ModelBuilder {
         model.start_element_charts(0.0, &zero);
         Ok(model)
     }
+}
+
+/// Diagonal of the box around all frames; 1 where they stand at one place.
+fn size(nodes: &[Node]) -> f64 {
+    let corner = |pick: fn(f64, f64) -> f64| {
+        let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.place);
+        frames
+            .reduce(|a, b| a.zip_map(&b, pick))
+            .unwrap_or_default()
+    };
+    let length = (corner(f64::max) - corner(f64::min)).norm();
+    if length > 0.0 { length } else { 1.0 }
 }
 
 /// All nodes by their distance from the supports, counted in elements.
@@ -187,7 +193,11 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
 
 /// Every own node must meet an element that is not a load, directly or through a joint; a mapped
 /// node, which has no coordinates of its own, may stand alone: a place to look at.
-fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelError> {
+fn check_connections(
+    nodes: &[Node],
+    dependent: &[u32],
+    elements: &[Attached],
+) -> Result<(), ModelError> {
     let mut connected = vec![false; nodes.len()];
     for e in elements {
         for &n in e.nodes.iter() {
@@ -195,8 +205,8 @@ fn check_connections(nodes: &[Node], elements: &[Attached]) -> Result<(), ModelE
         }
     }
     // The last link of a chain first.
-    for (n, node) in nodes.iter().enumerate().rev() {
-        if let Source::Mapped(d) = &node.source
+    for n in dependent.iter().rev().map(|&n| n as usize) {
+        if let Source::Mapped(d) = &nodes[n].source
             && connected[n]
         {
             for &m in d.segments.iter().flatten() {
@@ -223,7 +233,8 @@ fn check_rewritten(
         let Source::Mapped(d) = &node.source else {
             continue;
         };
-        for &m in d.masters().iter().filter(|_| d.map.rewrites()) {
+        // Masters behind the first are parameters, which stay what they are.
+        for &m in d.masters().iter().take(1).filter(|_| d.map.rewrites()) {
             let master = &nodes[m as usize];
             let reads = |k: usize| match &nodes[k].source {
                 Source::Mapped(d) => d.segments.iter().flatten().any(|&x| x == m),
@@ -240,8 +251,7 @@ fn check_rewritten(
                 format!("the joint at {}", nodes[k].name)
             } else if held {
                 "a support or driven motion".to_owned()
-            } else if !master.is_own() || master.form != Form::Coordinates || d.direct != master.dim
-            {
+            } else if !master.is_own() || master.form != Form::Coordinates {
                 "a joint with other masters".to_owned()
             } else {
                 continue;

@@ -2,6 +2,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
+use super::loops::Closing;
 use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, TimeFunction};
@@ -76,6 +77,9 @@ pub struct ModelBuilder {
     names: HashMap<String, NodeId>,
     pub(super) elements: Vec<Attached>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+    pub(super) closings: Vec<Closing>,
+    /// Where coordinates of loops should start.
+    pub(super) starts: HashMap<(NodeId, usize), f64>,
     /// Coordinates that follow another one through gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
 }
@@ -219,13 +223,8 @@ impl ModelBuilder {
             Entry::Vacant(entry) => entry.insert(id),
         };
         self.nodes.push(Node {
-            name,
             place: place.into(),
-            form,
-            dim: kinds.len(),
-            kinds: kinds.to_vec(),
-            first: 0,
-            source,
+            ..Node::new(name, form, kinds, source)
         });
         Ok(id)
     }
@@ -288,7 +287,11 @@ impl ModelBuilder {
         self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(dependence));
     }
 
-    fn check_own(&self, nodes: &[NodeId], what: impl Fn() -> String) -> Result<(), ModelError> {
+    pub(super) fn check_own(
+        &self,
+        nodes: &[NodeId],
+        what: impl Fn() -> String,
+    ) -> Result<(), ModelError> {
         if nodes.iter().all(|n| (n.0 as usize) < self.nodes.len()) {
             Ok(())
         } else {

@@ -1,5 +1,6 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
+use super::dependence::collect;
 use super::slots::Complement;
 use super::{Model, Node, Source};
 use nalgebra::Vector3;
@@ -7,6 +8,29 @@ use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::{PI, TAU};
 
 impl Model {
+    /// What the maps that nodes follow through remember of their way, map by map: the coordinates
+    /// that a closed loop has chosen, and from where it is solved.
+    pub fn map_memories(&self) -> Vec<Vec<f64>> {
+        let memory = |&n: &u32| match &self.nodes[n as usize].source {
+            Source::Mapped(d) => d.map.memory(),
+            Source::Own => Vec::new(),
+        };
+        self.dependent.iter().map(memory).collect()
+    }
+
+    /// Goes on from what [`Model::map_memories`] gave for the same model; false where it is not of
+    /// this model.
+    #[must_use]
+    pub fn recall_maps(&mut self, memories: &[Vec<f64>]) -> bool {
+        let same = memories.len() == self.dependent.len();
+        same && (self.dependent.iter().zip(memories)).all(|(&n, memory)| {
+            match &mut self.nodes[n as usize].source {
+                Source::Mapped(d) => d.map.recall(memory),
+                Source::Own => false,
+            }
+        })
+    }
+
     /// Changes the charts of nodes with ψ > π, then lets the elements choose theirs.
     pub(super) fn update_charts(
         &mut self,
@@ -87,7 +111,8 @@ impl Model {
     }
 
     /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
-    /// coordinates of one own node, which nobody else uses: seen to when the model is built.
+    /// coordinates of one own node, the first master, which nobody else uses: seen to when the
+    /// model is built.
     fn rewrite_coordinates(
         &mut self,
         t: f64,
@@ -96,16 +121,72 @@ impl Model {
         accelerations: &mut [&mut [f64]],
     ) -> usize {
         let mut changed = 0;
-        for &n in &self.dependent {
-            if let Source::Mapped(d) = &mut self.nodes[n as usize].source
-                && d.map.rewrites()
-            {
-                let coordinate = self.spans[d.masters()[0] as usize].first as usize;
-                let first = self.unknowns[coordinate] as usize;
-                changed += usize::from(d.map.rewrite(t, first, q, v, accelerations));
+        for k in 0..self.dependent.len() {
+            let n = self.dependent[k] as usize;
+            let rewrites = match &self.nodes[n].source {
+                Source::Mapped(d) => d.map.rewrites(),
+                Source::Own => false,
+            };
+            if !rewrites || !self.collect_masters(n, t, q, v, accelerations) {
+                continue;
+            }
+            let Source::Mapped(d) = &mut self.nodes[n].source else {
+                continue;
+            };
+            let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
+            let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
+            let x_ddot = &mut buffers[..accelerations.len()];
+            if !d.map.rewrite(t, x, x_dot, x_ddot) {
+                continue;
+            }
+            changed += 1;
+            let range = self.spans[d.masters()[0] as usize].range();
+            for (i, c) in range.enumerate() {
+                let u = self.unknowns[c] as usize;
+                q[u] = x[i];
+                if !v.is_empty() {
+                    v[u] = x_dot[i];
+                }
+                for (a, x_ddot) in accelerations.iter_mut().zip(&*x_ddot) {
+                    a[u] = x_ddot[i];
+                }
             }
         }
         changed
+    }
+
+    /// Coordinates, velocities and all accelerations of the masters of node n, into the workspace;
+    /// false where the point is outside a chart, which the next evaluation says.
+    fn collect_masters(
+        &mut self,
+        n: usize,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        accelerations: &[&mut [f64]],
+    ) -> bool {
+        let rest: Vec<f64> = match (accelerations.is_empty(), v.is_empty()) {
+            (true, false) => vec![0.0; v.len()],
+            _ => Vec::new(),
+        };
+        for k in 0..accelerations.len().max(1) {
+            let a = accelerations.get(k).map_or(&rest[..], |a| a);
+            if self.expand(Point { t, q, v, a }).is_err() {
+                return false;
+            }
+            let Source::Mapped(d) = &self.nodes[n].source else {
+                return false;
+            };
+            let w = &mut self.work;
+            collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+            collect(d.masters(), &self.spans, &w.v, &mut w.local.qv);
+            if w.accelerations.len() <= k {
+                w.accelerations.push(Vec::new());
+            }
+            w.accelerations[k].resize(d.direct, 0.0);
+            collect(d.masters(), &self.spans, &w.a, &mut w.accelerations[k]);
+        }
+        true
     }
 
     /// Keeps the momentum where a map may be handed over.

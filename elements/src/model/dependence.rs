@@ -180,10 +180,30 @@ pub(super) fn alternatives(nodes: &[Node], group: &[u32]) -> Vec<Vec<u32>> {
     sets
 }
 
+/// Nodes that follow others, masters first.
+pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
+    fn visit(nodes: &[Node], n: u32, done: &mut [bool], out: &mut Vec<u32>) {
+        if std::mem::replace(&mut done[n as usize], true) {
+            return;
+        }
+        if let Source::Mapped(d) = &nodes[n as usize].source {
+            for &m in d.segments.iter().flatten() {
+                visit(nodes, m, done, out);
+            }
+            out.push(n);
+        }
+    }
+    let (mut done, mut out) = (vec![false; nodes.len()], Vec::new());
+    for n in 0..nodes.len() as u32 {
+        visit(nodes, n, &mut done, &mut out);
+    }
+    out
+}
+
 /// Finds ancestors and reserves room for operators; the number of values needed.
-pub(super) fn arrange(nodes: &mut [Node]) -> usize {
+pub(super) fn arrange(nodes: &mut [Node], order: &[u32]) -> usize {
     let mut len = 0;
-    for n in 0..nodes.len() {
+    for n in order.iter().map(|&n| n as usize) {
         let Source::Mapped(d) = &nodes[n].source else {
             continue;
         };
@@ -208,8 +228,8 @@ pub(super) fn arrange(nodes: &mut [Node]) -> usize {
             }
         }
     }
-    for n in 0..nodes.len() {
-        find_ancestors(nodes, n);
+    for &n in order {
+        find_ancestors(nodes, n as usize);
     }
     len
 }
@@ -322,6 +342,9 @@ impl Model {
             let K_sigma = &mut local.K_sigma[..k * k];
             d.map
                 .geometric_stiffness(t, &local.q[..k], &w.r[node.range()], K_sigma);
+            if K_sigma.iter().all(|k| *k == 0.0) {
+                continue;
+            }
             // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
             let minus = Weights {
                 K: -weights.K,
@@ -350,8 +373,8 @@ impl Model {
         }
     }
 
-    /// Lets the maps change their charts; where one has moved on to another segment, the places
-    /// of all tangents are found anew.
+    /// Lets the maps change their charts, masters first: a node sees those of its masters changed
+    /// already. Where one has moved on to another segment, the places of all tangents are found anew.
     pub(super) fn update_maps(&mut self, t: f64, q: &[f64]) -> Result<ChartChanges, SystemError> {
         let at = Point {
             t,
@@ -361,18 +384,19 @@ impl Model {
         };
         self.expand(at)?;
         let mut all = ChartChanges::default();
-        for k in 0..self.dependent.len() {
-            let node = &mut self.nodes[self.dependent[k] as usize];
+        let (mut changed, mut moved) = (false, false);
+        for &n in &self.dependent {
+            let node = &mut self.nodes[n as usize];
+            let own = node.range();
             let Source::Mapped(d) = &mut node.source else {
                 continue;
             };
+            let w = &mut self.work;
             let before = d.map.segment();
-            let mut changed = false;
             // On a new segment the map reads other masters, and may want other charts for them.
             for _ in 0..3 {
-                let q = &mut self.work.local.q;
-                let len = collect(d.masters(), &self.spans, &self.work.x, q);
-                let changes = d.map.change_charts(t, &q[..len]);
+                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let changes = d.map.change_charts(t, &w.local.q[..len]);
                 if changes == ChartChanges::default() {
                     break;
                 }
@@ -380,17 +404,22 @@ impl Model {
                 all.charts += changes.charts;
                 all.residual |= changes.residual;
             }
-            if !changed {
-                continue;
+            if changed {
+                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
+                d.map.tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
-            if d.map.segment() != before {
-                self.work.handed_over = true;
-                for n in 0..self.nodes.len() {
-                    find_ancestors(&mut self.nodes, n);
-                }
-                self.placement
-                    .locate(&self.nodes, &mut self.elements, &self.pattern);
+            moved |= d.map.segment() != before;
+        }
+        if moved {
+            self.work.handed_over = true;
+            for &n in &self.dependent {
+                find_ancestors(&mut self.nodes, n as usize);
             }
+            self.placement
+                .locate(&self.nodes, &mut self.elements, &self.pattern);
+        }
+        if changed {
             self.expand(at)?;
         }
         Ok(all)

@@ -3,6 +3,7 @@
 use crate::beam::{BeamError, SectionError};
 use crate::joint::{AxisError, GearError};
 use crate::time::TimeFunctionError;
+use pullback_manifold::implicit::ImplicitError;
 
 /// Why a model cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -101,6 +102,25 @@ pub enum ModelError {
         joint: String,
         nodes: usize,
         start: f64,
+    },
+    #[error("{first} and {second} cannot be one: two different frames are needed")]
+    NotFrames { first: String, second: String },
+    #[error("joint {joint} and its child {child} are {gap:.3e} apart; draw both at the same place")]
+    Apart {
+        joint: String,
+        child: String,
+        gap: f64,
+    },
+    #[error(
+        "joint {joint} closes a loop that ends at {node}, which is neither held nor carries the \
+         other end. Name {node} as the child of a joint instead, so that it hangs there; a node \
+         that is held in part may hang on a prismatic, cylindrical or planar joint instead"
+    )]
+    LooseLoop { joint: String, node: String },
+    #[error("the loop closed by joint {joints}: {source}")]
+    Loop {
+        joints: String,
+        source: ImplicitError,
     },
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]
     Unconnected { node: String },

@@ -13,6 +13,7 @@ mod error;
 mod inspect;
 mod line;
 mod local;
+mod loops;
 mod motion;
 mod placement;
 mod query;
@@ -89,6 +90,19 @@ struct Node {
 }
 
 impl Node {
+    /// A node without a place: coordinates that are no frame.
+    fn new(name: String, form: Form, kinds: &[Kind], source: Source) -> Self {
+        Self {
+            name,
+            place: Vector3::zeros(),
+            form,
+            dim: kinds.len(),
+            kinds: kinds.to_vec(),
+            first: 0,
+            source,
+        }
+    }
+
     fn range(&self) -> Range<usize> {
         self.first..self.first + self.dim
     }
@@ -203,6 +217,8 @@ pub struct Model {
     spans: Vec<Span>,
     /// Nodes that follow others, masters first.
     dependent: Vec<u32>,
+    /// How loops are closed.
+    reports: Vec<loops::Report>,
     elements: Vec<Attached>,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.

@@ -3,6 +3,8 @@
 #![allow(non_snake_case)]
 
 use super::builder::NodeId;
+use super::dependence::collect;
+use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
 use pullback_manifold::so3;
@@ -92,7 +94,44 @@ impl Model {
         };
         let (r, psi) = (&self.work.r, three(&self.work.x, 3));
         // The covector of a spatial moment m is T m.
-        Some([-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))])
+        let mut out = [-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))];
+        let [force, moment] = self.closing_force(node);
+        (out[0], out[1]) = (out[0] + force, out[1] + moment);
+        Some(out)
+    }
+
+    /// What a joint has to hold besides the forces on what hangs on it: those with which loops
+    /// close. With the multipliers μ of the equations in the child's axes the child is acted upon
+    /// by the force and moment −R μ, and the frame that it is one with by the opposite; they cancel
+    /// where a node carries both.
+    fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
+        let w = &self.work;
+        let mut out = [Vector3::zeros(); 2];
+        for report in &self.reports {
+            let Some(x) = report.map else { continue };
+            let n = &self.nodes[x as usize];
+            let Source::Mapped(d) = &n.source else {
+                continue;
+            };
+            let mut q = vec![0.0; d.direct];
+            collect(d.masters(), &self.spans, &w.x, &mut q);
+            let mut mu = vec![0.0; 6 * report.closures.len()];
+            d.map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            for (&(frame, child), mu) in report.closures.iter().zip(mu.chunks_exact(6)) {
+                let R = self.node_state(NodeId(child)).R;
+                let force = R * Vector3::new(mu[0], mu[1], mu[2]);
+                let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
+                for (end, sign) in [(frame, -1.0), (child, 1.0)] {
+                    if upwards(&self.nodes, end).contains(&node.0) {
+                        let place = |n: u32| self.node_state(NodeId(n)).place;
+                        let arm = place(end) - place(node.0);
+                        out[0] += force * sign;
+                        out[1] += (moment + arm.cross(&force)) * sign;
+                    }
+                }
+            }
+        }
+        out
     }
 
     /// Sets coordinate `k` of a node in a vector of unknowns; whether it is one.
@@ -210,6 +249,61 @@ impl Model {
             }
         }
         Ok(())
+    }
+
+    /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
+    /// follow from others, and all of them together are changed as little as possible. How far off
+    /// the worst remains: zero to rounding where the loops allow the rates.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn fit_coordinate_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        rates: &[(NodeId, usize, f64)],
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let mut unknowns: Vec<usize> = Vec::new();
+        for (n, ..) in rates {
+            let own = match &self.nodes[n.0 as usize].source {
+                Source::Own => std::slice::from_ref(&n.0),
+                Source::Mapped(d) => &d.ancestors[..],
+            };
+            for c in own.iter().flat_map(|&m| self.nodes[m as usize].range()) {
+                if self.unknowns[c] != NONE {
+                    unknowns.push(self.unknowns[c] as usize);
+                }
+            }
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            let t = 0.0;
+            self.expand(Point { t, q, v, a: &a })?;
+            let rate =
+                |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];
+            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
+        };
+        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
+        let missing = wanted - now(v)?;
+        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
+        let start = now(v)?;
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(now(v)? - &start));
+            v[u] -= 1.0;
+        }
+        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            Ok(more) if !unknowns.is_empty() => {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more;
+                }
+                missing - columns * more
+            }
+            _ => missing,
+        };
+        Ok(left.amax())
     }
 
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation

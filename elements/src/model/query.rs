@@ -56,6 +56,17 @@ impl Model {
         }
     }
 
+    /// How the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed: on which
+    /// joints children hang, which joints close loops, and the coordinates that these leave free as
+    /// they are chosen now.
+    pub fn notes(&self) -> Vec<String> {
+        let note = |r: &super::loops::Report| match r.map.and_then(|n| self.note(NodeId(n))) {
+            Some(note) => format!("{}; {note}", r.words),
+            None => r.words.clone(),
+        };
+        self.reports.iter().map(note).collect()
+    }
+
     /// Name and nodes of an element.
     pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
         let e = &self.elements[id.0 as usize];

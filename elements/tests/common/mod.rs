@@ -54,6 +54,7 @@ pub fn matrix(v: &Value) -> DMatrix<f64> {
 }
 
 /// Rigid link: d_s = d_m + (R_m − I) c(t), Ψ_s = Ψ_m, with an offset that grows.
+#[derive(Clone)]
 pub struct Offset(pub [f64; 3]);
 
 impl Map<6, 6> for Offset {
@@ -66,6 +67,7 @@ impl Map<6, 6> for Offset {
 }
 
 /// A frame and an angle to a frame: nonlinear, no joint in particular.
+#[derive(Clone)]
 pub struct TwoTurn;
 
 impl Map<7, 6> for TwoTurn {
@@ -83,6 +85,7 @@ impl Map<7, 6> for TwoTurn {
 }
 
 /// The same frame with its rotation in the other chart.
+#[derive(Clone)]
 pub struct Twin;
 
 impl Map<6, 6> for Twin {

@@ -22,7 +22,7 @@ pub fn implicit<H, const D: usize, const X: usize, const M: usize>(
     t: f64,
 ) -> Report
 where
-    H: Implicit<X, M> + Clone,
+    H: Implicit<X, M> + Clone + 'static,
 {
     let mut report = Report::new(short_name::<Solved<H, D, X, M>>());
     let mut random = Random::default();
@@ -86,7 +86,7 @@ pub fn rewriting<M, const D: usize, const N: usize>(
     back: Option<&Change<'_, M, D>>,
 ) -> Report
 where
-    M: Map<D, N> + Clone,
+    M: Map<D, N> + Clone + 'static,
 {
     let mut report = Report::new(short_name::<M>());
     let mut random = Random::default();
@@ -105,7 +105,7 @@ fn exchange<M, const D: usize, const N: usize>(
     back: Option<&Change<'_, M, D>>,
     random: &mut Random,
 ) where
-    M: Map<D, N> + Clone,
+    M: Map<D, N> + Clone + 'static,
 {
     let v = random.vector::<D>();
     let mut changed = map.clone();

@@ -5,7 +5,7 @@ use super::kinematics::{Mapped, kinematics};
 use super::layout::Layout;
 use super::report::Report;
 use super::sample::{CLEARANCE, Random};
-use crate::map::{Erased, Kinematics, Map, derived};
+use crate::map::{Kinematics, Map, derived};
 use nalgebra::{DVector, SMatrix, SVector};
 
 /// Time at which maps are asked: not zero, so that a forgotten t shows.
@@ -21,7 +21,7 @@ pub(super) const CLOSED_FORM: f64 = 1e-10;
 /// Checks every law of a map at every place within its domain.
 pub fn map<M, const D: usize, const N: usize>(map: &M) -> Report
 where
-    M: Map<D, N>,
+    M: Map<D, N> + Clone + 'static,
 {
     let mut report = Report::new(short_name::<M>());
     let mut random = Random::default();
@@ -74,7 +74,7 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
     q: &SVector<f64, D>,
     random: &mut Random,
 ) where
-    M: Map<D, N>,
+    M: Map<D, N> + Clone + 'static,
 {
     let law = |name: &str| format!("{prefix}{name}");
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
@@ -87,7 +87,7 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
         a: vector(&a),
     };
     let of = Mapped {
-        map: &Erased::<&M, D, N>(map),
+        map: &*map.clone().boxed(),
         rows: &Layout::plain(N),
         columns: &Layout::plain(D),
     };

@@ -29,12 +29,14 @@
 
 mod assemble;
 mod chart;
+pub mod closed;
 mod error;
 mod factor;
 mod map;
 mod names;
 mod solve;
 
+pub use closed::Closed;
 pub use error::{ImplicitError, Trouble};
 pub use solve::Solved;
 

@@ -11,7 +11,7 @@ use nalgebra::SMatrix;
 const SMALL: f64 = 1e-4;
 
 /// Names joined as in a sentence.
-fn list(names: &[String]) -> String {
+pub(super) fn list(names: &[String]) -> String {
     match names {
         [] => "none".to_owned(),
         [one] => one.clone(),

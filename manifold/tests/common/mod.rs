@@ -9,6 +9,7 @@ use pullback_manifold::so3;
 use serde_json::Value;
 
 /// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2).
+#[derive(Clone)]
 pub struct Offset(pub [f64; 3]);
 
 impl Map<6, 6> for Offset {
@@ -25,6 +26,7 @@ impl Map<6, 6> for Offset {
 }
 
 /// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the sheet of its own product of quaternions.
+#[derive(Clone)]
 pub struct Revolute {
     pub axis: Vector3<f64>,
 }

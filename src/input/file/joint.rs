@@ -18,6 +18,11 @@ pub struct Joint {
     /// Node it hangs on; for a slide give `lines` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
+    /// Node that is one with the node that hangs on the joint. A node that is still free hangs on
+    /// the joint from now on. One that hangs on something else already, or is supported, closes a
+    /// loop: the coordinates of the joints along it then follow from those that it leaves free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub child: Option<String>,
     /// Lines of two-node elements, one after the other, that a slide runs along.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<String>,
@@ -31,10 +36,10 @@ pub struct Joint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Time>,
     /// Angle or way at the start (dynamics); what hangs on the joint moves along, but not nodes of
-    /// their own.
+    /// their own. In a loop it is kept where the loop closes with it, and a first guess where not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Rate of the angle or way at the start (dynamics).
+    /// Rate of the angle or way at the start (dynamics); the rates of a loop's other joints follow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
     /// What acts on the coordinates of a joint that releases several, by their names.

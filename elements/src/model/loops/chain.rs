@@ -1,0 +1,137 @@
+//! The two chains of joints that a loop is made of.
+
+use super::tree::{Read, Tree};
+use super::{Closing, Held, Inputs};
+use crate::model::{Form, ModelError, Node, Source};
+use pullback_manifold::map::Parametrization;
+
+/// A loop: its two frames, and where their chains meet.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    /// The frame that hangs on the closing joint, and the frame that it is one with.
+    pub frame: u32,
+    pub child: u32,
+    /// The frame that carries both chains; none where they end at different ones that are held.
+    pub root: Option<u32>,
+    /// Held frames at which they end then.
+    pub ends: [Option<u32>; 2],
+}
+
+/// The frames that a frame follows, one after the other, itself first.
+pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
+    let mut out = vec![n];
+    let mut at = n;
+    while let Source::Mapped(d) = &nodes[at as usize].source {
+        let frame = |m: &&u32| nodes[**m as usize].is_frame();
+        let mut masters = d.masters().iter().filter(frame);
+        match (masters.next(), masters.next(), d.segments.len()) {
+            (Some(&m), None, 1) => {
+                out.push(m);
+                at = m;
+            }
+            _ => break,
+        }
+    }
+    out
+}
+
+impl Chain {
+    /// The chains of the frames that are one.
+    ///
+    /// # Errors
+    /// [`ModelError::LooseLoop`] where one of them ends at a frame that neither carries the other
+    /// nor is held.
+    pub(super) fn find(
+        nodes: &[Node],
+        closing: Closing,
+        held: &Held<'_>,
+    ) -> Result<Self, ModelError> {
+        let (frame, child) = (closing.frame.0, closing.child.0);
+        let (a, b) = (upwards(nodes, frame), upwards(nodes, child));
+        if let Some(&root) = a.iter().find(|n| b.contains(n)) {
+            return Ok(Self {
+                frame,
+                child,
+                root: Some(root),
+                ends: [None; 2],
+            });
+        }
+        let mut ends = [None; 2];
+        for (end, chain) in ends.iter_mut().zip([&a, &b]) {
+            let last = chain[chain.len() - 1];
+            let node = &nodes[last as usize];
+            let steady = match &node.source {
+                Source::Own => (0..6).all(|k| held.function(last as usize, k).is_some()),
+                // A frame that reads coordinates only.
+                Source::Mapped(d) => {
+                    let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
+                    d.segments.len() == 1 && d.masters().iter().all(no_frame)
+                }
+            };
+            if !steady {
+                return Err(ModelError::LooseLoop {
+                    joint: nodes[frame as usize].name.clone(),
+                    node: node.name.clone(),
+                });
+            }
+            *end = Some(last).filter(|_| node.is_own());
+        }
+        Ok(Self {
+            frame,
+            child,
+            root: None,
+            ends,
+        })
+    }
+}
+
+/// The own nodes that are no frames, along both chains below the root.
+pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
+    let mut out = Vec::new();
+    let mut waiting = vec![chain.frame, chain.child];
+    while let Some(n) = waiting.pop() {
+        if chain.root == Some(n) {
+            continue;
+        }
+        match &nodes[n as usize].source {
+            Source::Mapped(d) => waiting.extend(d.masters()),
+            Source::Own if nodes[n as usize].form != Form::Frame => out.push(n),
+            Source::Own => {}
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Whether the equations of a loop depend on where its root is. They do not where every joint's
+/// pose turns and moves with its master, which is nearly always so.
+pub(super) fn root_matters(nodes: &[Node], chain: &Chain, root: u32, held: &Held<'_>) -> bool {
+    if nodes[root as usize].is_own() && held.still(root as usize, 6) {
+        return false;
+    }
+    let own = coordinates(nodes, chain);
+    let nothing = Held(&[]);
+    let inputs = Inputs::new(nodes, &own, &[root], &nothing);
+    let tree: Tree = super::tree(nodes, std::slice::from_ref(chain), &inputs);
+    let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
+    debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
+    let value = |y: &[f64]| {
+        let mut h = [0.0; 6];
+        let mut J = vec![0.0; 6 * y.len()];
+        tree.tangent(0.0, y, &mut h, &mut J);
+        h
+    };
+    let far = |k: usize, s: f64| 0.4 * (1.3 * k as f64 + s).sin();
+    [0.3, 1.1, 2.9].iter().any(|&s| {
+        let mut y: Vec<f64> = (0..inputs.count).map(|k| far(k, s)).collect();
+        let there = value(&y);
+        y[..6].fill(0.0);
+        let here = value(&y);
+        // The same equations to rounding; values that are none say nothing against that.
+        there
+            .iter()
+            .zip(&here)
+            .any(|(a, b)| (a - b).abs() > 1e-9 * (1.0 + b.abs()))
+    })
+}

@@ -1,0 +1,382 @@
+//! The equations of closed loops: the maps along the chains of their joints, composed.
+
+#![allow(non_snake_case)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "orders of derivatives and matrices in slices are read by their indices"
+)]
+
+use crate::joint::Pose;
+use nalgebra::{SVector, Vector3};
+use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::ChartChanges;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Two frames are one: what frame b sees of the gap to frame a, and twice the vector part of the
+/// quaternion that turns b into a. Both vanish together with their derivatives' ambiguities: the
+/// sheets of the rotation vectors do not matter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Coincide {
+    /// From b to a in the reference configuration.
+    pub apart: Vector3<f64>,
+}
+
+impl Map<12, 6> for Coincide {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 12>) -> SVector<S, 6> {
+        let (a, b) = (Pose::of(q, 0), Pose::of(q, 6));
+        let back = b.turn.conjugate();
+        let gap = back.rotate(&(a.d - b.d + self.apart.map(S::constant)));
+        let turn = back.product(&a.turn).v * S::constant(2.0);
+        SVector::<S, 6>::new(gap.x, gap.y, gap.z, turn.x, turn.y, turn.z)
+    }
+}
+
+/// Where a link of a chain reads its coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Read {
+    /// From the inputs of the tree, from this one on.
+    Input(usize),
+    /// From nowhere: they are zero and stay so.
+    Nothing,
+    /// From another link, made before.
+    Link(usize),
+}
+
+/// One map along a chain, with what it gives.
+struct Link {
+    map: Box<dyn Parametrization>,
+    /// Where the coordinates come from, and how many there.
+    reads: Vec<(Read, usize)>,
+    n: usize,
+    d: usize,
+    /// Coordinates and their rates, values and theirs.
+    q: [Vec<f64>; 3],
+    x: [Vec<f64>; 3],
+    /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs.
+    own: [Vec<f64>; 3],
+    all: [Vec<f64>; 3],
+    r: Vec<f64>,
+}
+
+/// A tree of maps from common inputs; the values are those of its last links, the closures.
+#[derive(Default)]
+pub(super) struct Tree(Mutex<Inner>);
+
+#[derive(Default)]
+struct Inner {
+    inputs: usize,
+    closures: usize,
+    links: Vec<Link>,
+    K: Vec<f64>,
+    stack: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl Tree {
+    /// A tree without links.
+    pub(super) fn new(inputs: usize) -> Self {
+        Self(Mutex::new(Inner {
+            inputs,
+            ..Inner::default()
+        }))
+    }
+
+    /// Adds a link; its number.
+    pub(super) fn link(
+        &mut self,
+        map: Box<dyn Parametrization>,
+        reads: Vec<(Read, usize)>,
+    ) -> usize {
+        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let (d, n) = map.dims();
+        let N = tree.inputs;
+        let z = |len: usize| [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
+        tree.K.resize(tree.K.len().max(d * d), 0.0);
+        tree.stack.resize(tree.stack.len().max(d * N), 0.0);
+        tree.product.resize(tree.product.len().max(d * N), 0.0);
+        tree.links.push(Link {
+            map,
+            reads,
+            n,
+            d,
+            q: z(d),
+            x: z(n),
+            own: z(n * d),
+            all: z(n * N),
+            r: vec![0.0; n],
+        });
+        tree.links.len() - 1
+    }
+
+    /// Adds the equations that two frames are one.
+    pub(super) fn close(&mut self, between: Coincide, frames: [Read; 2]) {
+        self.link(between.boxed(), frames.map(|r| (r, 6)).to_vec());
+        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        tree.closures += 1;
+    }
+
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What stands before the second factor of a product of operators of two orders.
+const BINOMIAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
+
+impl Link {
+    /// Collects the coordinates, up to the given order of their derivatives.
+    fn gather(&mut self, before: &[Self], y: [&[f64]; 3], orders: usize) {
+        for k in 0..orders {
+            let mut at = 0;
+            for &(read, len) in &self.reads {
+                let to = &mut self.q[k][at..at + len];
+                match read {
+                    Read::Input(first) => to.copy_from_slice(&y[k][first..first + len]),
+                    Read::Nothing => to.fill(0.0),
+                    Read::Link(j) => to.copy_from_slice(&before[j].x[k]),
+                }
+                at += len;
+            }
+        }
+    }
+
+    /// Operators with respect to the inputs, by the chain rule.
+    fn chain(&mut self, before: &[Self], orders: usize) {
+        let n = self.n;
+        for k in 0..orders {
+            let out = &mut self.all[k];
+            out.fill(0.0);
+            let mut column = 0;
+            for &(read, len) in &self.reads {
+                match read {
+                    Read::Nothing => {}
+                    Read::Input(first) => {
+                        let from = &self.own[k][column * n..(column + len) * n];
+                        for (o, b) in out[first * n..].iter_mut().zip(from) {
+                            *o += b;
+                        }
+                    }
+                    Read::Link(j) => {
+                        for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
+                            let outer = &self.own[k - inner][column * n..(column + len) * n];
+                            add_product([n, len], factor, outer, &before[j].all[inner], out);
+                        }
+                    }
+                }
+                column += len;
+            }
+        }
+    }
+}
+
+/// out += factor A B, with A n×len.
+fn add_product([n, len]: [usize; 2], factor: f64, A: &[f64], B: &[f64], out: &mut [f64]) {
+    for (out, B) in out.chunks_exact_mut(n).zip(B.chunks_exact(len)) {
+        for (A, b) in A.chunks_exact(n).zip(B) {
+            let b = factor * b;
+            if b != 0.0 {
+                for (o, a) in out.iter_mut().zip(A) {
+                    *o += a * b;
+                }
+            }
+        }
+    }
+}
+
+impl Inner {
+    /// All links at y, their tangents where `rates` is absent and their kinematics where not.
+    fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
+        let orders = if rates.is_some() { 3 } else { 1 };
+        let [v, a] = rates.unwrap_or([&[], &[]]);
+        for k in 0..self.links.len() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, v, a], orders);
+            if orders == 1 {
+                link.map
+                    .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+            } else {
+                let [x, x_dot, x_ddot] = &mut link.x;
+                let [B, B_dot, B_ddot] = &mut link.own;
+                let out = KinematicsMut {
+                    x,
+                    x_dot,
+                    x_ddot,
+                    B,
+                    B_dot,
+                    B_ddot,
+                };
+                let [q, v, a] = &link.q;
+                link.map.kinematics(t, q, v, a, out);
+            }
+            link.chain(before, orders);
+        }
+    }
+
+    /// Copies values (rows of 1 column) or operators of the closures, one under the other.
+    fn collect(&self, N: usize, out: &mut [f64], of: impl Fn(&Link) -> &[f64]) {
+        let M = 6 * self.closures;
+        let first = self.links.len() - self.closures;
+        for (c, link) in self.links[first..].iter().enumerate() {
+            let from = of(link);
+            for j in 0..N {
+                out[j * M + 6 * c..j * M + 6 * (c + 1)].copy_from_slice(&from[6 * j..6 * j + 6]);
+            }
+        }
+    }
+
+    fn geometric_stiffness(&mut self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
+        let N = self.inputs;
+        self.evaluate(t, y, None);
+        K.fill(0.0);
+        self.links.iter_mut().for_each(|l| l.r.fill(0.0));
+        let first = self.links.len() - self.closures;
+        for (link, f) in self.links[first..].iter_mut().zip(f.chunks_exact(6)) {
+            link.r.copy_from_slice(f);
+        }
+        for k in (0..self.links.len()).rev() {
+            let (before, rest) = self.links.split_at_mut(k);
+            let link = &rest[0];
+            if link.r.iter().all(|r| *r == 0.0) {
+                continue;
+            }
+            let d = link.d;
+            let own = &mut self.K[..d * d];
+            link.map.geometric_stiffness(t, &link.q[0], &link.r, own);
+            // Operators of the coordinates with respect to the inputs, and Bᵀ r to where they
+            // come from.
+            let stack = &mut self.stack[..d * N];
+            stack.fill(0.0);
+            let mut column = 0;
+            for &(read, len) in &link.reads {
+                match read {
+                    Read::Nothing => {}
+                    Read::Input(first) => {
+                        for i in 0..len {
+                            stack[column + i + (first + i) * d] += 1.0;
+                        }
+                    }
+                    Read::Link(j) => {
+                        for i in 0..N {
+                            let from = &before[j].all[0][i * len..(i + 1) * len];
+                            stack[i * d + column..i * d + column + len].copy_from_slice(from);
+                        }
+                        let B = &link.own[0][column * link.n..];
+                        for (r, B) in before[j].r.iter_mut().zip(B.chunks_exact(link.n)) {
+                            *r += B.iter().zip(&link.r).map(|(b, r)| b * r).sum::<f64>();
+                        }
+                    }
+                }
+                column += len;
+            }
+            let product = &mut self.product[..d * N];
+            product.fill(0.0);
+            add_product([d, d], 1.0, own, stack, product);
+            for j in 0..N {
+                for i in 0..N {
+                    let (s, p) = (&stack[i * d..(i + 1) * d], &product[j * d..(j + 1) * d]);
+                    K[i + j * N] += s.iter().zip(p).map(|(s, p)| s * p).sum::<f64>();
+                }
+            }
+        }
+    }
+}
+
+impl Parametrization for Tree {
+    fn dims(&self) -> (usize, usize) {
+        let tree = self.inner();
+        (tree.inputs, 6 * tree.closures)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        let from = self.inner();
+        let mut copy = Self::new(from.inputs);
+        for link in &from.links {
+            copy.link(link.map.duplicate(), link.reads.clone());
+        }
+        copy.0
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner)
+            .closures = from.closures;
+        Box::new(copy)
+    }
+
+    /// Each link chooses the sheet of its rotation vector, from the root outwards.
+    fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
+        let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let mut all = ChartChanges::default();
+        for k in 0..tree.links.len() {
+            let (before, rest) = tree.links.split_at_mut(k);
+            let link = &mut rest[0];
+            link.gather(before, [y, &[], &[]], 1);
+            all.charts += link.map.change_charts(t, &link.q[0]).charts;
+            link.map
+                .tangent(t, &link.q[0], &mut link.x[0], &mut link.own[0]);
+        }
+        all
+    }
+
+    fn tangent(&self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
+        let mut tree = self.inner();
+        tree.evaluate(t, y, None);
+        tree.collect(1, h, |l| &l.x[0]);
+        tree.collect(tree.inputs, J, |l| &l.all[0]);
+    }
+
+    fn kinematics(&self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        let mut tree = self.inner();
+        tree.evaluate(t, y, Some([v, a]));
+        for (k, x) in [out.x, out.x_dot, out.x_ddot].into_iter().enumerate() {
+            tree.collect(1, x, |l| &l.x[k]);
+        }
+        for (k, B) in [out.B, out.B_dot, out.B_ddot].into_iter().enumerate() {
+            tree.collect(tree.inputs, B, |l| &l.all[k]);
+        }
+    }
+
+    fn geometric_stiffness(&self, t: f64, y: &[f64], f: &[f64], K: &mut [f64]) {
+        self.inner().geometric_stiffness(t, y, f, K);
+    }
+}
+
+/// Some of the unknowns of a loop, one after the other, as the coordinates of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Part {
+    /// How many there are, the first of them, and how many of them.
+    pub of: usize,
+    pub first: usize,
+    pub len: usize,
+}
+
+impl Parametrization for Part {
+    fn dims(&self) -> (usize, usize) {
+        (self.of, self.len)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(*self)
+    }
+
+    fn tangent(&self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        x.copy_from_slice(&q[self.first..self.first + self.len]);
+        B.fill(0.0);
+        for i in 0..self.len {
+            B[i + (self.first + i) * self.len] = 1.0;
+        }
+    }
+
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        self.tangent(t, q, out.x, out.B);
+        out.x_dot
+            .copy_from_slice(&v[self.first..self.first + self.len]);
+        out.x_ddot
+            .copy_from_slice(&a[self.first..self.first + self.len]);
+        out.B_dot.fill(0.0);
+        out.B_ddot.fill(0.0);
+    }
+
+    fn geometric_stiffness(&self, _t: f64, _q: &[f64], _f: &[f64], K: &mut [f64]) {
+        K.fill(0.0);
+    }
+}

@@ -1,0 +1,360 @@
+//! The choice of the coordinates q, and its changes at converged states.
+
+use super::super::chart::RANK;
+use super::super::{Choice, GAIN};
+use super::core::{Chart, Core};
+use super::dense::product_tr;
+use crate::map::KinematicsMut;
+use crate::so3;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// A split whose condition number is larger than that of the tangent space by this factor is not
+/// good.
+const POOR: f64 = 1e3;
+
+impl Core {
+    /// What counts as one for each equation: the length of its row, or what it was before if that
+    /// is more. A row that shrinks is a sign of a singular configuration, which no scaling may hide;
+    /// one that vanishes among the others has no size of its own.
+    pub(super) fn measure(&mut self) {
+        let (p, X, M) = (self.p, self.X, self.M);
+        for i in 0..M {
+            let squares = (0..X).map(|k| (self.work.J[i + (p + k) * M] * self.size(k)).powi(2));
+            let now = squares.sum::<f64>().sqrt();
+            self.sizes[i] = now.max(self.sizes[i]);
+        }
+        let most = self.sizes.iter().copied();
+        let most = most.fold(f64::MIN_POSITIVE, f64::max);
+        for size in &mut self.sizes {
+            if *size <= RANK * most {
+                *size = most;
+            }
+        }
+    }
+
+    /// h_xᵀ with equations and coordinates over their sizes, into the workspace, factorised for the
+    /// most independent equations.
+    pub(super) fn rank_equations(&mut self) {
+        let (p, X, M) = (self.p, self.X, self.M);
+        let w = &mut self.work;
+        w.scaled.clear();
+        for i in 0..M {
+            let row =
+                (0..X).map(|k| w.J[i + (p + k) * M] * self.about.unknowns[k].size / self.sizes[i]);
+            w.scaled.extend(row);
+        }
+        w.equations.run(X, &w.scaled);
+    }
+
+    /// The best equations and coordinates at h_y as it stands, into the trial chart, with A⁻¹ for
+    /// them in the workspace; the condition number, infinite where there are none.
+    pub(super) fn best(&mut self, choice: Choice) -> f64 {
+        let (X, M, D) = (self.X, self.M, self.D);
+        self.rank_equations();
+        let w = &mut self.work;
+        let chart = &mut w.trial;
+        chart.used.clear();
+        chart.used.resize(M, false);
+        for &i in &w.equations.order[..X - D] {
+            chart.used[i] = true;
+        }
+        chart.L.clear();
+        chart.L.resize(X * D, 0.0);
+        if choice == Choice::Tangent {
+            // Orthonormal directions across the gradients, of coordinates over their sizes.
+            w.scaled.clear();
+            w.scaled.resize(X * X, 0.0);
+            for k in 0..X {
+                w.scaled[k + k * X] = 1.0;
+            }
+            for k in 0..X - D {
+                let n = w.equations.direction(k);
+                for j in 0..X {
+                    for i in 0..X {
+                        w.scaled[i + j * X] -= n[i] * n[j];
+                    }
+                }
+            }
+            w.columns.run(X, &w.scaled);
+            for j in 0..D {
+                let direction = w.columns.direction(j);
+                for k in 0..X {
+                    chart.L[k + j * X] = direction[k] / self.about.unknowns[k].size;
+                }
+            }
+            chart.independent = None;
+        } else {
+            // Coordinates that the used equations determine best are dependent; the rest is q.
+            let rows = X - D;
+            let mut columns = std::mem::take(&mut w.rows);
+            columns.clear();
+            columns.resize(rows * X, 0.0);
+            let used = (0..M).filter(|&i| chart.used[i]);
+            for (row, i) in used.enumerate() {
+                for k in 0..X {
+                    columns[row + k * rows] = w.scaled[k + i * X];
+                }
+            }
+            w.columns.run(rows, &columns);
+            w.rows = columns;
+            let chosen = chart.independent.get_or_insert_default();
+            chosen.clear();
+            if rows == 0 {
+                chosen.extend(0..X);
+            } else {
+                chosen.extend_from_slice(&w.columns.order[rows..]);
+            }
+            chosen.sort_unstable();
+            for (j, &k) in chosen.iter().enumerate() {
+                chart.L[k + j * X] = 1.0;
+            }
+        }
+        let condition = self.factorise(true);
+        if condition * RANK < 1.0 {
+            condition
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The best split; where none is good, the tangent space.
+    pub(super) fn choose(&mut self) -> f64 {
+        let split = self.best(Choice::Split);
+        if split < POOR {
+            return split;
+        }
+        let tangent = self.best(Choice::Tangent);
+        if split > POOR * tangent {
+            tangent
+        } else {
+            self.best(Choice::Split)
+        }
+    }
+
+    /// Makes a converged state the one that Newton's method starts from.
+    pub(super) fn remember(&mut self, t: f64, q: &[f64]) -> bool {
+        if self.solve(t, q).is_err() {
+            return false;
+        }
+        if self.anchor.t == t && self.anchor.q == q {
+            return true;
+        }
+        self.h.change_charts(t, &self.work.y);
+        self.refresh(t, q)
+    }
+
+    /// Changes the chart where that is due at a converged state, and starts from there from now on.
+    pub(super) fn settle(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [Vec<f64>],
+    ) -> bool {
+        if !self.remember(t, q) {
+            return false;
+        }
+        let now = self.work.condition;
+        let turned =
+            (self.about.rotations.iter()).any(|&k| super::dense::norm(&self.x()[k..k + 3]) > PI);
+        if !turned && self.D == 0 {
+            return false;
+        }
+        if !turned {
+            let best = self.choose();
+            // What stands in the workspace belongs to the trial chart.
+            if now <= GAIN * best {
+                self.refresh(t, q);
+                return false;
+            }
+        }
+        self.rewrite(t, None, q, v, a)
+    }
+
+    pub(super) fn switch(
+        &mut self,
+        t: f64,
+        independent: Option<&[usize]>,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [Vec<f64>],
+    ) -> bool {
+        let fits = |k: &[usize]| k.len() == self.D && k.iter().all(|&k| k < self.X);
+        if !independent.is_none_or(fits) || !self.remember(t, q) {
+            return false;
+        }
+        self.rewrite(t, Some(independent), q, v, a)
+    }
+
+    /// Takes (q, p), velocities and accelerations to another chart: the best one, or the one
+    /// `wanted`. q′ = L′ᵀ(x − x_ref) is linear in x; x, ẋ and ẍ stay, but for rotation vectors
+    /// beyond π, which go to their complements.
+    fn rewrite(
+        &mut self,
+        t: f64,
+        wanted: Option<Option<&[usize]>>,
+        q: &mut [f64],
+        v: &mut [f64],
+        a: &mut [Vec<f64>],
+    ) -> bool {
+        let (p, X, D) = (self.p, self.X, self.D);
+        let Q = D + p;
+        let mut x = vec![0.0; X];
+        let (mut x_dot, mut fall) = (x.clone(), x.clone());
+        let (mut B, mut B_dot, mut B_ddot) = (vec![0.0; X * Q], vec![0.0; X * Q], vec![0.0; X * Q]);
+        // The factorisation in the old chart, at the same place.
+        self.refresh(t, q);
+        let out = KinematicsMut {
+            x: &mut x,
+            x_dot: &mut x_dot,
+            x_ddot: &mut fall,
+            B: &mut B,
+            B_dot: &mut B_dot,
+            B_ddot: &mut B_ddot,
+        };
+        self.kinematics(t, q, v, &vec![0.0; Q], out);
+        let mut x_ddot: Vec<Vec<f64>> = Vec::with_capacity(a.len());
+        for a in a.iter() {
+            let mut out = vec![0.0; X];
+            super::dense::product([X, Q, 1], &B, a, &mut out);
+            out.iter_mut().zip(&fall).for_each(|(o, f)| *o += f);
+            x_ddot.push(out);
+        }
+        let kept = (self.work.y.clone(), self.sizes.clone());
+        if wanted.is_none() {
+            self.turn(&mut x, &mut x_dot, &mut x_ddot);
+        }
+        self.work.y[p..].copy_from_slice(&x);
+        self.linearise(t);
+        let condition = match wanted {
+            None => self.choose(),
+            Some(Some(k)) => self.split(k),
+            Some(None) => self.best(Choice::Tangent),
+        };
+        if condition.is_infinite() {
+            (self.work.y, self.sizes) = kept;
+            self.refresh(t, q);
+            return false;
+        }
+        std::mem::swap(&mut self.chart, &mut self.work.trial);
+        let relative: Vec<f64> = x.iter().zip(&self.reference).map(|(x, r)| x - r).collect();
+        let L = &self.chart.L;
+        product_tr([D, X, 1], L, &relative, &mut q[..D]);
+        product_tr([D, X, 1], L, &x_dot, &mut v[..D]);
+        for (a, x_ddot) in a.iter_mut().zip(&x_ddot) {
+            product_tr([D, X, 1], L, x_ddot, &mut a[..D]);
+        }
+        self.h.change_charts(t, &self.work.y);
+        self.refresh(t, q)
+    }
+
+    /// Trial chart of chosen coordinates with the equations in use.
+    fn split(&mut self, independent: &[usize]) -> f64 {
+        let mut trial = Chart {
+            L: vec![0.0; self.X * self.D],
+            independent: Some(independent.to_vec()),
+            used: self.chart.used.clone(),
+        };
+        for (j, &k) in independent.iter().enumerate() {
+            trial.L[k + j * self.X] = 1.0;
+        }
+        self.work.trial = trial;
+        let condition = self.factorise(true);
+        if condition * RANK < 1.0 {
+            condition
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Rotation vectors beyond π to their complements, with rates.
+    fn turn(&self, x: &mut [f64], x_dot: &mut [f64], x_ddot: &mut [Vec<f64>]) {
+        for &k in &self.about.rotations {
+            let three = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
+            let put = |to: &mut [f64], x: Vector3<f64>| {
+                to[k..k + 3].copy_from_slice(x.as_slice());
+            };
+            let (psi, rate) = (three(x), three(x_dot));
+            if psi.norm() <= PI {
+                continue;
+            }
+            let (B, B_dot) = (so3::B_s(&psi), so3::B_s_dot(&rate, &psi));
+            put(x, so3::complement(&psi));
+            put(x_dot, B * rate);
+            for a in x_ddot.iter_mut() {
+                let second = B * three(a) + B_dot * rate;
+                put(a, second);
+            }
+        }
+    }
+
+    /// The state besides (q, p): anchor, chart and sizes, as numbers.
+    pub(super) fn memory(&self) -> Vec<f64> {
+        let mut out = vec![self.anchor.t];
+        out.extend(&self.anchor.q);
+        out.extend(&self.anchor.x);
+        out.extend(&self.chart.L);
+        out.extend(self.chart.used.iter().map(|&u| f64::from(u8::from(u))));
+        out.extend(&self.sizes);
+        out.push(f64::from(u8::from(self.chart.independent.is_some())));
+        out
+    }
+
+    /// Goes on from what [`Core::memory`] gave; false, and no change, for anything else.
+    pub(super) fn recall(&mut self, memory: &[f64]) -> bool {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let before = self.memory();
+        if memory.len() != before.len() || !memory.iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        let mut rest = memory;
+        let mut take = |n: usize| -> &[f64] {
+            let (head, tail) = rest.split_at(n);
+            rest = tail;
+            head
+        };
+        let t = take(1)[0];
+        let q = take(D + p).to_vec();
+        let x = take(X).to_vec();
+        self.chart.L.copy_from_slice(take(X * D));
+        for (used, x) in self.chart.used.iter_mut().zip(take(M)) {
+            *used = *x == 1.0;
+        }
+        self.sizes.copy_from_slice(take(M));
+        let split = take(1)[0] == 1.0;
+        let L = &self.chart.L;
+        let picks = |j: usize| (0..X).find(|k| L[k + j * X] == 1.0);
+        self.chart.independent = split.then(|| (0..D).filter_map(picks).collect());
+        self.work.y[..p].copy_from_slice(&q[D..]);
+        self.work.y[p..].copy_from_slice(&x);
+        self.h.change_charts(t, &self.work.y);
+        let used = self.chart.used.iter().filter(|&&u| u).count();
+        let complete = (self.chart.independent.as_ref()).is_none_or(|k| k.len() == D);
+        used == X - D && complete && self.refresh(t, &q)
+    }
+
+    pub(super) fn note(&self) -> String {
+        let names = |k: &Vec<usize>| {
+            let names: Vec<&str> = k
+                .iter()
+                .map(|&k| self.about.unknowns[k].name.as_str())
+                .collect();
+            format!("independent: {}", names.join(", "))
+        };
+        let chart = match &self.chart.independent {
+            Some(k) if k.is_empty() => "nothing is free".to_owned(),
+            Some(k) => names(k),
+            None => "coordinates in the tangent space".to_owned(),
+        };
+        let redundant: Vec<&str> = (0..self.M)
+            .filter(|&i| !self.chart.used[i])
+            .map(|i| self.about.equations[i].as_str())
+            .collect();
+        if redundant.is_empty() {
+            chart
+        } else {
+            format!("{chart}; redundant: {}", redundant.join(", "))
+        }
+    }
+}

@@ -1,0 +1,479 @@
+//! Newton's method on h(t, p, x) = 0, and the derivatives of what it finds.
+
+use super::super::Trouble;
+use super::super::chart::RANK;
+use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
+use super::Description;
+use super::dense::{Pivoted, invert, norm, product, product_tr};
+use crate::map::{KinematicsMut, Parametrization};
+
+/// Iterations from the last converged state at most.
+const ITERATIONS: usize = 30;
+
+/// Which coordinates q are, and which equations are used.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Chart {
+    /// q = Lᵀ (x − x_ref); X×D.
+    pub L: Vec<f64>,
+    /// The unknowns themselves where L picks them.
+    pub independent: Option<Vec<usize>>,
+    /// Equations that are used; the others follow from them.
+    pub used: Vec<bool>,
+}
+
+/// The map's state, and what was found last.
+pub(super) struct Core {
+    pub h: Box<dyn Parametrization>,
+    pub about: Description,
+    pub p: usize,
+    pub X: usize,
+    pub M: usize,
+    pub D: usize,
+    /// Where q = 0.
+    pub reference: Vec<f64>,
+    pub chart: Chart,
+    /// The last converged (q, p), x, and their derivative there: Newton's method starts from it.
+    pub anchor: Anchor,
+    /// Largest length of each row of h_x so far.
+    pub sizes: Vec<f64>,
+    pub work: Work,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Anchor {
+    pub t: f64,
+    pub q: Vec<f64>,
+    pub x: Vec<f64>,
+    pub Y: Vec<f64>,
+}
+
+/// What was found last, and room to work.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Work {
+    /// Time and (q, p) of what stands here, where something does.
+    t: f64,
+    q: Vec<f64>,
+    valid: bool,
+    /// (p, x).
+    pub y: Vec<f64>,
+    pub h: Vec<f64>,
+    /// h_y, M×(p + X).
+    pub J: Vec<f64>,
+    /// A⁻¹ = [B | P]: B (X×D) of q, P (X×M) with zeros for equations that are not used.
+    pub B: Vec<f64>,
+    pub P: Vec<f64>,
+    /// ∂x/∂(q, p), X×(D + p).
+    pub Y: Vec<f64>,
+    pub condition: f64,
+    A: Vec<f64>,
+    inverse: Vec<f64>,
+    length: Vec<f64>,
+    dx: Vec<f64>,
+    /// Second and third derivatives of the equations, and motions.
+    h_dot: Vec<f64>,
+    h_ddot: Vec<f64>,
+    J_dot: Vec<f64>,
+    J_ddot: Vec<f64>,
+    y_dot: Vec<f64>,
+    y_ddot: Vec<f64>,
+    Z: Vec<f64>,
+    Z_dot: Vec<f64>,
+    JZ: Vec<f64>,
+    lambda: Vec<f64>,
+    bend: Vec<f64>,
+    bent: Vec<f64>,
+    pub scaled: Vec<f64>,
+    pub rows: Vec<f64>,
+    pub equations: Pivoted,
+    pub columns: Pivoted,
+    pub trial: Chart,
+}
+
+impl Clone for Core {
+    fn clone(&self) -> Self {
+        Self {
+            h: self.h.duplicate(),
+            about: self.about.clone(),
+            reference: self.reference.clone(),
+            chart: self.chart.clone(),
+            anchor: self.anchor.clone(),
+            sizes: self.sizes.clone(),
+            work: self.work.clone(),
+            ..*self
+        }
+    }
+}
+
+impl Core {
+    /// Makes room for everything.
+    pub(super) fn reserve(&mut self) {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        let z = |n: usize| vec![0.0; n];
+        self.work = Work {
+            q: z(Q),
+            y: z(N),
+            h: z(M),
+            J: z(M * N),
+            B: z(X * D),
+            P: z(X * M),
+            Y: z(X * Q),
+            A: z(X * X),
+            inverse: z(X * X),
+            length: z(X),
+            dx: z(X),
+            h_dot: z(M),
+            h_ddot: z(M),
+            J_dot: z(M * N),
+            J_ddot: z(M * N),
+            y_dot: z(N),
+            y_ddot: z(N),
+            Z: z(N * Q),
+            Z_dot: z(N * Q),
+            JZ: z(M * Q),
+            lambda: z(M),
+            bend: z(N * N),
+            bent: z(N.max(M) * Q),
+            ..Work::default()
+        };
+    }
+
+    pub(super) fn x(&self) -> &[f64] {
+        &self.work.y[self.p..]
+    }
+
+    pub(super) fn size(&self, k: usize) -> f64 {
+        self.about.unknowns[k].size
+    }
+
+    /// h and h_y at y, into the workspace.
+    pub(super) fn linearise(&mut self, t: f64) {
+        let w = &mut self.work;
+        self.h.tangent(t, &w.y, &mut w.h, &mut w.J);
+    }
+
+    /// A⁻¹ in a chart at h_y as it stands, into the workspace; the condition number of A with rows
+    /// of unit length and coordinates over their sizes, infinite where it is singular.
+    pub(super) fn factorise(&mut self, trial: bool) -> f64 {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let about = &self.about;
+        let size = |k: usize| about.unknowns[k].size;
+        let w = &mut self.work;
+        let chart = if trial { &w.trial } else { &self.chart };
+        w.condition = f64::INFINITY;
+        for row in 0..D {
+            let L = &chart.L[row * X..(row + 1) * X];
+            for k in 0..X {
+                w.A[row + k * X] = L[k] * size(k);
+            }
+            w.length[row] = norm_of((0..X).map(|k| L[k] * size(k)));
+        }
+        let used = (D..).zip((0..M).filter(|&i| chart.used[i]));
+        for (row, i) in used {
+            for k in 0..X {
+                w.A[row + k * X] = w.J[i + (p + k) * M] * size(k);
+            }
+            w.length[row] = self.sizes[i];
+        }
+        for k in 0..X {
+            for row in 0..X {
+                w.A[row + k * X] /= w.length[row];
+            }
+        }
+        let of_A = norm(&w.A);
+        if !invert(X, &mut w.A, &mut w.inverse) {
+            return f64::INFINITY;
+        }
+        w.condition = of_A * norm(&w.inverse);
+        for row in 0..X {
+            for k in 0..X {
+                w.inverse[k + row * X] *= size(k) / w.length[row];
+            }
+        }
+        w.B.copy_from_slice(&w.inverse[..X * D]);
+        w.P.fill(0.0);
+        let used = (D..).zip((0..M).filter(|&i| chart.used[i]));
+        for (row, i) in used {
+            let column = &w.inverse[row * X..(row + 1) * X];
+            w.P[i * X..(i + 1) * X].copy_from_slice(column);
+        }
+        w.condition
+    }
+
+    /// ∂x/∂(q, p) from A⁻¹ and h_p.
+    fn operators(&mut self) {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let w = &mut self.work;
+        w.Y[..X * D].copy_from_slice(&w.B);
+        product([X, M, p], &w.P, &w.J[..M * p], &mut w.Y[X * D..]);
+        w.Y[X * D..].iter_mut().for_each(|y| *y = -*y);
+    }
+
+    /// x at (q, p) into the workspace, with A⁻¹; nothing to do where it stands there already.
+    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+        if self.work.valid && self.work.t == t && self.work.q == q {
+            return Ok(());
+        }
+        self.work.valid = false;
+        if self.anchor.t == t && self.anchor.q == q {
+            self.work.y[self.p..].copy_from_slice(&self.anchor.x);
+            self.work.y[..self.p].copy_from_slice(&q[self.D..]);
+            return if self.refresh(t, q) {
+                Ok(())
+            } else {
+                Err(self.singular())
+            };
+        }
+        let outcome = self.search(t, q, true);
+        // Where a parameter has changed its chart it is far away, and x is where it was.
+        let outcome = match outcome {
+            Err(_) if self.p > 0 => self.search(t, q, false),
+            other => other,
+        };
+        outcome?;
+        self.operators();
+        let w = &mut self.work;
+        (w.t, w.valid) = (t, true);
+        w.q.copy_from_slice(q);
+        Ok(())
+    }
+
+    fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let w = &mut self.work;
+        w.y[..p].copy_from_slice(&q[D..]);
+        w.y[p..].copy_from_slice(&self.anchor.x);
+        for j in 0..if follow { D + p } else { D } {
+            let dq = q[j] - self.anchor.q[j];
+            if dq != 0.0 {
+                for (x, Y) in w.y[p..].iter_mut().zip(&self.anchor.Y[j * X..]) {
+                    *x += Y * dq;
+                }
+            }
+        }
+        let mut before = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            self.linearise(t);
+            let condition = self.factorise(false);
+            if condition.is_nan() || condition * RANK >= 1.0 {
+                return Err(self.singular());
+            }
+            let w = &mut self.work;
+            for (k, dx) in w.dx.iter_mut().enumerate() {
+                *dx = 0.0;
+                for i in 0..M {
+                    *dx -= w.P[k + i * X] * w.h[i];
+                }
+            }
+            for j in 0..D {
+                let now: f64 = (0..X)
+                    .map(|k| self.chart.L[k + j * X] * (w.y[p + k] - self.reference[k]))
+                    .sum();
+                for (dx, B) in w.dx.iter_mut().zip(&w.B[j * X..]) {
+                    *dx += B * (q[j] - now);
+                }
+            }
+            let mut size = 0.0_f64;
+            for k in 0..X {
+                w.y[p + k] += w.dx[k];
+                let relative = (w.dx[k] / self.about.unknowns[k].size).abs();
+                // A sum keeps NaN.
+                size = if size > relative {
+                    size
+                } else {
+                    relative + 0.0 * size
+                };
+            }
+            // Newton's method contracts near the branch of solutions that it started from; where
+            // it does not it may end on another one.
+            let rounding = ROUNDING.max(f64::EPSILON * 10.0 * condition);
+            if size <= CONVERGED || (size <= rounding && size > 0.5 * before) {
+                return self.check_unused();
+            }
+            if size.is_nan() || size > 0.5 * before || size > 1.0 {
+                break;
+            }
+            before = size;
+        }
+        let i = largest(&self.work.h);
+        Err(Trouble::TooFar {
+            equation: self.about.equations[i].clone(),
+            residual: self.work.h[i],
+        })
+    }
+
+    fn check_unused(&self) -> Result<(), Trouble> {
+        for i in (0..self.M).filter(|&i| !self.chart.used[i]) {
+            let h = self.work.h[i];
+            if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
+                return Err(Trouble::Inconsistent {
+                    equation: self.about.equations[i].clone(),
+                    residual: h,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn singular(&mut self) -> Trouble {
+        let condition = self.work.condition;
+        let (equations, coordinates) = self.dependences(self.X - self.D);
+        Trouble::Singular {
+            condition,
+            equations,
+            coordinates,
+        }
+    }
+
+    /// Makes A⁻¹ and everything else that of x exactly as it stands in the workspace, which is
+    /// what Newton's method starts from next; false where A is singular there.
+    pub(super) fn refresh(&mut self, t: f64, q: &[f64]) -> bool {
+        self.work.valid = false;
+        self.linearise(t);
+        self.measure();
+        let condition = self.factorise(false);
+        if condition.is_nan() || condition * RANK >= 1.0 {
+            return false;
+        }
+        self.operators();
+        let w = &mut self.work;
+        (w.t, w.valid) = (t, true);
+        w.q.copy_from_slice(q);
+        self.anchor.t = t;
+        self.anchor.q.copy_from_slice(q);
+        self.anchor.x.copy_from_slice(&w.y[self.p..]);
+        self.anchor.Y.copy_from_slice(&w.Y);
+        true
+    }
+
+    pub(super) fn kinematics(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+        out: KinematicsMut<'_>,
+    ) {
+        let solved = self.solve(t, q).is_ok();
+        if !solved {
+            for part in [out.x, out.x_dot, out.x_ddot, out.B, out.B_dot, out.B_ddot] {
+                part.fill(f64::NAN);
+            }
+            return;
+        }
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        self.embed();
+        let w = &mut self.work;
+        out.x.copy_from_slice(&w.y[p..]);
+        out.B.copy_from_slice(&w.Y);
+        // ẏ = Z (q̇, ṗ), less what explicit time makes of it; ÿ is not known yet.
+        product([N, Q, 1], &w.Z, v, &mut w.y_dot);
+        w.y_ddot.fill(0.0);
+        along(&*self.h, t, w);
+        if w.h_dot.iter().any(|h| h.abs() > 0.0) {
+            let mut moved = false;
+            for k in 0..X {
+                let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_dot[i]).sum();
+                moved |= by.abs() > 1e-14 * (1.0 + w.y_dot[p + k].abs());
+                w.y_dot[p + k] -= by;
+            }
+            if moved {
+                along(&*self.h, t, w);
+            }
+        }
+        out.x_dot.copy_from_slice(&w.y_dot[p..]);
+        product([N, Q, 1], &w.Z, a, &mut w.y_ddot);
+        for k in 0..X {
+            let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_ddot[i]).sum();
+            w.y_ddot[p + k] -= by;
+        }
+        out.x_ddot.copy_from_slice(&w.y_ddot[p..]);
+        if w.y_ddot.iter().any(|y| *y != 0.0) {
+            along(&*self.h, t, w);
+        }
+        // Ḃ = −P ḣ_y Z; B̈ = −P (ḧ_y Z + 2 ḣ_y Ż).
+        product([M, N, Q], &w.J_dot, &w.Z, &mut w.JZ);
+        product([X, M, Q], &w.P, &w.JZ, out.B_dot);
+        out.B_dot.iter_mut().for_each(|b| *b = -*b);
+        for j in 0..Q {
+            w.Z_dot[j * N..j * N + p].fill(0.0);
+            w.Z_dot[j * N + p..(j + 1) * N].copy_from_slice(&out.B_dot[j * X..(j + 1) * X]);
+        }
+        product([M, N, Q], &w.J_dot, &w.Z_dot, &mut w.JZ);
+        product([M, N, Q], &w.J_ddot, &w.Z, &mut w.bent[..M * Q]);
+        for (b, j) in w.bent.iter_mut().zip(&w.JZ) {
+            *b += 2.0 * j;
+        }
+        product([X, M, Q], &w.P, &w.bent[..M * Q], out.B_ddot);
+        out.B_ddot.iter_mut().for_each(|b| *b = -*b);
+    }
+
+    /// Z = ∂(p, x)/∂(q, p).
+    fn embed(&mut self) {
+        let (p, X, D) = (self.p, self.X, self.D);
+        let N = p + X;
+        let w = &mut self.work;
+        w.Z.fill(0.0);
+        for j in 0..D + p {
+            w.Z[j * N + p..(j + 1) * N].copy_from_slice(&w.Y[j * X..(j + 1) * X]);
+        }
+        for j in 0..p {
+            w.Z[j + (D + j) * N] = 1.0;
+        }
+    }
+
+    pub(super) fn geometric_stiffness(&mut self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        if self.solve(t, q).is_err() {
+            K.fill(f64::NAN);
+            return;
+        }
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        self.embed();
+        let w = &mut self.work;
+        product_tr([M, X, 1], &w.P, f, &mut w.lambda);
+        self.h.geometric_stiffness(t, &w.y, &w.lambda, &mut w.bend);
+        product([N, N, Q], &w.bend, &w.Z, &mut w.bent[..N * Q]);
+        product_tr([Q, N, Q], &w.Z, &w.bent[..N * Q], K);
+        K.iter_mut().for_each(|k| *k = -*k);
+    }
+
+    /// μ with f + h_xᵀ μ = 0 along the dependent coordinates.
+    pub(super) fn multipliers(&self, f: &[f64], mu: &mut [f64]) {
+        product_tr([self.M, self.X, 1], &self.work.P, f, mu);
+        mu.iter_mut().for_each(|m| *m = -*m);
+    }
+}
+
+fn norm_of(x: impl Iterator<Item = f64>) -> f64 {
+    x.map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The equations along the motion that stands in the workspace.
+fn along(h: &dyn Parametrization, t: f64, w: &mut Work) {
+    h.kinematics(
+        t,
+        &w.y,
+        &w.y_dot,
+        &w.y_ddot,
+        KinematicsMut {
+            x: &mut w.h,
+            x_dot: &mut w.h_dot,
+            x_ddot: &mut w.h_ddot,
+            B: &mut w.J,
+            B_dot: &mut w.J_dot,
+            B_ddot: &mut w.J_ddot,
+        },
+    );
+}
+
+pub(super) fn largest(x: &[f64]) -> usize {
+    let mut best = 0;
+    for (i, x_i) in x.iter().enumerate() {
+        if x_i.abs() > x[best].abs() || x_i.is_nan() {
+            best = i;
+        }
+    }
+    best
+}

@@ -1,0 +1,79 @@
+//! Which equations depend on which, and which coordinates they leave undetermined, in words.
+
+use super::super::chart::RANK;
+use super::super::names::list;
+use super::core::Core;
+use super::dense::Pivoted;
+
+/// Coefficients and components below this are not worth naming.
+const SMALL: f64 = 1e-4;
+
+impl Core {
+    /// Equations whose gradients are needed to write that of equation `i`, at h_y as it stands:
+    /// those that it depends on.
+    pub(super) fn others(&mut self, i: usize) -> String {
+        let X = self.X;
+        self.rank_equations();
+        let rows = &self.work.scaled;
+        let mut rest = rows.clone();
+        rest[i * X..(i + 1) * X].fill(0.0);
+        let mut found = Pivoted::default();
+        found.run(X, &rest);
+        let mut left = rows[i * X..(i + 1) * X].to_vec();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut named = Vec::new();
+        for k in (0..found.rank(RANK)).rev() {
+            let equation = found.order[k];
+            let row = &rows[equation * X..(equation + 1) * X];
+            let direction = found.direction(k);
+            let factor = dot(&left, direction) / dot(row, direction);
+            left.iter_mut().zip(row).for_each(|(l, r)| *l -= factor * r);
+            if factor.abs() > SMALL {
+                named.push(equation);
+            }
+        }
+        named.sort_unstable();
+        let names: Vec<String> = (named.iter())
+            .map(|&i| self.about.equations[i].clone())
+            .collect();
+        if names.is_empty() {
+            "no other equation".to_owned()
+        } else {
+            list(&names)
+        }
+    }
+
+    /// The equations beyond the rank (the weakest if all `expected` are there), each with those
+    /// that it depends on, and the unknowns that can move although the equations hold.
+    pub(super) fn dependences(&mut self, expected: usize) -> (String, String) {
+        let X = self.X;
+        self.rank_equations();
+        let equations = self.work.equations.clone();
+        let rank = equations.rank(RANK);
+        // Equations that say nothing in this mechanism (out of its plane) are not worth naming.
+        let mut weak: Vec<usize> = (equations.order.iter().skip(rank.min(self.M - 1)).copied())
+            .filter(|&i| {
+                self.work.scaled[i * X..(i + 1) * X]
+                    .iter()
+                    .any(|x| x.abs() > SMALL)
+            })
+            .collect();
+        weak.sort_unstable();
+        let dependent: Vec<String> = weak
+            .into_iter()
+            .map(|i| {
+                let others = self.others(i);
+                format!("{} depends on {others}", self.about.equations[i])
+            })
+            .collect();
+        let moves = |k: usize| {
+            let along = (0..rank.min(expected)).map(|j| equations.direction(j)[k].powi(2));
+            1.0 - along.sum::<f64>() > SMALL
+        };
+        let moving: Vec<String> = (0..X)
+            .filter(|&k| moves(k))
+            .map(|k| self.about.unknowns[k].name.clone())
+            .collect();
+        (list(&dependent), list(&moving))
+    }
+}

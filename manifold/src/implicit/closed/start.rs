@@ -1,0 +1,230 @@
+//! The first configuration: h(t, p, x) = 0 from a guess, before there are coordinates q.
+
+use super::super::ImplicitError;
+use super::super::chart::RANK;
+use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
+use super::Description;
+use super::core::{Anchor, Chart, Core, Work, largest};
+use crate::map::Parametrization;
+
+/// Iterations at most.
+const ITERATIONS: usize = 200;
+/// Steps from the configuration that is drawn to the one that is asked for.
+const STAGES: usize = 32;
+/// Distance (relative to sizes) at which the rank is looked at again, to tell a singular
+/// configuration from a mechanism that moves.
+const ASIDE: f64 = 1e-3;
+
+impl Core {
+    pub(super) fn assemble(
+        h: Box<dyn Parametrization>,
+        about: Description,
+        t: f64,
+        p: &[f64],
+    ) -> Result<Self, ImplicitError> {
+        let (N, M) = h.dims();
+        let X = about.unknowns.len();
+        debug_assert_eq!(N, p.len() + X);
+        debug_assert_eq!(M, about.equations.len());
+        let mut core = Self {
+            h,
+            about,
+            p: p.len(),
+            X,
+            M,
+            D: 0,
+            reference: vec![0.0; X],
+            chart: Chart::default(),
+            anchor: Anchor::default(),
+            sizes: vec![0.0; M],
+            work: Work::default(),
+        };
+        core.reserve();
+        core.work.y[..p.len()].copy_from_slice(p);
+        core.close(t)?;
+        core.reference = core.x().to_vec();
+        core.sizes.fill(0.0);
+        core.linearise(t);
+        core.measure();
+        core.rank_equations();
+        let rank = core.work.equations.rank(RANK);
+        core.D = X - rank;
+        core.look_aside(t, rank)?;
+        let y = core.work.y.clone();
+        core.reserve();
+        core.work.y = y;
+        core.h.change_charts(t, &core.work.y);
+        core.linearise(t);
+        core.sizes.fill(0.0);
+        core.measure();
+        if core.choose().is_infinite() {
+            return Err(core.singular_start(X - rank));
+        }
+        core.chart = core.work.trial.clone();
+        core.anchor = Anchor {
+            t,
+            q: vec![0.0; core.D],
+            x: vec![0.0; X],
+            Y: vec![0.0; X * (core.D + core.p)],
+        };
+        core.anchor.q.extend_from_slice(p);
+        let q = core.anchor.q.clone();
+        core.refresh(t, &q);
+        Ok(core)
+    }
+
+    /// x that satisfies the equations, from zero or the values that are asked for.
+    fn close(&mut self, t: f64) -> Result<(), ImplicitError> {
+        let p = self.p;
+        let wanted: Vec<Option<f64>> = self.about.unknowns.iter().map(|u| u.start).collect();
+        let held: Vec<bool> = wanted.iter().map(Option::is_some).collect();
+        let free = vec![false; self.X];
+        if !held.contains(&true) {
+            return self.newton(t, &free);
+        }
+        if self.newton(t, &free).is_ok() && self.x().iter().all(|x| x.abs() < 1e-6) {
+            // As drawn it is closed: to the values in steps, on one branch.
+            let from = self.x().to_vec();
+            let stage = |core: &mut Self, part: f64| {
+                for (k, wanted) in wanted.iter().enumerate() {
+                    if let Some(to) = wanted {
+                        core.work.y[p + k] = from[k] + part * (to - from[k]);
+                    }
+                }
+                core.newton(t, &held)
+            };
+            if (1..=STAGES).all(|k| stage(self, k as f64 / STAGES as f64).is_ok()) {
+                return Ok(());
+            }
+        }
+        let guess = |core: &mut Self| {
+            for (k, wanted) in wanted.iter().enumerate() {
+                core.work.y[p + k] = wanted.unwrap_or(0.0);
+            }
+        };
+        guess(self);
+        if self.newton(t, &held).is_ok() {
+            return Ok(());
+        }
+        guess(self);
+        self.newton(t, &free)
+    }
+
+    /// Newton's method with steps of least length (of unknowns over their sizes), at most 1 long,
+    /// on the independent equations; the unknowns in `held` stay.
+    fn newton(&mut self, t: f64, held: &[bool]) -> Result<(), ImplicitError> {
+        let (p, X, M) = (self.p, self.X, self.M);
+        let mut before = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            self.linearise(t);
+            let finite = |i: usize| {
+                let J = &self.work.J;
+                self.work.h[i].is_finite() && (0..p + X).all(|k| J[i + k * M].is_finite())
+            };
+            if let Some(i) = (0..M).find(|&i| !finite(i)) {
+                let equation = self.about.equations[i].clone();
+                return Err(ImplicitError::NotFinite { equation });
+            }
+            self.sizes.fill(0.0);
+            self.measure();
+            for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+                self.work.J[(p + k) * M..(p + k + 1) * M].fill(0.0);
+            }
+            self.rank_equations();
+            let w = &mut self.work;
+            // With the basis Q of their gradients the equations are triangular in y, ξ = Q y.
+            let mut step = vec![0.0; X];
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            for k in 0..w.equations.rank(RANK) {
+                let i = w.equations.order[k];
+                let row = &w.scaled[i * X..(i + 1) * X];
+                let direction = w.equations.direction(k);
+                let h = w.h[i] / self.sizes[i];
+                let y = -(h + dot(row, &step)) / dot(row, direction);
+                step.iter_mut()
+                    .zip(direction)
+                    .for_each(|(s, d)| *s += d * y);
+            }
+            let size = dot(&step, &step).sqrt();
+            let part = 1.0 / size.max(1.0);
+            for k in 0..X {
+                w.y[p + k] += step[k] * part * self.about.unknowns[k].size;
+            }
+            if size <= CONVERGED || (size <= ROUNDING && size > 0.5 * before) {
+                return self.hold(t);
+            }
+            before = size;
+        }
+        Err(self.open())
+    }
+
+    /// Whether all equations hold.
+    fn hold(&mut self, t: f64) -> Result<(), ImplicitError> {
+        self.linearise(t);
+        self.sizes.fill(0.0);
+        self.measure();
+        let wrong = |i: &usize| self.work.h[*i].abs() > CONSISTENT * self.sizes[*i].max(1.0);
+        match (0..self.M).find(wrong) {
+            None => Ok(()),
+            Some(_) => Err(self.open()),
+        }
+    }
+
+    fn open(&self) -> ImplicitError {
+        let i = largest(&self.work.h);
+        ImplicitError::NotAssembled {
+            equation: self.about.equations[i].clone(),
+            residual: self.work.h[i],
+            iterations: ITERATIONS,
+        }
+    }
+
+    /// Looks at the rank a little aside. Where it is larger there, or where nothing can move that
+    /// far although the rank says so, the configuration is singular.
+    fn look_aside(&mut self, t: f64, rank: usize) -> Result<(), ImplicitError> {
+        let (p, X) = (self.p, self.X);
+        if rank == X {
+            return Ok(());
+        }
+        let y = self.work.y.clone();
+        let sizes = self.sizes.clone();
+        // A direction across the gradients that no symmetry distinguishes.
+        let mut n: Vec<f64> = (0..X).map(|k| 1.0 + (1.7 * (k + 1) as f64).sin()).collect();
+        for k in 0..rank {
+            let d = self.work.equations.direction(k);
+            let along: f64 = n.iter().zip(d).map(|(n, d)| n * d).sum();
+            n.iter_mut().zip(d).for_each(|(n, d)| *n -= along * d);
+        }
+        let length = super::dense::norm(&n);
+        for k in 0..X {
+            self.work.y[p + k] += ASIDE * n[k] / length * self.size(k);
+        }
+        let found = self.newton(t, &vec![false; X]).is_ok();
+        let moved: f64 = (0..X)
+            .map(|k| ((self.work.y[p + k] - y[p + k]) / self.size(k)).powi(2))
+            .sum();
+        self.linearise(t);
+        self.sizes = sizes;
+        self.rank_equations();
+        let there = self.work.equations.rank(RANK);
+        self.work.y = y;
+        self.linearise(t);
+        if found && moved.sqrt() > 0.5 * ASIDE && there <= rank {
+            return Ok(());
+        }
+        Err(self.singular_start(there.max(rank + 1)))
+    }
+
+    fn singular_start(&mut self, expected: usize) -> ImplicitError {
+        self.rank_equations();
+        let rank = self.work.equations.rank(RANK);
+        let expected = expected.min(self.X);
+        let (equations, coordinates) = self.dependences(expected);
+        ImplicitError::Singular {
+            equations,
+            coordinates,
+            left: self.X - rank,
+            expected: self.X - expected,
+        }
+    }
+}

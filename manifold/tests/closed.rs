@@ -1,0 +1,233 @@
+//! Implicit constraints of run-time size against those of fixed size.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::{SVector, Vector2};
+use pullback_manifold::implicit::closed::{Description, Unknown};
+use pullback_manifold::implicit::{Choice, Closed, Implicit, ImplicitError, Solved};
+use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
+use pullback_manifold::scalar::Scalar;
+
+const LINKS: usize = 5;
+
+/// A chain of bars of length one between two points; the last one may be longer, and the equations
+/// may say everything twice.
+#[derive(Clone, Copy, Debug)]
+struct Chain;
+
+impl Implicit<LINKS, 2> for Chain {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, LINKS>) -> SVector<S, 2> {
+        let mut end = Vector2::new(S::constant(-3.0) - t * 0.1 * t, t * 0.2);
+        for x in x.iter() {
+            end[0] += x.cos();
+            end[1] += x.sin();
+        }
+        end
+    }
+}
+
+/// The same as a map of its residuals, and once more their sum and difference.
+#[derive(Clone, Copy)]
+struct Twice;
+
+impl Map<LINKS, 4> for Twice {
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, LINKS>) -> SVector<S, 4> {
+        let h = Chain.h(t, x);
+        SVector::<S, 4>::new(h[0], h[1], h[0] + h[1], h[0] - h[1])
+    }
+}
+
+const GUESS: [f64; LINKS] = [-1.2, -0.6, 0.3, 0.5, 1.0];
+const T: f64 = 0.3;
+
+fn about(starts: &[Option<f64>], equations: usize) -> Description {
+    let unknown = |(k, start): (usize, &Option<f64>)| Unknown {
+        name: format!("x{k}"),
+        size: 1.0,
+        start: *start,
+    };
+    Description {
+        unknowns: starts.iter().enumerate().map(unknown).collect(),
+        rotations: Vec::new(),
+        equations: (0..equations).map(|i| format!("h{i}")).collect(),
+    }
+}
+
+/// x, ẋ, ẍ, B, Ḃ, B̈ and K_σ(f), each scaled to order one.
+fn everything(
+    map: &dyn Parametrization,
+    q: &[f64],
+    v: &[f64],
+    a: &[f64],
+    f: &[f64],
+) -> Vec<Vec<f64>> {
+    let (d, n) = map.dims();
+    let z = |n: usize| vec![0.0; n];
+    let mut out = vec![z(n), z(n), z(n), z(n * d), z(n * d), z(n * d), z(d * d)];
+    let (first, last) = out.split_at_mut(6);
+    let [x, x_dot, x_ddot, B, B_dot, B_ddot] = first else {
+        unreachable!()
+    };
+    let motion = KinematicsMut {
+        x,
+        x_dot,
+        x_ddot,
+        B,
+        B_dot,
+        B_ddot,
+    };
+    map.kinematics(T, q, v, a, motion);
+    map.geometric_stiffness(T, q, f, &mut last[0]);
+    out
+}
+
+fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let gap = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        assert_eq!(a.len(), b.len());
+        let size = b.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        a.iter()
+            .zip(b)
+            .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs() / size))
+    };
+    a.iter().zip(b).map(gap).fold(0.0, f64::max)
+}
+
+fn fixed() -> Solved<Chain, 3, LINKS, 2> {
+    let map = Solved::<_, 3, LINKS, 2>::with(Chain, T, GUESS, Choice::Fixed).unwrap();
+    map.with_independent(T, [0, 1, 2]).unwrap()
+}
+
+#[test]
+fn derivatives_are_those_of_fixed_size_with_redundant_equations() {
+    let fixed = fixed();
+    let starts = fixed.reference().map(Some);
+    let mut closed = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    assert_eq!(closed.freedoms(), 3);
+    assert!(
+        closed.note().unwrap().contains("redundant: "),
+        "{:?}",
+        closed.note()
+    );
+    let (mut q, mut v) = ([0.0; 3], [0.0; 3]);
+    assert!(closed.switch(T, Some(&[0, 1, 2]), &mut q, &mut v, &mut []));
+    let [v, a] = [[0.4, -0.7, 1.1], [0.3, 0.9, -0.2]];
+    let f = [0.2, -0.5, 1.0, 0.7, -0.3];
+    for reach in [0.0, 1e-8, 0.1, 0.3] {
+        let q = [reach, -0.5 * reach, 0.8 * reach];
+        let one = everything(&closed, &q, &v, &a, &f);
+        let other = everything(&*fixed.boxed(), &q, &v, &a, &f);
+        let gap = difference(&one, &other);
+        assert!(gap < 1e-11, "at {reach}: {gap:e}");
+    }
+}
+
+/// The first bar is given from outside: (p, x) as one vector.
+#[derive(Clone, Copy)]
+struct Given;
+
+impl Map<LINKS, 2> for Given {
+    fn phi<S: Scalar>(&self, t: S, y: &SVector<S, LINKS>) -> SVector<S, 2> {
+        Chain.h(t, y)
+    }
+}
+
+#[test]
+fn parameters_are_independent_coordinates_from_outside() {
+    let fixed = fixed();
+    let x = fixed.reference();
+    let starts: Vec<Option<f64>> = x.iter().skip(1).copied().map(Some).collect();
+    let mut closed = Closed::new(Given.boxed(), about(&starts, 2), T, &[x[0]]).unwrap();
+    assert_eq!(closed.freedoms(), 2);
+    let (mut q, mut v) = ([0.0, 0.0, x[0]], [0.0; 3]);
+    assert!(closed.switch(T, Some(&[0, 1]), &mut q, &mut v, &mut []));
+    let f = [0.2, -0.5, 1.0, 0.7];
+    for reach in [0.0, 0.1, 0.3] {
+        // Order of the fixed one: x0, x1, x2; of the other: x1, x2, p = x0.
+        let turn = |z: [f64; 3]| [z[1], z[2], z[0]];
+        let (q, v, a) = (
+            [reach, -0.5 * reach, 0.8 * reach],
+            [0.4, -0.7, 1.1],
+            [0.3, 0.9, -0.2],
+        );
+        let mut at = turn(q);
+        at[2] += x[0];
+        let one = everything(&closed, &at, &turn(v), &turn(a), &f);
+        let other = everything(&*fixed.boxed(), &q, &v, &a, &[0.0, f[0], f[1], f[2], f[3]]);
+        let columns = [1, 2, 0];
+        let other: Vec<Vec<f64>> = (other.iter().enumerate())
+            .map(|(k, z)| match k {
+                0..3 => z[1..].to_vec(),
+                3..6 => (columns.iter())
+                    .flat_map(|&j| z[j * LINKS + 1..(j + 1) * LINKS].to_vec())
+                    .collect(),
+                _ => (columns.iter())
+                    .flat_map(|&j| columns.map(|i| z[i + 3 * j]))
+                    .collect(),
+            })
+            .collect();
+        let gap = difference(&one, &other);
+        assert!(gap < 1e-11, "at {reach}: {gap:e}");
+    }
+}
+
+#[test]
+fn a_change_of_chart_keeps_the_motion_and_can_be_recalled() {
+    let starts = fixed().reference().map(Some);
+    let mut closed = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    let f = [0.0; LINKS];
+    let (mut q, mut v) = ([0.1, -0.2, 0.15], [0.4, -0.7, 1.1]);
+    let mut a = vec![vec![0.3, 0.9, -0.2], vec![-1.0, 0.1, 0.5]];
+    for independent in [Some([0, 2, 4]), None, Some([1, 2, 3])] {
+        let before = [0, 1].map(|k| everything(&closed, &q, &v, &a[k], &f)[..3].to_vec());
+        let chosen = independent.as_ref().map(|k| &k[..]);
+        assert!(closed.switch(T, chosen, &mut q, &mut v, &mut a));
+        for k in 0..2 {
+            let after = everything(&closed, &q, &v, &a[k], &f)[..3].to_vec();
+            let gap = difference(&after, &before[k]);
+            assert!(gap < 1e-13, "{independent:?}: {gap:e}");
+        }
+    }
+    // A fresh one that recalls what this one remembers is the same to the last bit.
+    let mut fresh = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
+    assert!(!fresh.recall(&closed.memory()[1..]));
+    assert!(fresh.recall(&closed.memory()));
+    let next = [q[0] + 0.02, q[1], q[2] - 0.01];
+    let [one, other] = [&closed, &fresh].map(|map| everything(map, &next, &v, &a[0], &f));
+    assert_eq!(one, other);
+}
+
+#[test]
+fn what_does_not_close_is_named() {
+    // Five bars of length one do not reach 3 + 0.1 t² for t = 6.
+    let starts = [None; LINKS];
+    let error = Closed::new(Twice.boxed(), about(&starts, 4), 6.0, &[])
+        .err()
+        .unwrap();
+    assert!(
+        matches!(error, ImplicitError::NotAssembled { .. }),
+        "{error}"
+    );
+    assert!(error.to_string().contains('h'), "{error}");
+    // Stretched out, the bars can only move sideways: the equations along them say nothing.
+    let straight = Implicitly(5.0);
+    let error = Closed::new(straight.boxed(), about(&[None; LINKS], 2), 0.0, &[])
+        .err()
+        .unwrap();
+    assert!(matches!(error, ImplicitError::Singular { .. }), "{error}");
+}
+
+/// The chain over another span.
+#[derive(Clone, Copy)]
+struct Implicitly(f64);
+
+impl Map<LINKS, 2> for Implicitly {
+    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, LINKS>) -> SVector<S, 2> {
+        let mut end = Vector2::new(S::constant(-self.0), S::zero());
+        for x in x.iter() {
+            end[0] += x.cos();
+            end[1] += x.sin();
+        }
+        end
+    }
+}

@@ -1,0 +1,266 @@
+//! Mechanisms with published or exact motions: Andrews' squeezer, Bricard's, Bauchau's.
+
+use super::case::{Case, CaseError, Context};
+use super::motion::{History, Run};
+use crate::input::{self, Plan};
+use crate::solve::{begin, point};
+use pullback_elements::model::NodeState;
+use pullback_integrators::dynamics::{DynamicsError, Progress, integrate, start};
+use std::ops::ControlFlow;
+
+/// R06: seven bodies, three loops.
+pub const SQUEEZER: Case = Case {
+    name: "squeezer",
+    run: squeezer,
+};
+
+/// A loop that moves although it should not.
+pub const BRICARD: Case = Case {
+    name: "bricard",
+    run: bricard,
+};
+
+/// D06: a linkage that moves only because its bars bend.
+pub const MISALIGNED: Case = Case {
+    name: "four-bar-misaligned",
+    run: misaligned,
+};
+
+/// Angles, rates and accelerations of Andrews' mechanism at t = 0.03.
+const ANGLES: [[f64; 7]; 3] = [
+    [
+        15.81077119629904,
+        -15.75637105984298,
+        0.04082224013073101,
+        -0.5347301163226948,
+        0.5244099658805303,
+        0.5347301163226948,
+        1.048080741042263,
+    ],
+    [
+        1139.920302151208,
+        -1424.379294994111,
+        11.03291221937134,
+        19.29337464421385,
+        0.5735699284790808,
+        -19.29337464421385,
+        0.3231791658026955,
+    ],
+    [
+        -24631.76316945196,
+        51850.37701610329,
+        324102.5686413781,
+        566749.3645176213,
+        16743.62929479361,
+        -566749.3645176222,
+        9826.520791458423,
+    ],
+];
+const NAMES: [&str; 7] = ["beta", "theta", "gamma", "phi", "delta", "omega", "epsilon"];
+
+/// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
+/// pairs of nodes on the way.
+fn joints<const N: usize>(
+    context: &Context,
+    file: &input::ModelFile,
+    step: f64,
+    names: [&str; N],
+    pairs: &[[&str; 2]],
+    seen: &mut dyn FnMut([f64; N]),
+) -> Result<([[f64; N]; 3], f64), CaseError> {
+    let case = context.case;
+    let job = input::job(case, file).map_err(|source| context.model_error(source))?;
+    let Plan::Dynamic(plan) = job.plan else {
+        return Err(context.setup("its analysis is not dynamic"));
+    };
+    let mut model = job.model;
+    let missing = |node: &str| CaseError::Node {
+        case: case.to_owned(),
+        node: node.to_owned(),
+    };
+    let mut nodes = Vec::new();
+    for name in names {
+        let name = format!("{name} angle");
+        nodes.push(model.find(&name).ok_or_else(|| missing(&name))?);
+    }
+    let mut ends = Vec::new();
+    for pair in pairs {
+        for &name in pair {
+            ends.push(model.find(name).ok_or_else(|| missing(name))?);
+        }
+    }
+    let fail = |source: DynamicsError| CaseError::Motion {
+        case: case.to_owned(),
+        source,
+    };
+    let mut options = plan.options;
+    options.step = step;
+    options.min_step = options.min_step.min(1e-6 * step);
+    let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
+    let mut progress = Progress::new(initial);
+    begin(&mut model, &options, &mut progress).map_err(fail)?;
+    let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
+    let mut failed = None;
+    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        if let Err(source) = model.configure(point(step.progress)) {
+            failed = Some(source);
+            return ControlFlow::Break(());
+        }
+        for (k, &node) in nodes.iter().enumerate() {
+            let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
+            for d in 0..3 {
+                end[d][k] = motion[d];
+            }
+        }
+        for pair in ends.chunks_exact(2) {
+            let [a, b] = [pair[0], pair[1]].map(|n| model.node_state(n).place);
+            gap = gap.max((a - b).norm());
+        }
+        seen(end[0]);
+        ControlFlow::Continue(())
+    })
+    .map_err(fail)?;
+    match failed {
+        Some(source) => Err(fail(DynamicsError::System { t: 0.0, source })),
+        None => Ok((end, gap)),
+    }
+}
+
+fn squeezer(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../examples/models/squeezer.toml"))?;
+    let pairs = [["P", "K3 end"], ["P", "K4 end"], ["P", "K6 end"]];
+    let mut runs = Vec::new();
+    let mut gap = 0.0_f64;
+    for step in [2e-5, 1e-5, 5e-6] {
+        let (end, open) = joints(context, &file, step, NAMES, &pairs, &mut |_| {})?;
+        runs.push(end);
+        gap = gap.max(open);
+    }
+    // The trapezoidal rule is symmetric: its errors have even powers of the step.
+    let mix = |coarse: &[[f64; 7]; 3], fine: &[[f64; 7]; 3], power: f64| -> [[f64; 7]; 3] {
+        std::array::from_fn(|d| {
+            std::array::from_fn(|k| fine[d][k] + (fine[d][k] - coarse[d][k]) / (power - 1.0))
+        })
+    };
+    let once = [mix(&runs[0], &runs[1], 4.0), mix(&runs[1], &runs[2], 4.0)];
+    let found = mix(&once[0], &once[1], 16.0);
+    let source = "published: IVP test set II-9 (PSIDE, 1e-14), R06";
+    for (d, (what, tolerance)) in [("", 1e-8), ("rate of ", 1e-8), ("acceleration of ", 3e-7)]
+        .into_iter()
+        .enumerate()
+    {
+        let size = ANGLES[d].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for (k, name) in NAMES.into_iter().enumerate() {
+            let what = format!("{what}{name} at t = 0.03");
+            context.compare(what, found[d][k], ANGLES[d][k], tolerance * size, source);
+        }
+    }
+    let source = "exact: the loops are closed at all times";
+    context.compare("largest gap at P", gap, 0.0, 1e-15, source);
+    Ok(())
+}
+
+fn bricard(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../examples/models/bricard.toml"))?;
+    let names = [
+        "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
+    ];
+    let (mut worst, mut uneven, mut travel) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (_, gap) = joints(
+        context,
+        &file,
+        4e-3,
+        names,
+        &[["end 5", "last"]],
+        &mut |x| {
+            // Turned by a right angle where it is drawn, on a cube: cos of 90° + x.
+            let [a, b] = [-x[0].sin(), -x[1].sin()];
+            worst = worst.max((a + b + a * b).abs());
+            let same = |k: usize| (x[k] - x[k % 2]).abs();
+            uneven = (0..6).map(same).fold(uneven, f64::max);
+            travel = travel.max(x[0].abs());
+        },
+    )?;
+    let source = "exact: threefold-symmetric Bricard linkage, twist 90° (Chen, You & Tarnai 2005)";
+    let what = "cos θ + cos φ + cos θ cos φ, largest in 1250 steps";
+    context.compare(what, worst, 0.0, 1e-12, source);
+    context.compare(
+        "largest difference of every other hinge",
+        uneven,
+        0.0,
+        1e-12,
+        source,
+    );
+    let source = "exact: the loop is closed at all times";
+    context.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
+    let run = context.motion(&file, &["end 2"], Run::step(2e-3))?;
+    let energy = run.total_energy();
+    let kinetic = run.audit(|a| a.energies.kinetic);
+    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
+    let change = energy
+        .iter()
+        .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
+    let source = "exact: energy is constant";
+    context.compare(
+        "largest relative change of energy",
+        change / most,
+        0.0,
+        1e-3,
+        source,
+    );
+    if travel < 0.5 {
+        return Err(context.setup("it does not move far enough to prove anything"));
+    }
+    Ok(())
+}
+
+fn misaligned(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!(
+        "../../examples/models/four_bar_misaligned.toml"
+    ))?;
+    let watched = ["C", "tip of bar 3", "axis A", "axis D"];
+    let turn = |run: &History, node: usize| {
+        let states: &Vec<NodeState> = &run.nodes[node];
+        let mut continued = nalgebra::Vector3::zeros();
+        for s in states {
+            continued = crate::probe::continue_rotation(&continued, &s.psi);
+        }
+        continued
+    };
+    // A parallelogram where the axis is not misaligned: bar 3 turns like bar 1.
+    let mut aligned = file.clone();
+    for joint in &mut aligned.joints {
+        if let Some(axis) = joint.keys.get_mut("axis") {
+            *axis = serde_json::json!([0.0, 0.0, 1.0]);
+        }
+    }
+    let run = context.motion(&aligned, &watched, Run::step(8e-3))?;
+    let source = "exact: rigid parallelogram";
+    let what = "aligned: angle of bar 3 at t = 12";
+    context.compare(what, turn(&run, 3).z, -7.2, 1e-3, source);
+    let off = |run: &History| {
+        let states = run.nodes[0].iter();
+        states.fold(0.0_f64, |m, s| m.max(s.d.z.abs()))
+    };
+    context.compare(
+        "aligned: largest deflection at C",
+        off(&run),
+        0.0,
+        1e-12,
+        source,
+    );
+    let runs = [8e-3, 4e-3].map(|h| context.motion(&file, &watched, Run::step(h)));
+    let [coarse, fine] = runs;
+    let (coarse, fine) = (coarse?, fine?);
+    let source = "exact: the loop is closed at all times";
+    let both = fine.nodes[0].iter().zip(&fine.nodes[1]);
+    let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()));
+    context.compare("largest gap at C", gap, 0.0, 1e-14, source);
+    // The angle between the axes as bars 2 and 3 carry them stays 5° bent off e3.
+    let source = "self-consistent: half the step";
+    let what = "largest deflection at C across the plane";
+    context.compare(what, off(&coarse), off(&fine), 0.01 * off(&fine), source);
+    let what = "angle of bar 3 at t = 12";
+    context.compare(what, turn(&coarse, 3).z, turn(&fine, 3).z, 1e-2, source);
+    Ok(())
+}

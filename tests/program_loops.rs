@@ -1,0 +1,178 @@
+//! Closed loops in model files: what the program finds out, says, refuses and takes up again.
+#![allow(clippy::unwrap_used)]
+
+mod program_support;
+
+use program_support::{directory, history, number, program, read, refusal, results, write};
+use pullback::run::{resume, run};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+const FOUR_BAR: &str = include_str!("../examples/models/four_bar.toml");
+
+/// The four-bar linkage with other words, one after the other.
+fn with(changes: &[(&str, &str)]) -> String {
+    changes
+        .iter()
+        .fold(FOUR_BAR.to_owned(), |text, (old, new)| {
+            assert!(text.contains(old), "the model does not contain {old:?}");
+            text.replacen(old, new, 1)
+        })
+}
+
+#[test]
+fn the_program_says_which_joint_closes_the_loop() {
+    let out = directory("loops-notes");
+    let model = write(&out, &with(&[("to = 4", "to = 0.1")]));
+    let ran = program(&[&model]);
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    assert!(
+        said.contains("joint C closes a loop; independent: "),
+        "{said}"
+    );
+    assert!(said.contains("redundant: "), "{said}");
+    let rows = history(&out.join("model.out"));
+    for row in &rows {
+        for k in ["x", "y", "z"] {
+            let [a, b] = ["gap a", "gap b"].map(|n| number(row, &format!("{n}.{k}")));
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_free_child_hangs_on_its_joint() {
+    // The rocker's tip as a node of its own, with a body of its own on it.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nweight = [1.2, 1.9, 0]",
+        ),
+        ("child = \"rocker tip\"", "child = \"weight\""),
+        (
+            "[[supports]]",
+            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\ninertia = [1, 1, 1]\n\n[[supports]]",
+        ),
+        ("to = 4", "to = 0.02"),
+        ("rate = 4.5", ""),
+    ]);
+    let out = directory("loops-free");
+    let ran = program(&[&write(&out, &text)]);
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    assert!(said.contains("joint C: weight hangs on it"), "{said}");
+}
+
+#[test]
+fn a_resumed_loop_gives_the_same_bits() {
+    // Long enough for the coordinates to change on both sides of the interruption.
+    let text = with(&[("to = 4", "to = 2.4\ncheckpoint_every = 50")]);
+    let straight = directory("loops-straight");
+    let broken = directory("loops-broken");
+    let go_on = |_: &pullback::solve::Advance<'_>| ControlFlow::Continue(());
+    let model = write(&straight, &text);
+    run(&model, None, &mut { go_on }).unwrap();
+    let model = write(&broken, &text);
+    let mut steps = 0;
+    run(&model, None, &mut |_| {
+        steps += 1;
+        if steps < 610 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    })
+    .unwrap();
+    resume(&model, None, &mut { go_on }).unwrap();
+    let [one, other] = [&straight, &broken].map(|d| d.join("model.out"));
+    let csv = |out: &Path| read(out.join("history.csv"));
+    assert!(csv(&one) == csv(&other), "history.csv differs");
+    let changes = |out: &Path| {
+        results(out)["statistics"]["chart_changes"]
+            .as_u64()
+            .unwrap()
+    };
+    assert!(changes(&one) >= 2, "{} changes", changes(&one));
+    assert_eq!(changes(&one), changes(&other));
+    // A checkpoint of another loop is refused.
+    let path = broken.join("model.out/checkpoint.json");
+    let text = read(&path);
+    let at = text.find("\"maps\":[").unwrap();
+    let damaged = format!("{}\"maps\":[[1.0],{}", &text[..at], &text[at + 8..]);
+    std::fs::write(&path, damaged).unwrap();
+    let longer = read(&model).replace("to = 2.4", "to = 2.5");
+    std::fs::write(&model, longer).unwrap();
+    let error = resume(&model, None, &mut { go_on }).unwrap_err();
+    assert!(error.to_string().contains("damaged"), "{error}");
+}
+
+#[test]
+fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
+    // A coupler that ends beside the plane of the others.
+    let text = with(&[("place = [1.2, 1.9, 0]", "place = [1.2, 1.9, 0.3]")]);
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("gap along e3 at joint C") && said.contains("e-1"),
+        "{said}"
+    );
+    // A free node at another place.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nweight = [1.2, 2, 0]",
+        ),
+        ("child = \"rocker tip\"", "child = \"weight\""),
+        (
+            "[[supports]]",
+            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\n\n[[supports]]",
+        ),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("joint C") && said.contains("apart"), "{said}");
+    // Rates that the loop does not allow.
+    let text = with(&[(
+        "name = \"B\"\ntype = \"revolute\"",
+        "name = \"B\"\ntype = \"revolute\"\nrate = 3.0",
+    )]);
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("rates") && said.contains("contradict"),
+        "{said}"
+    );
+    // A loop over a body that flies freely.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nfree = [1.6, 0, 0]",
+        ),
+        (
+            "name = \"D\"\ntype = \"revolute\"\nmaster = \"foot\"",
+            "name = \"D\"\ntype = \"revolute\"\nmaster = \"free\"",
+        ),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("joint C") && said.contains("free"), "{said}");
+}
+
+#[test]
+fn a_singular_start_is_named() {
+    // A parallelogram drawn flat.
+    let text = with(&[
+        ("place = [0, 1, 0]", "place = [1, 0, 0]"),
+        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
+        ("place = [1.6, 0, 0]", "place = [2, 0, 0]"),
+        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("singular"), "{said}");
+    assert!(said.contains("joint C"), "{said}");
+}
