@@ -12,7 +12,7 @@ mod models;
 use criterion::{Criterion, criterion_group, criterion_main};
 use models::{falling, flying, robot_arm};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
-use pullback::elements::beam::{Beam, Damping};
+use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
 use pullback::elements::joint::{Hung, Revolute};

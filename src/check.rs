@@ -1,9 +1,9 @@
 //! Checks of components and models: the library's side of `pullback check MODEL.toml`.
 //!
-//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file`] the model of a file;
-//! [`element`] and [`same`] are the conformance kit for elements of one's own, and
-//! [`manifold::check`](crate::manifold::check) has those for maps and charts. All hand back one
-//! [`Report`]: [`table`] and [`entries`] make it readable.
+//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
+//! [`element`] and [`same`] are the conformance kit for elements of one's own, [`map`] is that for
+//! joints (of [`Hung`](crate::prelude::Hung) of them), and [`manifold::check`](crate::manifold::check)
+//! has more for maps and charts. All hand back one [`Report`]: [`table`] and [`entries`] make it readable.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -20,7 +20,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_elements::check::{Options, element, model, same};
-pub use pullback_manifold::check::{Block, Measure, Report, Row};
+pub use pullback_manifold::check::{Block, Measure, Report, Row, map};
 
 /// Random states of a model besides its start.
 const STATES: usize = 3;
@@ -34,9 +34,14 @@ const DESCRIBED: usize = 20;
 /// # Errors
 /// [`InputError`] when the file is refused.
 pub fn file(path: &Path, seed: u64) -> Result<Report, InputError> {
-    let mut job = input::load(path)?;
-    let options = options(&job, seed);
-    Ok(model(&mut job.model, &options))
+    let mut loaded = input::load(path)?;
+    Ok(job(&mut loaded, seed))
+}
+
+/// Checks the model of a job where its analysis starts, and around that.
+pub fn job(job: &mut Job, seed: u64) -> Report {
+    let options = options(job, seed);
+    model(&mut job.model, &options)
 }
 
 /// The state and the time at which the model of a job is checked.

@@ -82,12 +82,14 @@
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
 
 pub mod check;
+pub mod cli;
 pub mod gallery;
 pub mod input;
 pub mod output;
 pub mod probe;
 pub mod run;
 pub mod solve;
+mod terminal;
 
 pub use pullback_elements as elements;
 pub use pullback_integrators as integrators;
@@ -95,11 +97,17 @@ pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
-    pub use nalgebra::{Matrix3, Unit, Vector3};
+    pub use crate::check;
+    pub use crate::input::Registry;
+    pub use nalgebra::{Matrix3, SVector, Unit, Vector3};
     pub use pullback_elements::beam::{Material, Section};
     pub use pullback_elements::body::{PointMass, RigidBody};
     pub use pullback_elements::inertia::Inertia;
-    pub use pullback_elements::joint::{offset, revolute, slide, spherical};
+    pub use pullback_elements::joint::{
+        Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
+        gear, helical, offset, on_curve, on_surface, planar, prismatic, rack, revolute, slide,
+        spherical, universal, weld,
+    };
     pub use pullback_elements::load::{CoordinateForce, LineLoad, NodalLoad, Which};
     pub use pullback_elements::model::{
         Arc, Audit, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState,
@@ -115,6 +123,8 @@ pub mod prelude {
     pub use pullback_integrators::statics::{
         ArcLengthOptions, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
     };
+    pub use pullback_manifold::scalar::Scalar;
+    pub use pullback_manifold::so3::Quaternion;
     pub use pullback_manifold::system::{Point, System};
     pub use std::ops::ControlFlow;
 }

@@ -89,18 +89,7 @@ pub fn resume(
 ) -> Result<Outcome, RunError> {
     let job = input::load(model)?;
     let directory = out.map_or_else(|| default_directory(model), Path::to_path_buf);
-    let Plan::Dynamic(plan) = &job.plan else {
-        return Err(ResumeError::Statics.into());
-    };
-    let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let columns = job.probes.iter().map(|p| p.columns().len()).sum();
-    let checkpoint = Checkpoint::read(&directory, &settings, &job.model, columns)?;
-    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
-    if t >= to {
-        return Err(ResumeError::Passed { t, to }.into());
-    }
-    let source = model.display().to_string();
-    execute(job, &source, &directory, Some(checkpoint), observer)
+    resume_job(job, &model.display().to_string(), &directory, observer)
 }
 
 /// Runs a job that has been assembled; `source` is what the results call its model file.
@@ -114,6 +103,29 @@ pub fn run_job(
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     execute(job, source, directory, None, observer)
+}
+
+/// As [`resume`], for a job that has been assembled.
+///
+/// # Errors
+/// As [`resume`].
+pub fn resume_job(
+    job: Job,
+    source: &str,
+    directory: &Path,
+    observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
+) -> Result<Outcome, RunError> {
+    let Plan::Dynamic(plan) = &job.plan else {
+        return Err(ResumeError::Statics.into());
+    };
+    let settings = serde_json::to_value(&job.file).unwrap_or_default();
+    let columns = job.probes.iter().map(|p| p.columns().len()).sum();
+    let checkpoint = Checkpoint::read(directory, &settings, &job.model, columns)?;
+    let (t, to) = (checkpoint.progress().state.t, plan.options.to);
+    if t >= to {
+        return Err(ResumeError::Passed { t, to }.into());
+    }
+    execute(job, source, directory, Some(checkpoint), observer)
 }
 
 fn execute(

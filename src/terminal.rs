@@ -1,12 +1,12 @@
 //! What the program shows while it works, and how it is stopped.
 
+use crate::gallery::Comparison;
+use crate::solve::{Advance, Counts};
 use indicatif::{ProgressBar, ProgressStyle};
-use pullback::gallery::Comparison;
-use pullback::solve::{Advance, Counts};
 use std::fmt::Write;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// A line that tells where the analysis is; silent when standard error is no terminal.
 pub struct Progress(ProgressBar);
@@ -54,20 +54,10 @@ impl Progress {
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens from now on.
+    /// Listens from now on; a program has one ear, whatever it runs.
     pub fn install() -> Self {
-        let asked = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&asked);
-        let installed = ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(crate::INTERRUPTED));
-            }
-            eprintln!("\nstopping after this step (Ctrl-C again stops at once)");
-        });
-        if let Err(error) = installed {
-            eprintln!("warning: Ctrl-C will stop the program without saving: {error}");
-        }
-        Self(asked)
+        static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+        Self(Arc::clone(ASKED.get_or_init(listen)))
     }
 
     /// Whether to go on.
@@ -78,6 +68,21 @@ impl Interrupt {
             ControlFlow::Continue(())
         }
     }
+}
+
+fn listen() -> Arc<AtomicBool> {
+    let asked = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&asked);
+    let installed = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(crate::cli::INTERRUPTED));
+        }
+        eprintln!("\nstopping after this step (Ctrl-C again stops at once)");
+    });
+    if let Err(error) = installed {
+        eprintln!("warning: Ctrl-C will stop the program without saving: {error}");
+    }
+    asked
 }
 
 /// The rows of the gallery as text.

@@ -169,7 +169,10 @@ fn beyond_a_turn_the_error_names_the_element() {
                 };
                 let error = error.to_string();
                 assert!(error.contains(name), "{error}");
-                assert!(error.contains("take more elements"), "{error}");
+                // Three geodesic nodes are seen from the middle one, by half the twist: there the
+                // tip's own vector may come to its edge first.
+                let own = by == By::Geodesic(1, 2) && error.contains("the domain of its chart");
+                assert!(own || error.contains("take more elements"), "{error}");
             }
         }
     }

@@ -13,7 +13,7 @@ use pullback_elements::element::{Element, ElementError, Motion, Response, Sectio
 use pullback_elements::energy::{Energies, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
-use pullback_elements::model::frame_along;
+use pullback_elements::model::{Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::time::Constant;
 use pullback_manifold::check::Random;
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
@@ -368,6 +368,45 @@ fn the_strain_error_of_total_vectors_under_a_rigid_rotation_falls_with_the_mesh(
         let error = strain_error(Interpolation::Geodesic, n, &turn);
         assert!(error < 1e-15 * 10.0 * n as f64, "{n} elements: {error:e}");
     }
+}
+
+/// The laws of objectivity and of charts that the check of a model finds for its beams.
+fn laws_found(interpolation: Interpolation) -> Vec<String> {
+    let mut b = ModelBuilder::new();
+    let ends = [[0.0; 3], [1.0, 0.2, 0.1]];
+    let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: 1,
+        order: 2,
+        section: massive(DAMPING),
+    };
+    b.line_with("beam", &axis, ends, &line, interpolation)
+        .unwrap();
+    let report = check::model(&mut b.build().unwrap(), &check::Options::default());
+    report.assert();
+    let found = report
+        .rows()
+        .iter()
+        .filter(|r| r.component.contains("beam"));
+    let law = |l: &String| l.starts_with("objective") || l.starts_with("the same in the other");
+    let mut laws: Vec<_> = found.map(|r| r.law.clone()).filter(law).collect();
+    laws.sort();
+    laws.dedup();
+    laws
+}
+
+#[test]
+fn the_check_of_a_model_finds_the_geodesic_beam_exactly_objective() {
+    let exact = ["objective", "the same in the other chart"];
+    assert_eq!(laws_found(Interpolation::Geodesic), exact);
+    let limits = exact.map(|law| format!("{law} in the limit of small strains"));
+    assert_eq!(laws_found(Interpolation::Total), limits);
 }
 
 /// A straight element of unit length rolled up by α about an axis across: curvature α.

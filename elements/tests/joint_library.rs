@@ -167,7 +167,7 @@ fn axes_without_a_direction_or_along_each_other_are_refused() {
         "{error}"
     );
     let error = planar(&mut b, "q", A, z, z).unwrap_err();
-    assert!(matches!(error, ModelError::Parallel { .. }), "{error}");
+    assert!(error.to_string().contains("parallel"), "{error}");
     // Nothing is left behind by a refusal.
     assert!(b.find("u angle 1").is_err());
 }

@@ -2,6 +2,7 @@
 
 use super::file::{Analysis, ModelFile, Output};
 use super::initial::Start;
+use super::registry::Registry;
 use super::settings::Plan;
 use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
 use crate::probe::Probe;
@@ -154,7 +155,11 @@ pub(super) fn distinct<'a>(
     Ok(())
 }
 
-pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputError> {
+pub(super) fn assemble(
+    source: &Text<'_>,
+    registry: &Registry,
+    file: ModelFile,
+) -> Result<Job, InputError> {
     let matter = file.lines.is_empty() && file.bodies.is_empty();
     for (what, missing) in [
         ("nodes", file.nodes.is_empty()),
@@ -175,7 +180,7 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
     let mut builder = ModelBuilder::new();
     let mut nodes = add_nodes(source, &mut builder, &file)?;
     check_names(source, &file)?;
-    let parts = parts::make(source, &mut builder, &mut nodes, &made, &file)?;
+    let parts = parts::make(source, registry, &mut builder, &mut nodes, &made, &file)?;
     let mut geometry = Geometry {
         lines: parts.lines,
         ..Geometry::default()
@@ -188,7 +193,7 @@ pub(super) fn assemble(source: &Text<'_>, file: ModelFile) -> Result<Job, InputE
         })
         .collect();
     geometry.links = (file.joints.iter())
-        .filter(|joint| joint.place.is_some())
+        .filter(|joint| joint.keys.contains_key("place"))
         .filter_map(|joint| {
             let ends = [joint.master.as_ref()?, &joint.name];
             Some([nodes.get(ends[0])?, nodes.get(ends[1])?])

@@ -1,5 +1,6 @@
 //! Why a model file is refused: what is wrong, where it stands, what would be right.
 
+use super::registry::BoxedError;
 use super::suggest::closest;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use pullback_elements::beam::SectionError;
@@ -125,15 +126,18 @@ pub enum Problem {
     #[error("joint \"{joint}\": a joint of type {kind} needs {key}")]
     JointNeeds {
         joint: String,
-        kind: &'static str,
-        key: &'static str,
+        kind: String,
+        key: String,
     },
     #[error("joint \"{joint}\": a joint of type {kind} has no use for {key}")]
     JointKey {
         joint: String,
-        kind: &'static str,
-        key: &'static str,
+        kind: String,
+        key: String,
+        known: Vec<String>,
     },
+    #[error("joint \"{joint}\": {source}")]
+    Joint { joint: String, source: BoxedError },
     #[error("joint \"{joint}\" is driven, so {key} has no effect")]
     DrivenJoint { joint: String, key: &'static str },
     #[error(
@@ -156,6 +160,8 @@ pub enum Problem {
     },
     #[error("this initial condition says nothing")]
     InitialNothing,
+    #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
+    Geared { joint: String, key: &'static str },
     #[error("the node \"{node}\" hangs on a joint and has no {key} of its own")]
     InitialHung { node: String, key: &'static str },
     #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
@@ -207,7 +213,7 @@ fn list(words: &[&'static str]) -> String {
 }
 
 fn names(known: &[String]) -> String {
-    const SHOWN: usize = 12;
+    const SHOWN: usize = 24;
     let mut shown: Vec<String> = known.iter().take(SHOWN).map(|k| format!("`{k}`")).collect();
     if known.len() > SHOWN {
         shown.push(format!("... ({} in all)", known.len()));
@@ -229,6 +235,9 @@ impl Problem {
     pub fn advice(&self) -> Option<String> {
         let fixed = match self {
             Self::UnknownKey { found, known }
+            | Self::JointKey {
+                key: found, known, ..
+            }
             | Self::UnknownName {
                 name: found, known, ..
             } => {
@@ -270,6 +279,7 @@ impl Problem {
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
             Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
+            Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
             Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",

@@ -110,7 +110,11 @@ pub(super) fn start(
                 let Some(given) = given else { continue };
                 let at = ["joints", index.as_str(), key];
                 let node = released.find(source, &at, &name)?;
-                model.set(vector, node, 0, given);
+                let geared = file.gears.iter().any(|g| g.joints.contains(&name));
+                if !model.set(vector, node, 0, given) && geared {
+                    let joint = name.clone();
+                    return Err(source.value(&at, Problem::Geared { joint, key }));
+                }
             }
         }
     }

@@ -1,227 +1,216 @@
 //! Joints of the file.
 
 use super::assemble::{LineGeometry, Names};
-use super::file::{Acts, Joint, JointKind, ModelFile};
+use super::file::{Acts, Joint, ModelFile};
 use super::loads::{drive, function};
-use super::{InputError, Problem, Text};
+use super::registry::{JointType, Refusal, Registry, Site};
+use super::{InputError, Problem, Text, plain};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{
-    JointNodes, constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute,
-    slide_on, spherical, universal, weld,
-};
+use pullback_elements::joint::JointNodes;
 use pullback_elements::load::CoordinateForce;
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 
-/// The nodes of a joint.
-pub(super) struct Made {
-    /// The node that hangs on it.
-    pub frame: NodeId,
-    /// The nodes of the single coordinates that it releases.
-    pub released: Vec<NodeId>,
+/// Keys of a joint that releases one coordinate.
+const ACTS: [&str; 5] = ["spring", "motor", "driven", "value", "rate"];
+
+/// A joint of the file, and where it stands.
+struct Entry<'a> {
+    source: &'a Text<'a>,
+    joint: &'a Joint,
+    made: &'a JointType,
+    index: String,
 }
 
-impl Made {
-    fn fixed(frame: NodeId) -> Self {
-        let released = Vec::new();
-        Self { frame, released }
+impl Entry<'_> {
+    fn path<'b>(&'b self, inner: &[&'b str]) -> Vec<&'b str> {
+        [&["joints", self.index.as_str()][..], inner].concat()
+    }
+
+    /// A key that is needed and not there.
+    fn missing(&self, key: impl Into<String>) -> InputError {
+        let problem = Problem::JointNeeds {
+            joint: self.joint.name.clone(),
+            kind: self.joint.kind.clone(),
+            key: key.into(),
+        };
+        self.source.value(&self.path(&[]), problem)
+    }
+
+    /// A key (the last one of a path) that means nothing here.
+    fn useless(&self, path: &[&str]) -> InputError {
+        let hangs = if self.made.along { "lines" } else { "master" };
+        let mut known = self.made.keys();
+        known.extend(["name", "type", hangs, "coordinates"].map(str::to_owned));
+        known.extend(ACTS.map(str::to_owned));
+        let problem = Problem::JointKey {
+            joint: self.joint.name.clone(),
+            kind: self.joint.kind.clone(),
+            key: path.join("."),
+            known,
+        };
+        self.source.key(&self.path(path), problem)
+    }
+
+    /// Why the type refuses to make the joint.
+    fn refused(&self, refusal: Refusal) -> InputError {
+        fn strings(path: &[String]) -> Vec<&str> {
+            path.iter().map(String::as_str).collect()
+        }
+        match refusal {
+            Refusal::Missing(key) => self.missing(key),
+            Refusal::Unknown(path) => self.useless(&strings(&path)),
+            Refusal::Value(path, message) => {
+                let problem = Problem::Toml(plain(&message));
+                self.source.value(&self.path(&strings(&path)), problem)
+            }
+            Refusal::Joint(error) => match error.downcast::<ModelError>() {
+                Ok(error) => {
+                    let at: &[&str] = match *error {
+                        ModelError::Axis { .. } => &["axis"],
+                        ModelError::Slide { .. } if self.joint.keys.contains_key("start") => {
+                            &["start"]
+                        }
+                        ModelError::Slide { .. } => &["lines"],
+                        _ => &[],
+                    };
+                    self.source.value(&self.path(at), Problem::Model(*error))
+                }
+                Err(source) => {
+                    let joint = self.joint.name.clone();
+                    let problem = Problem::Joint { joint, source };
+                    self.source.value(&self.path(&[]), problem)
+                }
+            },
+        }
     }
 }
 
-impl From<JointNodes> for Made {
-    fn from(JointNodes { frame, released }: JointNodes) -> Self {
-        Self { frame, released }
-    }
-}
-
-/// Makes joint number `k` of the file, whose masters exist.
+/// Makes joint number `k` of the file, whose masters exist: the node that hangs on it and the nodes
+/// of the single coordinates that it releases.
 pub(super) fn make(
     source: &Text<'_>,
+    registry: &Registry,
     builder: &mut ModelBuilder,
     nodes: &Names<NodeId>,
     file: &ModelFile,
     laid: &[Option<LineGeometry>],
     k: usize,
-) -> Result<Made, InputError> {
-    let joint = &file.joints[k];
-    let index = k.to_string();
-    let path = |key: &'static str| ["joints", index.as_str(), key];
-    let whole = ["joints", index.as_str()];
-    check_keys(source, &path, &whole, joint)?;
-    let model = |error: ModelError| source.value(&whole, Problem::Model(error));
-    let master = match &joint.master {
-        Some(name) => Some(nodes.find(source, &path("master"), name)?),
-        None => None,
-    };
-    let missing = |key| missing(source, &whole, joint, key);
-    let on = || master.ok_or_else(|| missing("master"));
-    let axis = || joint.axis.ok_or_else(|| missing("axis"));
-    let (b, name) = (&mut *builder, joint.name.as_str());
-    let at_axis = |error| source.value(&path("axis"), Problem::Model(error));
-    let made = match joint.kind {
-        JointKind::Offset => {
-            let place = joint.place.ok_or_else(|| missing("place"))?;
-            Made::fixed(offset(b, name, on()?, place).map_err(model)?)
-        }
-        JointKind::Weld => Made::fixed(weld(b, name, on()?).map_err(model)?),
-        JointKind::Revolute => {
-            let made = revolute(b, name, on()?, axis()?).map_err(at_axis)?;
-            Made {
-                frame: made.frame,
-                released: vec![made.angle],
-            }
-        }
-        JointKind::Spherical => Made::fixed(spherical(b, name, on()?).map_err(model)?.frame),
-        JointKind::Slide => {
-            let (chain, interpolation) = chain(source, file, laid, &path, joint)?;
-            let start = joint.start.unwrap_or(0.0);
-            let made = slide_on(b, name, &chain, start, interpolation).map_err(|error| {
-                let key = if joint.start.is_some() {
-                    "start"
-                } else {
-                    "lines"
-                };
-                source.value(&path(key), Problem::Model(error))
-            })?;
-            Made {
-                frame: made.frame,
-                released: vec![made.way],
-            }
-        }
-        JointKind::Universal => {
-            let second = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
-            let made = universal(b, name, on()?, [axis()?, second]);
-            made.map_err(at_axis)?.into()
-        }
-        JointKind::ConstantVelocity => {
-            let second = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
-            let made = constant_velocity(b, name, on()?, [axis()?, second]);
-            made.map_err(at_axis)?.into()
-        }
-        JointKind::Cylindrical => cylindrical(b, name, on()?, axis()?)
-            .map_err(at_axis)?
-            .into(),
-        JointKind::Prismatic => prismatic(b, name, on()?, axis()?).map_err(at_axis)?.into(),
-        JointKind::Planar => {
-            let first = joint.second_axis.ok_or_else(|| missing("second_axis"))?;
-            let made = planar(b, name, on()?, axis()?, first);
-            made.map_err(at_axis)?.into()
-        }
-        JointKind::Helical => {
-            let pitch = joint.pitch.ok_or_else(|| missing("pitch"))?;
-            let made = helical(b, name, on()?, axis()?, pitch);
-            made.map_err(at_axis)?.into()
-        }
-    };
-    for (coordinate, acts) in joint.all_acts() {
-        let at = match coordinate {
-            "" => whole.to_vec(),
-            _ => ["joints", index.as_str(), "coordinates", coordinate].to_vec(),
+) -> Result<JointNodes, InputError> {
+    let (joint, index) = (&file.joints[k], k.to_string());
+    let made = registry.get(&joint.kind).ok_or_else(|| {
+        let problem = Problem::UnknownName {
+            what: "type of joint",
+            name: joint.kind.clone(),
+            known: registry.types().map(|(name, _)| name.clone()).collect(),
         };
-        match (coordinate, made.released.as_slice()) {
-            ("", [node]) => act(source, builder, &at, &joint.name, &acts, *node)?,
-            ("", _) => {}
-            _ => {
-                let full = format!("{} {coordinate}", joint.name);
-                let node = made
-                    .released
-                    .iter()
-                    .find(|&&n| builder.node_name(n) == full);
-                let &node = node.ok_or_else(|| {
-                    let start = joint.name.len() + 1;
-                    let names = made
-                        .released
-                        .iter()
-                        .map(|&n| builder.node_name(n)[start..].to_owned());
-                    let problem = Problem::UnknownName {
-                        what: "coordinate of the joint",
-                        name: coordinate.to_owned(),
-                        known: names.collect(),
-                    };
-                    source.key(&at, problem)
-                })?;
-                act(source, builder, &at, &full, &acts, node)?;
-            }
-        }
-    }
-    Ok(made)
-}
-
-fn missing(source: &Text<'_>, whole: &[&str], joint: &Joint, key: &'static str) -> InputError {
-    let problem = Problem::JointNeeds {
-        joint: joint.name.clone(),
-        kind: joint.kind.key(),
-        key,
+        source.value(&["joints", &index, "type"], problem)
+    })?;
+    let entry = Entry {
+        source,
+        joint,
+        made,
+        index,
     };
-    source.value(whole, problem)
+    let (chain, interpolation) = hangs_on(&entry, nodes, file, laid)?;
+    let Some(&master) = chain.first() else {
+        return Err(entry.missing("lines"));
+    };
+    let mut site = Site {
+        builder,
+        name: &joint.name,
+        master,
+        chain: &chain,
+        interpolation,
+    };
+    let JointNodes { frame, released } =
+        (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
+    let single = released.into_iter().filter(|&n| builder.dim(n) == 1);
+    let released: Vec<NodeId> = single.collect();
+    acts(&entry, builder, &released)?;
+    Ok(JointNodes { frame, released })
 }
 
-/// Refuses keys that the kind of joint has no use for.
-fn check_keys<'a>(
-    source: &Text<'_>,
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
-    whole: &[&str],
-    joint: &Joint,
+/// The nodes that a joint hangs on, and the interpolation of rotations between them.
+fn hangs_on(
+    entry: &Entry<'_>,
+    nodes: &Names<NodeId>,
+    file: &ModelFile,
+    laid: &[Option<LineGeometry>],
+) -> Result<(Vec<NodeId>, Interpolation), InputError> {
+    let Entry { joint, made, .. } = *entry;
+    if made.along {
+        if joint.master.is_some() {
+            return Err(entry.useless(&["master"]));
+        }
+        return chain(entry, file, laid);
+    }
+    if !joint.lines.is_empty() {
+        return Err(entry.useless(&["lines"]));
+    }
+    let master = (joint.master.as_ref()).ok_or_else(|| entry.missing("master"))?;
+    let node = nodes.find(entry.source, &entry.path(&["master"]), master)?;
+    Ok((vec![node], Interpolation::default()))
+}
+
+/// Puts on the released coordinates what the file says about them.
+fn acts(
+    entry: &Entry<'_>,
+    builder: &mut ModelBuilder,
+    released: &[NodeId],
 ) -> Result<(), InputError> {
+    let Entry { source, joint, .. } = *entry;
+    let own = joint.acts();
     let given = [
-        ("master", joint.master.is_some()),
-        ("axis", joint.axis.is_some()),
-        ("place", joint.place.is_some()),
-        ("lines", !joint.lines.is_empty()),
-        ("start", joint.start.is_some()),
-        ("second_axis", joint.second_axis.is_some()),
-        ("pitch", joint.pitch.is_some()),
-        ("coordinates", !joint.coordinates.is_empty()),
-        ("spring", joint.spring.is_some()),
-        ("motor", joint.motor.is_some()),
-        ("driven", joint.driven.is_some()),
-        ("value", joint.value.is_some()),
-        ("rate", joint.rate.is_some()),
+        own.spring.is_some(),
+        own.motor.is_some(),
+        own.driven.is_some(),
+        own.value.is_some(),
+        own.rate.is_some(),
     ];
-    let one = ["spring", "motor", "driven", "value", "rate"];
-    let (own, acts): (&[&str], &[&str]) = match joint.kind {
-        JointKind::Offset => (&["master", "place"], &[]),
-        JointKind::Weld | JointKind::Spherical => (&["master"], &[]),
-        JointKind::Revolute | JointKind::Prismatic => (&["master", "axis"], &one),
-        JointKind::Helical => (&["master", "axis", "pitch"], &one),
-        JointKind::Slide => (&["lines", "start"], &one),
-        JointKind::Cylindrical => (&["master", "axis"], &["coordinates"]),
-        JointKind::Universal | JointKind::ConstantVelocity | JointKind::Planar => {
-            (&["master", "axis", "second_axis"], &["coordinates"])
+    if let &[node] = released {
+        if !joint.coordinates.is_empty() {
+            return Err(entry.useless(&["coordinates"]));
         }
-    };
-    if joint.kind != JointKind::Slide && joint.master.is_none() {
-        return Err(missing(source, whole, joint, "master"));
+        return act(source, builder, &entry.path(&[]), &joint.name, &own, node);
     }
-    if joint.kind == JointKind::Slide && joint.lines.is_empty() {
-        return Err(missing(source, whole, joint, "lines"));
+    if let Some(key) = (ACTS.iter().zip(given)).find_map(|(key, given)| given.then_some(key)) {
+        return Err(entry.useless(&[key]));
     }
-    for (key, given) in given {
-        if given && !own.contains(&key) && !acts.contains(&key) {
-            let problem = Problem::JointKey {
-                joint: joint.name.clone(),
-                kind: joint.kind.key(),
-                key,
+    if released.is_empty() && !joint.coordinates.is_empty() {
+        return Err(entry.useless(&["coordinates"]));
+    }
+    for (coordinate, acts) in &joint.coordinates {
+        let at = entry.path(&["coordinates", coordinate]);
+        let full = format!("{} {coordinate}", joint.name);
+        let node = released.iter().find(|&&n| builder.node_name(n) == full);
+        let &node = node.ok_or_else(|| {
+            let names = released.iter().map(|&n| builder.node_name(n));
+            let names = names.map(|n| n.strip_prefix(&joint.name).unwrap_or(n).trim_start());
+            let problem = Problem::UnknownName {
+                what: "coordinate of the joint",
+                name: coordinate.clone(),
+                known: names.map(str::to_owned).collect(),
             };
-            return Err(source.key(&path(key), problem));
-        }
+            source.key(&at, problem)
+        })?;
+        act(source, builder, &at, &full, acts, node)?;
     }
     Ok(())
 }
 
-/// The nodes that a slide runs along, and the interpolation between them.
-fn chain<'a>(
-    source: &Text<'_>,
+/// The nodes along a joint's lines, and the interpolation of rotations between them.
+fn chain(
+    entry: &Entry<'_>,
     file: &ModelFile,
     laid: &[Option<LineGeometry>],
-    path: &dyn Fn(&'static str) -> [&'a str; 3],
-    joint: &Joint,
 ) -> Result<(Vec<NodeId>, Interpolation), InputError> {
+    let Entry { source, joint, .. } = *entry;
     let mut chain: Vec<NodeId> = Vec::new();
     let mut interpolation = None;
     for (i, name) in joint.lines.iter().enumerate() {
         let index = i.to_string();
-        let at = [&path("lines")[..], &[index.as_str()]].concat();
+        let at = entry.path(&["lines", index.as_str()]);
         let k = file.lines.iter().position(|l| l.name == *name);
         let line = k.and_then(|k| laid[k].as_ref()).ok_or_else(|| {
             let problem = Problem::UnknownName {

@@ -8,12 +8,15 @@ mod bodies;
 mod error;
 mod file;
 mod initial;
+mod joint_types;
 mod joints;
 mod lines;
 mod loads;
 mod locate;
 mod parts;
 mod probes;
+mod registry;
+mod schema;
 mod sections;
 mod settings;
 mod suggest;
@@ -23,6 +26,8 @@ pub use error::{InputError, Problem};
 pub use file::*;
 pub use initial::Start;
 pub use locate::LARGEST;
+pub use registry::{BoxedError, Registry, Site};
+pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
 use locate::Locator;
@@ -61,13 +66,41 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Reads a model file and assembles what it describes.
+impl Registry {
+    /// Reads a model file and assembles what it describes.
+    ///
+    /// # Errors
+    /// [`InputError`] for anything that is wrong with it.
+    pub fn load(&self, path: &Path) -> Result<Job, InputError> {
+        let text = read(path)?;
+        self.assemble_text(&path.display().to_string(), &text)
+    }
+
+    /// Parses and assembles a text; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`Registry::load`].
+    pub fn assemble_text(&self, name: &str, text: &str) -> Result<Job, InputError> {
+        let source = Text::new(name, text);
+        let file = parse_text(&source)?;
+        assemble::assemble(&source, self, file)
+    }
+
+    /// Assembles a parsed file.
+    ///
+    /// # Errors
+    /// As [`Registry::load`], without places.
+    pub fn job(&self, name: &str, file: &ModelFile) -> Result<Job, InputError> {
+        assemble::assemble(&Text::new(name, ""), self, file.clone())
+    }
+}
+
+/// Reads a model file with joints of the library and assembles what it describes.
 ///
 /// # Errors
 /// [`InputError`] for anything that is wrong with it.
 pub fn load(path: &Path) -> Result<Job, InputError> {
-    let text = read(path)?;
-    assemble_text(&path.display().to_string(), &text)
+    Registry::standard().load(path)
 }
 
 /// Parses and assembles a text; `name` is what messages call it.
@@ -75,9 +108,7 @@ pub fn load(path: &Path) -> Result<Job, InputError> {
 /// # Errors
 /// As [`load`].
 pub fn assemble_text(name: &str, text: &str) -> Result<Job, InputError> {
-    let source = Text::new(name, text);
-    let file = parse_text(&source)?;
-    assemble::assemble(&source, file)
+    Registry::standard().assemble_text(name, text)
 }
 
 /// Parses the text of a model file; `name` is what messages call it.
@@ -102,7 +133,7 @@ pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
 /// # Errors
 /// As [`load`], without places.
 pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
-    assemble::assemble(&Text::new(name, ""), file.clone())
+    Registry::standard().job(name, file)
 }
 
 /// The text of a file.

@@ -2,9 +2,11 @@
 //! their nodes come to be.
 
 use super::assemble::{LineGeometry, Names};
-use super::file::{Joint, JointKind, ModelFile};
+use super::file::{Joint, ModelFile};
+use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;
+use pullback_elements::joint;
 use pullback_elements::model::{ModelBuilder, NodeId};
 use std::collections::BTreeMap;
 
@@ -26,6 +28,7 @@ enum Part {
 /// Lays all lines and makes all joints; their nodes are added to `nodes`.
 pub(super) fn make(
     source: &Text<'_>,
+    registry: &Registry,
     builder: &mut ModelBuilder,
     nodes: &mut Names<NodeId>,
     sections: &BTreeMap<String, Section>,
@@ -58,7 +61,7 @@ pub(super) fn make(
                         rest.push(part);
                         continue;
                     }
-                    let made = joints::make(source, builder, nodes, file, &laid, k)?;
+                    let made = joints::make(source, registry, builder, nodes, file, &laid, k)?;
                     nodes.add(joint.name.clone(), made.frame);
                     for &coordinate in &made.released {
                         // Where there is but one the joint's name says enough.
@@ -75,6 +78,14 @@ pub(super) fn make(
         if waiting.len() == before {
             return Err(stuck(source, nodes, file, &waiting));
         }
+    }
+    for (k, gear) in file.gears.iter().enumerate() {
+        let index = k.to_string();
+        let path = |inner: &'static str| ["gears", index.as_str(), "joints", inner];
+        let first = released.find(source, &path("0"), &gear.joints[0])?;
+        let second = released.find(source, &path("1"), &gear.joints[1])?;
+        joint::gear(builder, [first, second], gear.ratio)
+            .map_err(|error| source.value(&["gears", &index], Problem::Model(error)))?;
     }
     Ok(Parts {
         lines: laid.into_iter().flatten().collect(),
@@ -94,10 +105,7 @@ fn ready(
         // An unknown line is refused when the joint is made.
         k.is_none_or(|k| laid[k].is_some())
     };
-    match joint.kind {
-        JointKind::Slide => joint.lines.iter().all(line_ready),
-        _ => joint.master.as_ref().is_none_or(|m| nodes.knows(m)),
-    }
+    joint.lines.iter().all(line_ready) && joint.master.as_ref().is_none_or(|m| nodes.knows(m))
 }
 
 /// Why no waiting part can be made: a node that does not exist, or parts that wait for each other.

@@ -145,12 +145,6 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
         ) -> Result<(), ElementError>,
     {
         let n = 6 * NN;
-        for i in 0..NN {
-            let psi = three(at.x, 6 * i + 3).norm();
-            if psi > EDGE {
-                return Err(ElementError::OutsideChart { psi });
-            }
-        }
         let reference = Turn::new(three(at.x, 6 * Self::R + 3));
         let R_t = so3::R(&reference.psi, &reference.quotients.tangent()).transpose();
         let (mut x, mut v) = ([[0.0; 6]; NN], [[0.0; 6]; NN]);
@@ -167,6 +161,13 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
                 v[i] = node.rates(&at.v[6 * i..], &at.v[6 * Self::R..]).into();
             }
             nodes[i] = Some(node);
+        }
+        // Where both are at the edge, the relative rotation says more.
+        for i in 0..NN {
+            let psi = three(at.x, 6 * i + 3).norm();
+            if psi > EDGE {
+                return Err(ElementError::OutsideChart { psi });
+            }
         }
         let moving = if viscous { v.as_flattened() } else { &[] };
         let there = Motion {

@@ -10,7 +10,7 @@ use pullback_manifold::check::{Report, states};
 /// Compares an element that is derived by hand with one that should be the same, for instance by
 /// its [`energy`](crate::energy): residual, tangents, rate, stored energy and dissipation to 1e-12.
 ///
-/// What [`element`] cannot see is an error in the force that its own tangents share.
+/// What [`element`](super::element()) cannot see is an error in the force that its own tangents share.
 pub fn same(found: &dyn Element, expected: &dyn Element) -> Report {
     let n = expected.dim();
     let mut report = Report::new(format!("two elements of {n} coordinates"));

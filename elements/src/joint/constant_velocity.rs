@@ -1,6 +1,6 @@
 //! The constant-velocity joint: the shafts turn equally fast at any angle between them.
 
-use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -12,6 +12,8 @@ use pullback_manifold::so3::quaternion;
 /// The rotation vector from shafts in line has no component along the shaft, so the plane that
 /// halves the angle between the shafts is one of symmetry: the condition for equal speeds. The
 /// tilt must stay below 2π.
+///
+#[doc = include_str!("../../../docs/images/joints/constant_velocity.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantVelocity {
     across: [Vector3<f64>; 2],
@@ -20,22 +22,19 @@ pub struct ConstantVelocity {
 
 impl ConstantVelocity {
     /// The coupling of two shafts along axes of any length, the second pointing away where the
-    /// first points in; `None` for axes without a direction or against each other.
-    pub fn new(axes: [[f64; 3]; 2]) -> Option<Self> {
-        let [e, f] = [direction("", axes[0]).ok()?, direction("", axes[1]).ok()?];
+    /// first points in; an error for axes without a direction or against each other.
+    pub fn new(axes: [[f64; 3]; 2]) -> Result<Self, AxisError> {
+        let [e, f] = [direction(axes[0])?, direction(axes[1])?];
         let first = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
         let across = [first, e.cross(&first)];
         let (turn, cosine) = (e.cross(&f), e.dot(&f));
         let sine = turn.norm();
         if sine < PARALLEL && cosine < 0.0 {
-            return None;
+            return Err(AxisError::Parallel);
         }
-        let tilt = if sine > 0.0 {
-            turn * (sine.atan2(cosine) / sine)
-        } else {
-            turn
-        };
-        Some(Self { across, tilt })
+        let angle = sine.atan2(cosine);
+        let tilt = turn * if sine > 0.0 { angle / sine } else { 1.0 };
+        Ok(Self { across, tilt })
     }
 
     fn angle<S: Scalar>(&self, alpha: S, beta: S) -> Vector3<S> {
@@ -59,6 +58,10 @@ impl Joint<8> for ConstantVelocity {
     fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
         std::f64::consts::TAU - self.angle(q[6], q[7]).norm()
     }
+
+    fn edge(&self) -> &'static str {
+        "its tilts of less than a whole turn: stop before, or take two joints"
+    }
 }
 
 /// Adds a frame node `name` at the place of `master`, coupled to it at constant velocity for two
@@ -66,7 +69,7 @@ impl Joint<8> for ConstantVelocity {
 /// node the second), and the nodes `name tilt 1` and `name tilt 2`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for an axis without a direction, [`ModelError::Parallel`] for shafts
+/// [`ModelError::Axis`] for an axis without a direction, `AxisError::Parallel` in it for shafts
 /// against each other; as [`ModelBuilder::mapped_node`].
 pub fn constant_velocity(
     b: &mut ModelBuilder,
@@ -74,12 +77,6 @@ pub fn constant_velocity(
     master: NodeId,
     axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
-    for axis in axes {
-        direction(name, axis)?;
-    }
-    let parallel = || ModelError::Parallel {
-        joint: name.to_owned(),
-    };
-    let joint = ConstantVelocity::new(axes).ok_or_else(parallel)?;
-    b.join(name, b.place(master).into(), joint, &[master])
+    let joint = ConstantVelocity::new(axes).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

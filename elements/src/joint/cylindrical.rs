@@ -1,12 +1,14 @@
 //! The cylindrical joint: a way along an axis and a turn about it.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
 /// d_s = d_m + R_m u e, R_s = R_m R(φ e): masters (frame, way u, angle φ).
+///
+#[doc = include_str!("../../../docs/images/joints/cylindrical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylindrical {
     axis: Vector3<f64>,
@@ -14,10 +16,10 @@ pub struct Cylindrical {
 
 impl Cylindrical {
     /// The joint along an axis of any length, in global components of the reference configuration;
-    /// `None` for one without a direction.
-    pub fn new(axis: [f64; 3]) -> Option<Self> {
-        let axis = direction("", axis).ok()?;
-        Some(Self { axis })
+    /// an error for one without a direction.
+    pub fn new(axis: [f64; 3]) -> Result<Self, AxisError> {
+        let axis = direction(axis)?;
+        Ok(Self { axis })
     }
 }
 
@@ -45,11 +47,6 @@ pub fn cylindrical(
     master: NodeId,
     axis: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
-    let axis = direction(name, axis)?;
-    b.join(
-        name,
-        b.place(master).into(),
-        Cylindrical { axis },
-        &[master],
-    )
+    let joint = Cylindrical::new(axis).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

@@ -1,6 +1,6 @@
 //! The helical joint: a screw, whose turn moves it along its axis.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -8,6 +8,8 @@ use pullback_manifold::so3::Quaternion;
 use std::f64::consts::TAU;
 
 /// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): masters (frame, angle φ).
+///
+#[doc = include_str!("../../../docs/images/joints/helical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Helical {
     axis: Vector3<f64>,
@@ -16,10 +18,10 @@ pub struct Helical {
 
 impl Helical {
     /// The joint along an axis of any length, in global components of the reference configuration;
-    /// `None` for one without a direction.
-    pub fn new(axis: [f64; 3], pitch: f64) -> Option<Self> {
-        let axis = direction("", axis).ok()?;
-        Some(Self { axis, pitch })
+    /// an error for one without a direction.
+    pub fn new(axis: [f64; 3], pitch: f64) -> Result<Self, AxisError> {
+        let axis = direction(axis)?;
+        Ok(Self { axis, pitch })
     }
 }
 
@@ -49,11 +51,6 @@ pub fn helical(
     axis: [f64; 3],
     pitch: f64,
 ) -> Result<JointNodes, ModelError> {
-    let axis = direction(name, axis)?;
-    b.join(
-        name,
-        b.place(master).into(),
-        Helical { axis, pitch },
-        &[master],
-    )
+    let joint = Helical::new(axis, pitch).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

@@ -18,10 +18,14 @@
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
 //! | [`OnCurve`] | the parameter of a space curve, and all rotations | |
 //! | [`OnSurface`] | two parameters of a surface, and all rotations | |
+//! | [`gear`], [`rack`] | none: they couple what two joints release | Shabana 2013, 3.3 |
 
+mod axes;
 mod constant_velocity;
 mod cylindrical;
+mod gear;
 mod helical;
+mod nodes;
 mod offset;
 mod on_curve;
 mod on_surface;
@@ -32,9 +36,12 @@ mod slide;
 mod spherical;
 mod universal;
 
+pub use axes::AxisError;
 pub use constant_velocity::{ConstantVelocity, constant_velocity};
 pub use cylindrical::{Cylindrical, cylindrical};
+pub use gear::{GearError, gear, rack};
 pub use helical::{Helical, helical};
+pub use nodes::JointNodes;
 pub use offset::{Offset, offset, weld};
 pub use on_curve::{Curve, OnCurve, on_curve};
 pub use on_surface::{OnSurface, Surface, on_surface};
@@ -45,12 +52,12 @@ pub use slide::{Slide, SlideNodes, slide, slide_on};
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 
-use crate::model::{ModelBuilder, ModelError, NodeId};
+use axes::{PARALLEL, direction};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
-use pullback_manifold::system::{ChartChanges, Kind};
+use pullback_manifold::system::{CHART_EDGE, ChartChanges, Kind};
 use std::f64::consts::TAU;
 
 /// Displacement and rotation of a frame from its reference, in global components.
@@ -145,6 +152,11 @@ impl Released {
         Self::Coordinate(name, Kind::Length)
     }
 
+    /// A number of a name that is neither: the parameter of a curve, say.
+    pub const fn parameter(name: &'static str) -> Self {
+        Self::Coordinate(name, Kind::Other)
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Coordinate(name, _) => name,
@@ -171,6 +183,18 @@ pub trait Joint<const D: usize>: Send + Sync {
     fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         let _ = (t, q);
         f64::INFINITY
+    }
+
+    /// What lies where the margin ends, and what to do about it: words that follow "the joint
+    /// left".
+    fn edge(&self) -> &'static str {
+        CHART_EDGE
+    }
+
+    /// Whether the frame moves along when all masters move like one rigid body: true by default;
+    /// false for a joint that is tied to space.
+    fn is_objective(&self) -> bool {
+        true
     }
 
     /// The kinematics in closed form, where there is a faster one than the derived one.
@@ -242,6 +266,14 @@ where
         own.min(TAU - 2.0 * turn.v.norm().atan2(w))
     }
 
+    fn edge(&self) -> &'static str {
+        self.joint.edge()
+    }
+
+    fn is_objective(&self) -> bool {
+        self.joint.is_objective()
+    }
+
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let best = if self.joint.pose(t, q).turn.w < 0.0 {
             Sheet::Opposite
@@ -276,77 +308,5 @@ where
         self.joint
             .geometric_stiffness(self.sheet, t, q, f)
             .unwrap_or_else(|| derived::geometric_stiffness(self, t, q, f))
-    }
-}
-
-/// The nodes that a joint makes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JointNodes {
-    /// The frame that hangs on the joint.
-    pub frame: NodeId,
-    /// A node for each of the coordinates that it releases, in their order.
-    pub released: Vec<NodeId>,
-}
-
-/// Sine of the angle between two axes below which they count as parallel.
-const PARALLEL: f64 = 1e-6;
-
-/// The unit vector along an axis of any length; refused where it has no direction.
-fn direction(joint: &str, axis: [f64; 3]) -> Result<Vector3<f64>, ModelError> {
-    let vector = Vector3::from(axis);
-    let largest = vector.amax();
-    if largest > 0.0 && axis.iter().all(|x| x.is_finite()) {
-        Ok((vector / largest).normalize())
-    } else {
-        let joint = joint.to_owned();
-        Err(ModelError::Axis { joint, axis })
-    }
-}
-
-impl ModelBuilder {
-    /// Adds a joint: a node for each coordinate that it releases, named `name` and what it is
-    /// called, and the frame node `name` that hangs on it, at `place` in the reference
-    /// configuration. The masters are the nodes that the joint reads before those.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
-    pub fn join<J, const D: usize>(
-        &mut self,
-        name: &str,
-        place: [f64; 3],
-        joint: J,
-        masters: &[NodeId],
-    ) -> Result<JointNodes, ModelError>
-    where
-        J: Joint<D> + 'static,
-    {
-        let mut released = Vec::new();
-        for &coordinate in joint.released() {
-            let name = format!("{name} {}", coordinate.name());
-            released.push(match coordinate {
-                Released::Coordinate(_, kind) => self.coordinates(name, &[kind])?,
-                Released::Rotation => self.rotation(name)?,
-            });
-        }
-        let all: Vec<NodeId> = masters.iter().chain(&released).copied().collect();
-        let frame = self.hang(name, place, joint, &all)?;
-        Ok(JointNodes { frame, released })
-    }
-
-    /// Adds a frame node that hangs on a joint, with nodes for all of its coordinates given.
-    ///
-    /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
-    pub fn hang<J, const D: usize>(
-        &mut self,
-        name: impl Into<String>,
-        place: [f64; 3],
-        joint: J,
-        masters: &[NodeId],
-    ) -> Result<NodeId, ModelError>
-    where
-        J: Joint<D> + 'static,
-    {
-        self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
     }
 }

@@ -10,6 +10,8 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, skew};
 
 /// d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2): masters (frame).
+///
+#[doc = include_str!("../../../docs/images/joints/offset.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset {
     /// Vector from the master to the slave in the reference configuration, global components.
@@ -62,6 +64,8 @@ pub fn offset(
 }
 
 /// Adds a frame node `name` welded to `master`, at its place.
+///
+#[doc = include_str!("../../../docs/images/joints/weld.svg")]
 ///
 /// # Errors
 /// As [`ModelBuilder::mapped_node`].

@@ -5,7 +5,6 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
-use pullback_manifold::system::Kind;
 
 /// A space curve, written once over any [`Scalar`].
 pub trait Curve: Send + Sync {
@@ -21,6 +20,8 @@ pub trait Curve: Send + Sync {
 }
 
 /// d_s = d_m + R_m x(s) − x(0), Ψ_s of its own: masters (frame, parameter s, rotation).
+///
+#[doc = include_str!("../../../docs/images/joints/on_curve.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnCurve<C> {
     curve: C,
@@ -44,16 +45,15 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
     }
 
     fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::Coordinate("parameter", Kind::Other),
-                Released::Rotation,
-            ]
-        }
+        const { &[Released::parameter("parameter"), Released::Rotation] }
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 10>) -> f64 {
         self.curve.margin(q[6])
+    }
+
+    fn edge(&self) -> &'static str {
+        "its curve over an end: make it longer, or stop before"
     }
 }
 

@@ -5,7 +5,6 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
-use pullback_manifold::system::Kind;
 
 /// A surface, written once over any [`Scalar`].
 pub trait Surface: Send + Sync {
@@ -22,6 +21,8 @@ pub trait Surface: Send + Sync {
 
 /// d_s = d_m + R_m x(u, v) − x(0, 0), Ψ_s of its own: masters (frame, parameter u, parameter v,
 /// rotation).
+///
+#[doc = include_str!("../../../docs/images/joints/on_surface.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnSurface<F> {
     surface: F,
@@ -47,8 +48,8 @@ impl<F: Surface> Joint<11> for OnSurface<F> {
     fn released(&self) -> &'static [Released] {
         const {
             &[
-                Released::Coordinate("parameter 1", Kind::Other),
-                Released::Coordinate("parameter 2", Kind::Other),
+                Released::parameter("parameter 1"),
+                Released::parameter("parameter 2"),
                 Released::Rotation,
             ]
         }
@@ -56,6 +57,10 @@ impl<F: Surface> Joint<11> for OnSurface<F> {
 
     fn margin(&self, _t: f64, q: &SVector<f64, 11>) -> f64 {
         self.surface.margin(q[6], q[7])
+    }
+
+    fn edge(&self) -> &'static str {
+        "its surface over an edge: make it larger, or stop before"
     }
 }
 

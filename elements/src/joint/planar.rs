@@ -1,12 +1,14 @@
 //! The planar joint: two ways in a plane and the turn about its normal.
 
-use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
 /// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): masters (frame, way u, way v, angle φ).
+///
+#[doc = include_str!("../../../docs/images/joints/planar.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planar {
     across: [Vector3<f64>; 2],
@@ -15,15 +17,16 @@ pub struct Planar {
 
 impl Planar {
     /// The joint in the plane with a normal, its first way along the part of `first` in that
-    /// plane; `None` for axes without a direction or along each other.
-    pub fn new(normal: [f64; 3], first: [f64; 3]) -> Option<Self> {
-        let (normal, first) = (direction("", normal).ok()?, direction("", first).ok()?);
+    /// plane; an error for axes without a direction or along each other.
+    pub fn new(normal: [f64; 3], first: [f64; 3]) -> Result<Self, AxisError> {
+        let (normal, first) = (direction(normal)?, direction(first)?);
         let second = normal.cross(&first);
-        (second.norm() > PARALLEL).then(|| {
-            let second = second.normalize();
-            let across = [second.cross(&normal), second];
-            Self { across, normal }
-        })
+        if second.norm() <= PARALLEL {
+            return Err(AxisError::Parallel);
+        }
+        let second = second.normalize();
+        let across = [second.cross(&normal), second];
+        Ok(Self { across, normal })
     }
 }
 
@@ -52,7 +55,7 @@ impl Joint<9> for Planar {
 /// coordinates are `name way 1`, `name way 2` and `name angle`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for axes without a direction, [`ModelError::Parallel`] for a first
+/// [`ModelError::Axis`] for axes without a direction, `AxisError::Parallel` in it for a first
 /// direction along the normal; as [`ModelBuilder::mapped_node`].
 pub fn planar(
     b: &mut ModelBuilder,
@@ -61,12 +64,6 @@ pub fn planar(
     normal: [f64; 3],
     first: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
-    for axis in [normal, first] {
-        direction(name, axis)?;
-    }
-    let parallel = || ModelError::Parallel {
-        joint: name.to_owned(),
-    };
-    let joint = Planar::new(normal, first).ok_or_else(parallel)?;
-    b.join(name, b.place(master).into(), joint, &[master])
+    let joint = Planar::new(normal, first).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

@@ -1,11 +1,13 @@
 //! The prismatic joint: a way along an axis, no turn.
 
-use super::{Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 
 /// d_s = d_m + R_m u e, R_s = R_m: masters (frame, way u).
+///
+#[doc = include_str!("../../../docs/images/joints/prismatic.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prismatic {
     axis: Vector3<f64>,
@@ -13,10 +15,10 @@ pub struct Prismatic {
 
 impl Prismatic {
     /// The joint along an axis of any length, in global components of the reference configuration;
-    /// `None` for one without a direction.
-    pub fn new(axis: [f64; 3]) -> Option<Self> {
-        let axis = direction("", axis).ok()?;
-        Some(Self { axis })
+    /// an error for one without a direction.
+    pub fn new(axis: [f64; 3]) -> Result<Self, AxisError> {
+        let axis = direction(axis)?;
+        Ok(Self { axis })
     }
 }
 
@@ -41,6 +43,6 @@ pub fn prismatic(
     master: NodeId,
     axis: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
-    let axis = direction(name, axis)?;
-    b.join(name, b.place(master).into(), Prismatic { axis }, &[master])
+    let joint = Prismatic::new(axis).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

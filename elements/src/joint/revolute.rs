@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Joint, JointNodes, Pose, Released, Sheet, direction};
+use super::{AxisError, Joint, JointNodes, Pose, Released, Sheet, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::jet::Taylor;
@@ -12,6 +12,8 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 
 /// d_s = d_m, R_s = R_m R(φ e): masters (frame, angle φ); \[M04\] 4.1.4.
+///
+#[doc = include_str!("../../../docs/images/joints/revolute.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Revolute {
     axis: Vector3<f64>,
@@ -19,10 +21,10 @@ pub struct Revolute {
 
 impl Revolute {
     /// The joint about an axis of any length, in global components of the reference
-    /// configuration; `None` for an axis without a direction.
-    pub fn new(axis: [f64; 3]) -> Option<Self> {
-        let axis = direction("", axis).ok()?;
-        Some(Self { axis })
+    /// configuration; an error for an axis without a direction.
+    pub fn new(axis: [f64; 3]) -> Result<Self, AxisError> {
+        let axis = direction(axis)?;
+        Ok(Self { axis })
     }
 
     fn turn<S: Scalar>(&self, psi: &Vector3<S>, angle: S) -> Quaternion<S> {
@@ -168,9 +170,8 @@ pub fn revolute(
     master: NodeId,
     axis: [f64; 3],
 ) -> Result<RevoluteNodes, ModelError> {
-    let axis = direction(name, axis)?;
-    let place = b.place(master).into();
-    let JointNodes { frame, released } = b.join(name, place, Revolute { axis }, &[master])?;
+    let joint = Revolute::new(axis).map_err(|e| e.of(name))?;
+    let JointNodes { frame, released } = b.attach(name, master, joint)?;
     let angle = released[0];
     Ok(RevoluteNodes { frame, angle })
 }

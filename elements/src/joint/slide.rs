@@ -19,6 +19,8 @@ use std::f64::consts::TAU;
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
 /// the end of the chain: one coordinate for all its elements, zero in the reference. At a converged state beyond the end of an element the next one
 /// takes over; beyond the ends of the chain the joint is outside its domain.
+///
+#[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slide {
     /// Reference places of the chain's nodes and their arc lengths.

@@ -10,6 +10,8 @@ use pullback_manifold::so3::quaternion;
 ///
 /// The released coordinates are the slave's own rotation vector, in global components and not
 /// relative to the master: nothing couples the rotations, and the chart changes at ψ > π.
+///
+#[doc = include_str!("../../../docs/images/joints/spherical.svg")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spherical;
 
@@ -45,8 +47,7 @@ pub fn spherical(
     name: &str,
     master: NodeId,
 ) -> Result<SphericalNodes, ModelError> {
-    let place = b.place(master).into();
-    let JointNodes { frame, released } = b.join(name, place, Spherical, &[master])?;
+    let JointNodes { frame, released } = b.attach(name, master, Spherical)?;
     let rotation = released[0];
     Ok(SphericalNodes { frame, rotation })
 }

@@ -1,6 +1,6 @@
 //! The universal (Hooke's, Cardan) joint: two turns about crossed axes.
 
-use super::{Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -11,6 +11,8 @@ use pullback_manifold::so3::Quaternion;
 /// The first axis is fixed in the master, the second in the slave. Nothing is singular in this
 /// description; at β = ±90° with axes at right angles a shaft across both would be locked, which a
 /// loop of such shafts shows as a singular tangent.
+///
+#[doc = include_str!("../../../docs/images/joints/universal.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     axes: [Vector3<f64>; 2],
@@ -18,10 +20,13 @@ pub struct Universal {
 
 impl Universal {
     /// The joint with two axes of any length, in global components of the reference configuration;
-    /// `None` for axes without a direction or along each other.
-    pub fn new(axes: [[f64; 3]; 2]) -> Option<Self> {
-        let [a, b] = [direction("", axes[0]).ok()?, direction("", axes[1]).ok()?];
-        (a.cross(&b).norm() > PARALLEL).then_some(Self { axes: [a, b] })
+    /// an error for axes without a direction or along each other.
+    pub fn new(axes: [[f64; 3]; 2]) -> Result<Self, AxisError> {
+        let axes = [direction(axes[0])?, direction(axes[1])?];
+        if axes[0].cross(&axes[1]).norm() <= PARALLEL {
+            return Err(AxisError::Parallel);
+        }
+        Ok(Self { axes })
     }
 }
 
@@ -49,12 +54,6 @@ pub fn universal(
     master: NodeId,
     axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
-    for axis in axes {
-        direction(name, axis)?;
-    }
-    let parallel = || ModelError::Parallel {
-        joint: name.to_owned(),
-    };
-    let joint = Universal::new(axes).ok_or_else(parallel)?;
-    b.join(name, b.place(master).into(), joint, &[master])
+    let joint = Universal::new(axes).map_err(|e| e.of(name))?;
+    b.attach(name, master, joint)
 }

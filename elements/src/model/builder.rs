@@ -76,6 +76,8 @@ pub struct ModelBuilder {
     names: HashMap<String, NodeId>,
     pub(super) elements: Vec<Attached>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+    /// Coordinates that follow another one through gears, and their ratios to it.
+    gears: HashMap<NodeId, (NodeId, f64)>,
 }
 
 impl ModelBuilder {
@@ -252,6 +254,38 @@ impl ModelBuilder {
     /// Reference place of a node.
     pub fn place(&self, node: NodeId) -> Vector3<f64> {
         self.nodes[node.0 as usize].place
+    }
+
+    /// Number of coordinates of a node: six of a frame.
+    pub fn dim(&self, node: NodeId) -> usize {
+        self.nodes[node.0 as usize].dim
+    }
+
+    /// Whether a node has coordinates of its own, and follows no others.
+    pub(crate) fn is_own(&self, node: NodeId) -> bool {
+        self.nodes[node.0 as usize].is_own()
+    }
+
+    /// The coordinate that a coordinate follows through gears in the end, and its ratio to that.
+    pub(crate) fn behind_gears(&self, mut node: NodeId) -> (NodeId, f64) {
+        let mut ratio = 1.0;
+        while let Some(&(leader, r)) = self.gears.get(&node) {
+            (node, ratio) = (leader, ratio * r);
+        }
+        (node, ratio)
+    }
+
+    /// Lets a coordinate follow an earlier one through a map: a gear of this ratio.
+    pub(crate) fn follow(
+        &mut self,
+        leader: NodeId,
+        follower: NodeId,
+        ratio: f64,
+        map: Box<dyn Parametrization>,
+    ) {
+        self.gears.insert(follower, (leader, ratio));
+        let dependence = Dependence::new(map, vec![vec![leader.0]], 1);
+        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(dependence));
     }
 
     fn check_own(&self, nodes: &[NodeId], what: impl Fn() -> String) -> Result<(), ModelError> {

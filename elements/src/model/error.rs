@@ -1,6 +1,7 @@
 //! What can be wrong with a model, each with the name of the thing and what to do.
 
 use crate::beam::{BeamError, SectionError};
+use crate::joint::{AxisError, GearError};
 use crate::time::TimeFunctionError;
 
 /// Why a model cannot be built.
@@ -74,6 +75,14 @@ pub enum ModelError {
          prescribe a coordinate of its masters {masters}"
     )]
     PrescribedSlave { coordinate: String, masters: String },
+    #[error("joint {joint}: {source}")]
+    Axis { joint: String, source: AxisError },
+    #[error("gear between {first} and {second}: {source}")]
+    Gear {
+        first: String,
+        second: String,
+        source: GearError,
+    },
     #[error(
         "the coordinates {coordinates} of {node} change their meaning in a run, as others become \
          better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \
@@ -84,12 +93,6 @@ pub enum ModelError {
         coordinates: String,
         user: String,
     },
-    #[error(
-        "joint {joint}: its axis {axis:?} has no direction; give a finite vector that is not zero"
-    )]
-    Axis { joint: String, axis: [f64; 3] },
-    #[error("joint {joint}: its two axes are parallel; give two directions")]
-    Parallel { joint: String },
     #[error(
         "joint {joint} cannot slide from start = {start}: that must lie between 0 and the length of \
          its chain ({nodes} nodes at different places are given, two at least are needed)"

@@ -3,41 +3,24 @@
 use super::Time;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// A joint. It makes a node of its own name that hangs on the master: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Joint {
     /// Name of the joint and of the node that hangs on it.
     pub name: String,
-    /// What it releases.
+    /// What kind of joint it is: one of the names in the [`Registry`](crate::input::Registry).
     #[serde(rename = "type")]
-    pub kind: JointKind,
+    pub kind: String,
     /// Node it hangs on; for a slide give `lines` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
-    /// Axis of a revolute joint, in global components of the reference configuration; the master
-    /// carries it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub axis: Option<[f64; 3]>,
-    /// Place of the node that hangs on an offset.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub place: Option<[f64; 3]>,
     /// Lines of two-node elements, one after the other, that a slide runs along.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<String>,
-    /// Where a slide starts: arc length from the beginning of the first line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<f64>,
-    /// Second axis of a universal joint, second shaft of a constant-velocity one; direction of the
-    /// first way of a planar one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub second_axis: Option<[f64; 3]>,
-    /// Way of a helical joint in one turn.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pitch: Option<f64>,
     /// Spring and damper on the released coordinate, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
@@ -57,6 +40,20 @@ pub struct Joint {
     /// What acts on the coordinates of a joint that releases several, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub coordinates: BTreeMap<String, Acts>,
+    /// The keys that joints of this type have besides.
+    #[serde(flatten)]
+    pub keys: Map<String, Value>,
+}
+
+/// A pair of gears, a rack on a pinion: coordinates of two joints in a fixed ratio.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gear {
+    /// The two joints; of one that releases several coordinates name one, as in `"hub angle 2"`.
+    pub joints: [String; 2],
+    /// Second coordinate over first one: -z1/z2 for gears with z1 and z2 teeth, the radius of the
+    /// pinion (or less it) for the way of a rack over its angle.
+    pub ratio: f64,
 }
 
 /// What acts on a released coordinate.
@@ -99,53 +96,6 @@ impl Joint {
             .iter()
             .map(|(n, a)| (n.as_str(), a.clone()));
         std::iter::once(("", self.acts())).chain(named)
-    }
-}
-
-/// What a joint releases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum JointKind {
-    /// Nothing: a rigid link to a node at another `place`.
-    Offset,
-    /// Nothing: a frame at the same place.
-    Weld,
-    /// The angle about an `axis`, any number of turns.
-    Revolute,
-    /// All rotations.
-    Spherical,
-    /// The place along `lines`.
-    Slide,
-    /// The angles about two crossed axes.
-    Universal,
-    /// The tilt of shafts along `axis` and `second_axis` that turn equally fast.
-    ConstantVelocity,
-    /// Way and angle along and about an `axis`.
-    Cylindrical,
-    /// The way along an `axis`.
-    Prismatic,
-    /// Two ways in the plane with the normal `axis`, and the angle about it.
-    Planar,
-    /// The angle about an `axis`, along which it moves by `pitch` in a turn.
-    Helical,
-}
-
-impl JointKind {
-    /// As it is written in the file.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Offset => "offset",
-            Self::Weld => "weld",
-            Self::Revolute => "revolute",
-            Self::Spherical => "spherical",
-            Self::Slide => "slide",
-            Self::Universal => "universal",
-            Self::ConstantVelocity => "constant-velocity",
-            Self::Cylindrical => "cylindrical",
-            Self::Prismatic => "prismatic",
-            Self::Planar => "planar",
-            Self::Helical => "helical",
-        }
     }
 }
 

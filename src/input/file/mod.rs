@@ -18,7 +18,7 @@ pub use analysis::{
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
-pub use joint::{Acts, Joint, JointKind, JointSpring};
+pub use joint::{Acts, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
@@ -55,6 +55,9 @@ pub struct ModelFile {
     /// Joints, and rigid links.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<Joint>,
+    /// Gears between joints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gears: Vec<Gear>,
     /// Springs and dampers between nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<Spring>,
@@ -76,9 +79,4 @@ pub struct ModelFile {
     /// What to write.
     #[serde(default)]
     pub output: Output,
-}
-
-/// The JSON Schema of the model file, made from these types.
-pub fn schema() -> serde_json::Value {
-    schemars::schema_for!(ModelFile).to_value()
 }

@@ -1,23 +1,23 @@
-//! The program `pullback`.
+//! The program `pullback`, and programs like it with joints of their own.
 
-mod terminal;
-
+use crate::input::Registry;
+use crate::output::Ending;
+use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
+use crate::solve::Advance;
+use crate::terminal::{self, Interrupt, Progress};
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
-use pullback::output::Ending;
-use pullback::run::{Outcome, RunError, resume, run};
-use pullback::solve::Advance;
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use terminal::{Interrupt, Progress};
 
 /// The analysis failed, or a gallery case is off.
 const FAILED: u8 = 1;
 /// The model file is refused, or results cannot be written.
 const REFUSED: u8 = 2;
 /// Stopped by Ctrl-C.
-const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Flexible multibody dynamics on manifolds.
 #[derive(Parser)]
@@ -78,19 +78,34 @@ enum Command {
     },
 }
 
-fn main() -> ExitCode {
-    let code = match Arguments::parse().command {
+/// The program: all commands of `pullback`, for model files with the joints of a registry.
+///
+/// Give it to `main` of a program of your own; see [`Registry`].
+pub fn main(registry: &Registry) -> ExitCode {
+    ExitCode::from(run(registry, std::env::args_os()))
+}
+
+/// Does what a command line says, the program's name first; the exit code.
+pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let command = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments.command,
+        Err(error) => {
+            // Help and version are no errors; who does not read them has gone away.
+            error.print().ok();
+            return u8::from(error.use_stderr()) * REFUSED;
+        }
+    };
+    match command {
         Command::Run {
             model,
             out,
-            resume: again,
+            resume,
             quiet,
-        } => run_model(&model, out.as_deref(), again, quiet),
-        Command::Check { model, seed, json } => check(&model, seed, json),
-        Command::Schema => print_schema(),
+        } => run_model(registry, &model, out, resume, quiet),
+        Command::Check { model, seed, json } => check(registry, &model, seed, json),
+        Command::Schema => print_schema(registry),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
-    };
-    ExitCode::from(code)
+    }
 }
 
 /// Prints to standard output; a reader that has gone away (`| head`) is no failure.
@@ -104,8 +119,8 @@ fn print(text: &str) -> u8 {
     }
 }
 
-fn print_schema() -> u8 {
-    match serde_json::to_string_pretty(&pullback::input::schema()) {
+fn print_schema(registry: &Registry) -> u8 {
+    match serde_json::to_string_pretty(&registry.schema()) {
         Ok(text) => print(&(text + "\n")),
         Err(error) => {
             eprintln!("cannot encode the schema: {error}");
@@ -114,17 +129,26 @@ fn print_schema() -> u8 {
     }
 }
 
-fn run_model(model: &Path, out: Option<&Path>, again: bool, quiet: bool) -> u8 {
+fn run_model(
+    registry: &Registry,
+    model: &Path,
+    out: Option<PathBuf>,
+    again: bool,
+    quiet: bool,
+) -> u8 {
+    let directory = out.unwrap_or_else(|| default_directory(model));
+    let source = model.display().to_string();
     let interrupt = Interrupt::install();
     let progress = Progress::new(quiet);
     let mut observer = |step: &Advance<'_>| {
         progress.step(step);
         interrupt.flow()
     };
-    let ran = match again {
-        true => resume(model, out, &mut observer),
-        false => run(model, out, &mut observer),
-    };
+    let job = registry.load(model).map_err(RunError::from);
+    let ran = job.and_then(|job| match again {
+        true => resume_job(job, &source, &directory, &mut observer),
+        false => run_job(job, &source, &directory, &mut observer),
+    });
     progress.clear();
     match ran {
         Err(RunError::Input(error)) => {
@@ -190,16 +214,16 @@ fn complain(error: &dyn Diagnostic) {
     }
 }
 
-fn check(model: &Path, seed: u64, json: bool) -> u8 {
-    let report = match pullback::check::file(model, seed) {
-        Ok(report) => report,
+fn check(registry: &Registry, model: &Path, seed: u64, json: bool) -> u8 {
+    let report = match registry.load(model) {
+        Ok(mut job) => crate::check::job(&mut job, seed),
         Err(error) => {
             complain(&error);
             return REFUSED;
         }
     };
     let text = if json {
-        match serde_json::to_string_pretty(&pullback::check::entries(&report)) {
+        match serde_json::to_string_pretty(&crate::check::entries(&report)) {
             Ok(text) => text + "\n",
             Err(error) => {
                 eprintln!("cannot encode the rows: {error}");
@@ -207,7 +231,7 @@ fn check(model: &Path, seed: u64, json: bool) -> u8 {
             }
         }
     } else {
-        pullback::check::table(&report)
+        crate::check::table(&report)
     };
     match print(&text) {
         0 if report.is_ok() => 0,
@@ -218,7 +242,7 @@ fn check(model: &Path, seed: u64, json: bool) -> u8 {
 
 fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     let progress = Progress::new(json);
-    let ran = pullback::gallery::run(cases, out, &mut |case| progress.say(case));
+    let ran = crate::gallery::run(cases, out, &mut |case| progress.say(case));
     progress.clear();
     let rows = match ran {
         Ok(rows) => rows,

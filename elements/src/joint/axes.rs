@@ -1,0 +1,40 @@
+//! Directions of the axes of joints.
+
+use crate::model::ModelError;
+use nalgebra::Vector3;
+
+/// Sine of the angle between two axes below which they count as parallel.
+pub(super) const PARALLEL: f64 = 1e-6;
+
+/// What is wrong with the axes of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum AxisError {
+    /// An axis is zero, or not finite.
+    #[error("its axis {0:?} has no direction; give a finite vector that is not zero")]
+    Direction([f64; 3]),
+    /// Two axes that must differ in direction do not.
+    #[error("its two axes are parallel; give two directions")]
+    Parallel,
+}
+
+impl AxisError {
+    /// The same of the joint of a name.
+    pub(super) fn of(self, joint: &str) -> ModelError {
+        let joint = joint.to_owned();
+        ModelError::Axis {
+            joint,
+            source: self,
+        }
+    }
+}
+
+/// The unit vector along an axis of any length; refused where it has no direction.
+pub(super) fn direction(axis: [f64; 3]) -> Result<Vector3<f64>, AxisError> {
+    let vector = Vector3::from(axis);
+    let largest = vector.amax();
+    if largest > 0.0 && axis.iter().all(|x| x.is_finite()) {
+        Ok((vector / largest).normalize())
+    } else {
+        Err(AxisError::Direction(axis))
+    }
+}

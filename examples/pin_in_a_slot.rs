@@ -1,0 +1,158 @@
+//! A joint from outside the library: a pin in a slot, which carries a pendulum.
+
+use pullback::prelude::*;
+use std::error::Error;
+
+/// A pin that slides along a slot of its master, up to its ends, and turns in it.
+#[derive(Clone)]
+struct Slot {
+    /// Along the slot: a unit vector of the reference configuration, global components.
+    along: Vector3<f64>,
+    /// Along the pin, likewise.
+    pin: Vector3<f64>,
+    /// Way from the middle to either end.
+    end: f64,
+}
+
+impl Joint<8> for Slot {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        Pose::of(q, 0)
+            .moved(&(self.along.map(S::constant) * q[6]))
+            .turned(&Quaternion::about(&self.pin, q[7]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way"), Released::angle("angle")] }
+    }
+
+    fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
+        self.end - q[6].abs()
+    }
+
+    fn edge(&self) -> &'static str {
+        "its slot at an end: make it longer, or stop before"
+    }
+}
+
+const LENGTH: f64 = 0.6;
+const PIN: f64 = 1.0;
+const BOB: f64 = 0.8;
+const G: f64 = 9.81;
+const SPRING: f64 = 30.0;
+
+/// A pendulum swings from a pin in a horizontal slot. A spring may hold the pin, a force pulls it
+/// and a moment turns it, the latter two in proportion to the load parameter.
+fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Model, Box<dyn Error>> {
+    let mut builder = ModelBuilder::new();
+    let ground = builder.node("ground", [0.0; 3])?;
+    builder.support(ground, &Dof::ALL);
+    let slot = Slot {
+        along: Vector3::x(),
+        pin: -Vector3::y(),
+        end,
+    };
+    let JointNodes { frame, released } = builder.attach("pin", ground, slot)?;
+    let [way, angle] = released[..] else {
+        return Err("the slot releases a way and an angle".into());
+    };
+    let bob = offset(&mut builder, "bob", frame, [0.0, 0.0, -LENGTH])?;
+    let mass = PointMass::new(BOB)?;
+    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    builder.element("pin mass", PointMass::new(PIN)?, &[frame])?;
+    builder.element("mass", mass, &[bob])?;
+    builder.element("weight", weight, &[bob])?;
+    if spring > 0.0 {
+        let law = CoordinateLaw {
+            k: spring,
+            ..CoordinateLaw::default()
+        };
+        builder.element("spring", CoordinateSpring::new(law)?, &[way])?;
+    }
+    builder.element("pull", CoordinateForce::new(Proportional(pull)), &[way])?;
+    builder.element(
+        "moment",
+        CoordinateForce::new(Proportional(moment)),
+        &[angle],
+    )?;
+    Ok(builder.build()?)
+}
+
+/// Way and angle at rest follow from k u = F and m g l sin φ = M.
+fn at_rest() -> Result<(), Box<dyn Error>> {
+    let (u, phi, weight) = (0.25, 1.1_f64, BOB * G * LENGTH);
+    let mut model = model(SPRING, SPRING * u, weight * phi.sin(), 0.5)?;
+    let (mut q, mut residuals) = (Vec::new(), Vec::new());
+    let options = StaticOptions::equal_steps(1);
+    solve_statics(&mut model, &mut q, &options, &mut |_, step| {
+        residuals = step.residuals.iter().map(|i| i.residual[1]).collect();
+        ControlFlow::Continue(())
+    })?;
+    println!("at rest at {q:.12?}, residuals {residuals:?}");
+    assert!((q[0] - u).abs() < 1e-9 && (q[1] - phi).abs() < 1e-9);
+    // Newton's method for M − m g l sin φ = 0 comes from below, where |r''| / 2 r'² is at most
+    let constant = phi.tan() / (2.0 * weight * phi.cos());
+    assert!(residuals.len() > 3);
+    for pair in residuals.windows(2) {
+        assert!(pair[1] <= constant * pair[0].powi(2) + 1e-14 * weight);
+    }
+    Ok(())
+}
+
+/// Without a spring nothing acts along the slot: the centre of mass stays, and energy tells how fast
+/// the pendulum is. Both are met with the order of the scheme.
+fn in_motion() -> Result<(), Box<dyn Error>> {
+    let (first, share) = (1.3_f64, BOB / (PIN + BOB));
+    let mut errors = Vec::new();
+    for steps in [50, 100, 200] {
+        let mut model = model(0.0, 0.0, 0.0, 0.5)?;
+        let mut progress = Progress::new(start(&model, 0.0, &[0.0, first], &[0.0; 2])?);
+        let options = DynamicOptions::new(0.3, 0.3 / f64::from(steps));
+        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+            ControlFlow::Continue(())
+        })?;
+        let (q, v) = (&progress.state.q, &progress.state.v);
+        let (s, c) = q[1].sin_cos();
+        let way = share * LENGTH * (first.sin() - s);
+        // ½ m l² φ̇² (1 − m cos² φ / (M + m)) = m g l (cos φ − cos φ₀).
+        let rate = -(2.0 * G / LENGTH * (c - first.cos()) / (1.0 - share * c * c)).sqrt();
+        errors.push([(q[0] - way).abs(), (v[1] - rate).abs()]);
+    }
+    println!("in motion: errors of way and rate {errors:?}");
+    for k in 0..2 {
+        for pair in errors.windows(2) {
+            let order = (pair[0][k] / pair[1][k]).log2();
+            assert!((order - 2.0).abs() < 0.1, "order {order}");
+        }
+        assert!(errors[2][k] < 1e-4);
+    }
+    Ok(())
+}
+
+/// In a short slot the motion ends at the end, with the name of the joint.
+fn at_the_end() -> Result<(), Box<dyn Error>> {
+    let mut model = model(0.0, 0.0, 0.0, 0.1)?;
+    let mut progress = Progress::new(start(&model, 0.0, &[0.0, 1.3], &[0.0; 2])?);
+    let options = DynamicOptions::new(1.0, 0.005);
+    let ended = integrate(&mut model, &mut progress, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    });
+    let error = ended.err().ok_or("the pin left its slot")?.to_string();
+    println!("at the end: {error}");
+    assert!(error.contains("pin") && error.contains("its slot at an end"));
+    // The pin has stopped within a step's way of the end.
+    let u = progress.state.q[0];
+    assert!(u <= 0.1 && u > 0.09, "{u}");
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let slot = Slot {
+        along: Vector3::new(0.6, 0.0, 0.8),
+        pin: Vector3::new(-0.8, 0.0, 0.6),
+        end: f64::INFINITY,
+    };
+    check::map(&Hung::new(slot)).assert();
+    at_rest()?;
+    in_motion()?;
+    at_the_end()
+}

@@ -1,0 +1,128 @@
+//! The joints of the library as model files name them, with the keys of each.
+
+use super::registry::Registry;
+use pullback_elements::joint::{
+    constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute, slide_on,
+    spherical, universal, weld,
+};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Nothing is released: a rigid link to a node at another place.
+#[derive(Deserialize, JsonSchema)]
+struct Offset {
+    /// Place of the node that hangs on it, like that of a node.
+    place: [f64; 3],
+}
+
+/// Nothing is released: a frame at the same place.
+#[derive(Deserialize, JsonSchema)]
+struct Weld {}
+
+/// Releases the angle about an axis, any number of turns.
+#[derive(Deserialize, JsonSchema)]
+struct Revolute {
+    /// Axis in global components of the reference configuration; the master carries it.
+    axis: [f64; 3],
+}
+
+/// Releases all rotations.
+#[derive(Deserialize, JsonSchema)]
+struct Spherical {}
+
+/// Releases the place along lines.
+#[derive(Deserialize, JsonSchema)]
+struct Slide {
+    /// Where it starts: arc length from the beginning of the first line.
+    #[serde(default)]
+    start: f64,
+}
+
+/// Releases the angles about two crossed axes.
+#[derive(Deserialize, JsonSchema)]
+struct Universal {
+    /// Axis that the master carries, in global components of the reference configuration.
+    axis: [f64; 3],
+    /// Axis that the joint's own node carries.
+    second_axis: [f64; 3],
+}
+
+/// Releases the tilt of two shafts that turn equally fast.
+#[derive(Deserialize, JsonSchema)]
+struct ConstantVelocity {
+    /// Shaft of the master, in global components of the reference configuration.
+    axis: [f64; 3],
+    /// Shaft of the joint's own node.
+    second_axis: [f64; 3],
+}
+
+/// Releases way and angle along and about an axis.
+#[derive(Deserialize, JsonSchema)]
+struct Cylindrical {
+    /// Axis in global components of the reference configuration; the master carries it.
+    axis: [f64; 3],
+}
+
+/// Releases the way along an axis.
+#[derive(Deserialize, JsonSchema)]
+struct Prismatic {
+    /// Axis in global components of the reference configuration; the master carries it.
+    axis: [f64; 3],
+}
+
+/// Releases two ways in a plane, and the angle about its normal.
+#[derive(Deserialize, JsonSchema)]
+struct Planar {
+    /// Normal of the plane in global components of the reference configuration; the master carries
+    /// it.
+    axis: [f64; 3],
+    /// Direction of the first way, of which the part in the plane counts.
+    second_axis: [f64; 3],
+}
+
+/// Releases the angle of a screw, which moves along its axis as it turns.
+#[derive(Deserialize, JsonSchema)]
+struct Helical {
+    /// Axis in global components of the reference configuration; the master carries it.
+    axis: [f64; 3],
+    /// Way along the axis in one turn.
+    pitch: f64,
+}
+
+/// A registry and the joints of the library.
+pub(super) fn add_to(registry: Registry) -> Registry {
+    registry
+        .joint("offset", |at, keys: Offset| {
+            offset(at.builder, at.name, at.master, keys.place)
+        })
+        .joint("weld", |at, _: Weld| weld(at.builder, at.name, at.master))
+        .joint("revolute", |at, keys: Revolute| {
+            revolute(at.builder, at.name, at.master, keys.axis)
+        })
+        .joint("spherical", |at, _: Spherical| {
+            spherical(at.builder, at.name, at.master)
+        })
+        .joint_along("slide", |at, keys: Slide| {
+            slide_on(at.builder, at.name, at.chain, keys.start, at.interpolation)
+        })
+        .joint("universal", |at, keys: Universal| {
+            let axes = [keys.axis, keys.second_axis];
+            universal(at.builder, at.name, at.master, axes)
+        })
+        .joint("constant-velocity", |at, keys: ConstantVelocity| {
+            let axes = [keys.axis, keys.second_axis];
+            constant_velocity(at.builder, at.name, at.master, axes)
+        })
+        .joint("cylindrical", |at, keys: Cylindrical| {
+            cylindrical(at.builder, at.name, at.master, keys.axis)
+        })
+        .joint("prismatic", |at, keys: Prismatic| {
+            prismatic(at.builder, at.name, at.master, keys.axis)
+        })
+        .joint("planar", |at, keys: Planar| {
+            planar(at.builder, at.name, at.master, keys.axis, keys.second_axis)
+        })
+        .joint("helical", |at, keys: Helical| {
+            helical(at.builder, at.name, at.master, keys.axis, keys.pitch)
+        })
+}

@@ -1,0 +1,220 @@
+//! The types of joints that model files may name: those of the library, and a program's own.
+
+use super::joint_types;
+use pullback_elements::beam::Interpolation;
+use pullback_elements::joint::{Joint, JointNodes};
+use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+use serde_path_to_error::Segment;
+use std::collections::BTreeMap;
+
+/// An error of any type, as a joint's maker hands it back.
+pub type BoxedError = Box<dyn std::error::Error + Send + Sync>;
+
+/// The joint of a model file that is being made, and the model so far.
+pub struct Site<'a> {
+    /// Where nodes of joint and coordinates are added.
+    pub builder: &'a mut ModelBuilder,
+    /// Name of the joint, and of the node that is to hang on it.
+    pub name: &'a str,
+    /// Node it hangs on; the first one of `chain`.
+    pub master: NodeId,
+    /// Nodes it hangs on: the master alone, or all along `lines`.
+    pub chain: &'a [NodeId],
+    /// How the beams along `lines` interpolate rotations between those nodes.
+    pub interpolation: Interpolation,
+}
+
+impl Site<'_> {
+    /// Adds a joint at the place of the master: [`ModelBuilder::attach`].
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn join<J, const D: usize>(&mut self, joint: J) -> Result<JointNodes, ModelError>
+    where
+        J: Joint<D> + 'static,
+    {
+        self.builder.attach(self.name, self.master, joint)
+    }
+}
+
+/// Types of joints by name.
+///
+/// A program built on this library adds its own to those of [`Registry::standard`]; with
+/// [`cli::main`](crate::cli::main) it then has all commands of `pullback` for model files with
+/// `type = "..."` of its own:
+///
+/// ```no_run
+/// use pullback::prelude::*;
+///
+/// /// A frame that slides along an axis and turns about it.
+/// #[derive(Clone, serde::Deserialize, schemars::JsonSchema)]
+/// struct Screw {
+///     /// Axis, global components of the reference configuration.
+///     axis: [f64; 3],
+///     /// Way in one turn.
+///     pitch: f64,
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     let registry = Registry::standard().joint("screw", |at, keys: Screw| {
+///         helical(at.builder, at.name, at.master, keys.axis, keys.pitch)
+///     });
+///     pullback::cli::main(&registry)
+/// }
+/// ```
+#[derive(Default)]
+pub struct Registry {
+    types: BTreeMap<String, JointType>,
+}
+
+impl Registry {
+    /// The joints of the library.
+    pub fn standard() -> Self {
+        joint_types::add_to(Self::default())
+    }
+
+    /// Adds a type of joint that hangs on one node, the `master`; one of the same name is replaced.
+    ///
+    /// `make` is given the keys that the file has for it besides those of every joint (`name`,
+    /// `type`, `master`, and what acts on its coordinates). Their names, and what the JSON Schema
+    /// says about them, are those of `K`, a struct; keys that it does not have are refused.
+    /// Springs, motors, drives and probes act on the nodes that `make` tells to be released and
+    /// that have one coordinate; their names begin with that of the joint and a blank, as
+    /// [`ModelBuilder::join`] names them.
+    #[must_use]
+    pub fn joint<K, N, E>(
+        self,
+        name: &str,
+        make: impl Fn(&mut Site<'_>, K) -> Result<N, E> + Send + Sync + 'static,
+    ) -> Self
+    where
+        K: DeserializeOwned + JsonSchema,
+        N: Into<JointNodes>,
+        E: Into<BoxedError>,
+    {
+        self.add(name, false, make)
+    }
+
+    /// As [`Registry::joint`], for a type of joint that runs along `lines` instead of hanging on a
+    /// `master`.
+    #[must_use]
+    pub fn joint_along<K, N, E>(
+        self,
+        name: &str,
+        make: impl Fn(&mut Site<'_>, K) -> Result<N, E> + Send + Sync + 'static,
+    ) -> Self
+    where
+        K: DeserializeOwned + JsonSchema,
+        N: Into<JointNodes>,
+        E: Into<BoxedError>,
+    {
+        self.add(name, true, make)
+    }
+
+    fn add<K, N, E>(
+        mut self,
+        name: &str,
+        along: bool,
+        make: impl Fn(&mut Site<'_>, K) -> Result<N, E> + Send + Sync + 'static,
+    ) -> Self
+    where
+        K: DeserializeOwned + JsonSchema,
+        N: Into<JointNodes>,
+        E: Into<BoxedError>,
+    {
+        let made = JointType {
+            along,
+            schema: K::json_schema,
+            make: Box::new(move |keys, site| {
+                let keys = read(keys)?;
+                let made = make(site, keys).map_err(|error| Refusal::Joint(error.into()))?;
+                Ok(made.into())
+            }),
+        };
+        self.types.insert(name.to_owned(), made);
+        self
+    }
+
+    /// The type of a name.
+    pub(super) fn get(&self, name: &str) -> Option<&JointType> {
+        self.types.get(name)
+    }
+
+    /// All types with their names, in alphabetical order.
+    pub(super) fn types(&self) -> impl Iterator<Item = (&String, &JointType)> {
+        self.types.iter()
+    }
+}
+
+type Make = dyn Fn(&Map<String, Value>, &mut Site<'_>) -> Result<JointNodes, Refusal> + Send + Sync;
+
+/// A type of joint.
+pub(super) struct JointType {
+    /// Whether it runs along lines; it hangs on a master otherwise.
+    pub along: bool,
+    /// What the schema says about its own keys.
+    pub schema: fn(&mut SchemaGenerator) -> Schema,
+    /// Makes a joint of its own keys.
+    pub make: Box<Make>,
+}
+
+impl JointType {
+    /// Names of its own keys.
+    pub fn keys(&self) -> Vec<String> {
+        let schema = (self.schema)(&mut SchemaGenerator::default());
+        let keys = schema.get("properties").and_then(Value::as_object);
+        keys.map_or_else(Vec::new, |keys| keys.keys().cloned().collect())
+    }
+}
+
+/// Why a joint cannot be made.
+pub(super) enum Refusal {
+    /// A key that is not there.
+    Missing(String),
+    /// A key that means nothing, by its path.
+    Unknown(Vec<String>),
+    /// A value of the wrong form, by its path.
+    Value(Vec<String>, String),
+    /// The joint itself says no.
+    Joint(BoxedError),
+}
+
+/// The keys of a joint as the struct of its type; all of them must have been taken.
+fn read<K: DeserializeOwned>(keys: &Map<String, Value>) -> Result<K, Refusal> {
+    let value = Value::Object(keys.clone());
+    let mut unknown = None;
+    let mut track = serde_path_to_error::Track::new();
+    let source = serde_path_to_error::Deserializer::new(&value, &mut track);
+    let taken = serde_ignored::deserialize(source, |path: serde_ignored::Path<'_>| {
+        let path = path.to_string();
+        unknown.get_or_insert(path.split('.').map(str::to_owned).collect());
+    });
+    if let Some(path) = unknown {
+        return Err(Refusal::Unknown(path));
+    }
+    taken.map_err(|error| {
+        let path = track.path();
+        let mut path: Vec<String> = path
+            .iter()
+            .map(|segment| match segment {
+                Segment::Seq { index } => index.to_string(),
+                other => other.to_string(),
+            })
+            .collect();
+        let message = error.to_string();
+        let named = message.split('`').nth(1).unwrap_or_default().to_owned();
+        if message.starts_with("missing field") && path.is_empty() {
+            return Refusal::Missing(named);
+        }
+        if message.starts_with("unknown field") {
+            if path.last() != Some(&named) {
+                path.push(named);
+            }
+            return Refusal::Unknown(path);
+        }
+        Refusal::Value(path, message)
+    })
+}

@@ -1,0 +1,151 @@
+//! Where charts of joints end: they change, or an error names the joint.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+mod dynamics_support;
+
+use dynamics_support::{configure, tight};
+use nalgebra::Matrix3;
+use pullback::manifold::so3;
+use pullback::prelude::*;
+use std::f64::consts::TAU;
+
+/// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
+fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Model, JointNodes) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let made = hang(&mut b, ground);
+    let sphere = RigidBody::new(2.0, Matrix3::identity() * 0.3, Vector3::zeros()).unwrap();
+    b.element("ball", sphere, &[made.frame]).unwrap();
+    // Something is free, whatever is driven.
+    let free = b.node("free", [1.0, 0.0, 0.0]).unwrap();
+    b.element("free", sphere, &[free]).unwrap();
+    (b.build().unwrap(), made)
+}
+
+/// Runs with rates of the released coordinates; the orientation at each step is handed to `at`.
+fn run(
+    model: &mut Model,
+    made: &JointNodes,
+    rates: &[f64],
+    to: f64,
+    at: &mut dyn FnMut(f64, &NodeState),
+) -> Result<Progress, DynamicsError> {
+    let n = model.pattern().dim();
+    let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    let places = made.released.iter().flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
+    let places: Vec<_> = places
+        .filter(|&(r, k)| model.unknown_at(r, k).is_some())
+        .collect();
+    for (&(node, k), &rate) in places.iter().zip(rates) {
+        assert!(model.set(&mut v, node, k, rate));
+    }
+    let mut progress = Progress::new(start(model, 0.0, &q, &v)?);
+    let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, 0.01);
+    let frame = made.frame;
+    integrate(
+        model,
+        &mut progress,
+        &options,
+        &mut |model: &mut Model, step| {
+            configure(model, &step.progress.state);
+            at(step.progress.state.t, &model.node_state(frame));
+            ControlFlow::Continue(())
+        },
+    )?;
+    Ok(progress)
+}
+
+#[test]
+fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let (mut model, made) = ball(|b, on| universal(b, "cross", on, axes).unwrap());
+    // The axes stay at right angles, so T = ½ J (α̇² + β̇²): both angles grow evenly.
+    let (alpha, beta) = (1.0, 3.0);
+    let mut largest = 0.0_f64;
+    let progress = run(&mut model, &made, &[alpha, beta], 5.0, &mut |t, state| {
+        let exact = so3::rotation(&(Vector3::x() * (alpha * t)))
+            * so3::rotation(&(Vector3::y() * (beta * t)));
+        largest = largest.max((state.R - exact).norm());
+    });
+    let progress = progress.unwrap();
+    assert!(beta * progress.state.t > 2.0 * TAU);
+    assert!(largest < 1e-10, "{largest:e}");
+    assert!(progress.summary.chart_changes > 0);
+}
+
+#[test]
+fn a_spherical_joint_turns_any_number_of_times() {
+    let (mut model, made) = ball(|b, on| spherical(b, "socket", on).unwrap().into());
+    let omega = Vector3::new(3.0, -4.0, 12.0);
+    let mut largest = 0.0_f64;
+    let progress = run(&mut model, &made, omega.as_slice(), 2.0, &mut |t, state| {
+        largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
+    });
+    let progress = progress.unwrap();
+    // 26 rad: the chart changes at π, 3π, 5π and 7π.
+    assert!(largest < 1e-10, "{largest:e}");
+    assert!(progress.summary.chart_changes >= 4);
+    for k in 0..3 {
+        let [value, _] = model.coordinate(made.released[0], k).unwrap();
+        assert!(value.abs() < 0.6 * TAU);
+    }
+}
+
+#[test]
+fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
+    let axis = [0.0, 0.0, 1.0];
+    let (mut model, made) = ball(|b, on| {
+        let made = constant_velocity(b, "coupling", on, [axis; 2]).unwrap();
+        b.prescribe_coordinate(made.released[0], 0, Box::new(Proportional(2.0)));
+        b.prescribe_coordinate(made.released[1], 0, Box::new(Constant(0.0)));
+        made
+    });
+    let mut reached = 0.0_f64;
+    let ended = run(&mut model, &made, &[], 4.0, &mut |t, state| {
+        reached = t;
+        // The shaft is tilted by 2 t, through half a turn and beyond.
+        let tilted = (state.R * Vector3::z()).z;
+        assert!((tilted - (2.0 * t).cos()).abs() < 1e-12);
+    });
+    let said = ended.unwrap_err().to_string();
+    assert!(
+        said.contains("joint at node coupling left its tilts of less than a whole turn"),
+        "{said}"
+    );
+    assert!(
+        2.0 * reached < TAU && 2.0 * reached > 0.99 * TAU,
+        "{reached}"
+    );
+}
+
+/// A line with ends.
+#[derive(Clone)]
+struct Rail;
+
+impl Curve for Rail {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        Vector3::new(s, S::zero(), S::zero())
+    }
+
+    fn margin(&self, s: f64) -> f64 {
+        1.0 - s.abs()
+    }
+}
+
+#[test]
+fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
+    let (mut model, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
+    let mut reached = 0.0_f64;
+    let ended = run(&mut model, &made, &[2.0], 4.0, &mut |t, state| {
+        reached = state.place.x;
+        assert!((state.place.x - 2.0 * t).abs() < 1e-12);
+    });
+    let said = ended.unwrap_err().to_string();
+    assert!(
+        said.contains("joint at node carriage left its curve over an end"),
+        "{said}"
+    );
+    assert!(reached <= 1.0 && reached > 0.98, "{reached}");
+}
