@@ -4,6 +4,7 @@
 #![allow(non_snake_case)]
 
 use super::assembly::Workspace;
+use super::gather::collect;
 use super::{Model, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
@@ -254,25 +255,6 @@ pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
     if let Source::Mapped(d) = &mut nodes[n].source {
         (d.ancestors, d.pulled) = (ancestors, pulled);
     }
-}
-
-/// Copies the coordinates of some nodes one after the other; how many there are.
-pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) -> usize {
-    let mut k = 0;
-    for &m in of {
-        let from = &x[spans[m as usize].range()];
-        let to = &mut out[k..k + from.len()];
-        // Most nodes are frames: six values are moved without a call.
-        match (
-            <&mut [f64; 6]>::try_from(&mut *to),
-            <&[f64; 6]>::try_from(from),
-        ) {
-            (Ok(to), Ok(from)) => *to = *from,
-            _ => to.copy_from_slice(from),
-        }
-        k += from.len();
-    }
-    k
 }
 
 impl Model {

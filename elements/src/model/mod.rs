@@ -10,6 +10,7 @@ mod builder;
 mod charts;
 mod dependence;
 mod error;
+mod gather;
 mod inspect;
 mod line;
 mod local;
