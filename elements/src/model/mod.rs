@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod ancestry;
 mod assembly;
 mod audit;
 mod axis;
