@@ -333,9 +333,9 @@ fn analyses_and_probes() {
         (with("{ hht = -0.1 }", "{ wbz = 1.5 }"), "{ wbz", "rho", ""),
         (
             with("{ hht = -0.1 }", "{ rk4 = 1 }"),
-            "rk4",
-            "rk4",
-            "here are",
+            "{ rk4",
+            "scheme `rk4`: no scheme is called so; there are",
+            "",
         ),
         (
             with("step = 0.1", "step = 0.1\nrecord_every = 0"),
