@@ -212,6 +212,29 @@ pub trait System {
         self.evaluate(at, out)
     }
 
+    /// As [`System::evaluate`], for accelerations (and multipliers) that fit a state: the rows of
+    /// multipliers hold the second time derivatives −ḧ of their equations in place of −h, and the
+    /// matrix of M alone is [M h_xᵀ; h_x 0]. For a system without multipliers that is the
+    /// evaluation itself, and the default.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn evaluate_accelerations(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.evaluate(at, out)
+    }
+
+    /// Whether coordinate `i` is a Lagrange multiplier: an unknown without mass whose row of the
+    /// residual is an equation of the coordinates. Its velocity and acceleration mean nothing, and
+    /// its momentum is the rate ḣ of the equation. None is by default.
+    fn is_multiplier(&self, i: usize) -> bool {
+        let _ = i;
+        false
+    }
+
     /// Changes charts where that is due, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of

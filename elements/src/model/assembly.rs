@@ -45,6 +45,8 @@ pub(super) struct Workspace {
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
+    /// Whether equations that elements enforce are asked for at the level of accelerations.
+    accelerations_asked: bool,
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
@@ -91,6 +93,7 @@ impl Workspace {
             accelerations: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
+            accelerations_asked: false,
             sheets: Sheets::default(),
             scales,
         }
@@ -163,6 +166,9 @@ impl Model {
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
+            if w.accelerations_asked {
+                local.ask_accelerations(e, t);
+            }
             if e.load {
                 local.measure_load(e, &self.nodes, &mut w.scales);
             }
@@ -236,6 +242,7 @@ impl System for Model {
         let statics = at.v.is_empty();
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
+        self.check_left_out()?;
         self.expand(at)?;
         self.work.r.fill(0.0);
         self.work.r_t.fill(0.0);
@@ -273,6 +280,21 @@ impl System for Model {
         let outcome = self.evaluate(at, out);
         self.work.has_previous = false;
         outcome
+    }
+
+    fn evaluate_accelerations(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.work.accelerations_asked = true;
+        let outcome = self.evaluate(at, out);
+        self.work.accelerations_asked = false;
+        outcome
+    }
+
+    fn is_multiplier(&self, i: usize) -> bool {
+        self.multipliers[self.coordinates[i]]
     }
 
     fn change_charts(

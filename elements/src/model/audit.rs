@@ -157,6 +157,15 @@ impl Model {
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
+            if let Some(enforced) = e.element.enforced().filter(|e| e.has_multipliers()) {
+                // The momentum of a multiplier is the rate of its equation.
+                let (N, _) = enforced.dims();
+                let rates = enforced.levels(&local.motion(e, at.t, false)).h_dot;
+                let kept = |i: usize| enforced.left_out() & (1 << i) == 0;
+                for (i, rate) in rates.into_iter().enumerate().filter(|(i, _)| kept(*i)) {
+                    local.r[N + i] = rate;
+                }
+            }
             if switched {
                 local.pull_back_switch(e, &self.nodes, None, false, false);
             }

@@ -188,6 +188,25 @@ impl Local {
         }
     }
 
+    /// Puts the equations that an element enforces by multipliers at the level of accelerations,
+    /// after an evaluation in motion: rows −ḧ, and h_x as if it were mass.
+    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64) {
+        let Some(enforced) = e.element.enforced().filter(|e| e.has_multipliers()) else {
+            return;
+        };
+        let n = e.element.dim();
+        let (N, M) = enforced.dims();
+        let levels = enforced.levels(&self.motion(e, t, false));
+        for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+            self.r[N + i] = -levels.h_ddot[i];
+        }
+        for j in 0..n {
+            for i in (0..n).filter(|i| j >= N || *i >= N) {
+                self.M[i + j * n] = self.K[i + j * n];
+            }
+        }
+    }
+
     /// Residual into `r` and, where there is motion, generalised momenta p = M ẋ into `work`.
     pub(super) fn momenta(
         &mut self,

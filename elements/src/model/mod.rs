@@ -7,8 +7,10 @@ mod audit;
 mod axis;
 mod build;
 mod builder;
+mod closures;
 mod charts;
 mod dependence;
+mod enforced;
 mod error;
 mod inspect;
 mod line;
@@ -23,6 +25,7 @@ mod slots;
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
+pub use closures::Closure;
 pub use error::ModelError;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
@@ -58,6 +61,8 @@ enum Form {
     Frame,
     /// A rotation vector alone.
     Rotation,
+    /// Multipliers of equations: no coordinates, but unknowns.
+    Multipliers,
     /// Any others, of one chart.
     Coordinates,
 }
@@ -116,7 +121,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Coordinates => None,
+            Form::Coordinates | Form::Multipliers => None,
         }
     }
 
@@ -187,6 +192,8 @@ struct Attached {
     switched: u32,
     /// Whether its nodes have turned so far against each other that no chart holds them all.
     overturned: bool,
+    /// An equation left out that does not follow from the others any more, and its residual.
+    loose: Option<(usize, f64)>,
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether a coordinate of its nodes is prescribed or follows others.
@@ -220,6 +227,10 @@ pub struct Model {
     /// How loops are closed.
     reports: Vec<loops::Report>,
     elements: Vec<Attached>,
+    /// Elements that enforce equations.
+    enforced: Vec<usize>,
+    /// Coordinates at the start, unless something else is said.
+    initial: Vec<f64>,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,
@@ -228,6 +239,8 @@ pub struct Model {
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     kinds: Vec<Kind>,
+    /// Whether each coordinate is a multiplier.
+    multipliers: Vec<bool>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,

@@ -112,6 +112,23 @@ impl Scheme {
         1 + usize::from(second)
     }
 
+    /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
+    /// and accelerations of coordinates that are held in place (by infinite stiffness, or by
+    /// multipliers) changes in a step.
+    pub fn spectral_radius(&self) -> f64 {
+        // With q held, (h q̇, h² a) is multiplied by a matrix of this trace and determinant, and q̈
+        // by −α_f/(1−α_f) besides.
+        let trace = 2.0 - (self.gamma + 0.5) / self.beta;
+        let determinant = 1.0 - (self.gamma - 0.5) / self.beta;
+        let discriminant = 0.25 * trace * trace - determinant;
+        let largest = if discriminant > 0.0 {
+            0.5 * trace.abs() + discriminant.sqrt()
+        } else {
+            determinant.abs().sqrt()
+        };
+        largest.max((self.alpha_f / (1.0 - self.alpha_f)).abs())
+    }
+
     /// ∂aₙ₊₁/∂qₙ₊₁, ∂q̇ₙ₊₁/∂qₙ₊₁ and ∂q̈ₙ₊₁/∂qₙ₊₁ for steps of size h.
     pub(super) fn rates(&self, h: f64) -> [f64; 3] {
         let a = 1.0 / (self.beta * h * h);

@@ -243,8 +243,11 @@ impl Stepper {
             .solve(Some(&self.S), &mut self.dq)
             .map_err(Failure::Linear)?;
         let scales = system.scales().coordinate;
+        // Multipliers are judged by the residual that they leave.
+        let judged = |(i, _): &(usize, &f64)| !system.is_multiplier(*i);
         let size = |(i, dq): (usize, &f64)| dq.abs() / scales[system.kind(i).index()];
-        Ok(self.dq.iter().enumerate().map(size).fold(0.0, f64::max))
+        let all = self.dq.iter().enumerate().filter(judged);
+        Ok(all.map(size).fold(0.0, f64::max))
     }
 
     fn correct(&mut self, [a, v, q_ddot]: [f64; 3]) {
