@@ -8,6 +8,7 @@ mod loops_support;
 
 use dynamics_support::*;
 use loops_support::four_bar::*;
+use loops_support::linkage::*;
 use loops_support::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::body::RigidBody;
@@ -21,61 +22,6 @@ use pullback::manifold::jet::Taylor;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Evaluation, Point, System};
 use std::ops::ControlFlow;
-
-const E3: [f64; 3] = [0.0, 0.0, 1.0];
-
-/// How weights come on: at once, and in statics with the load parameter.
-type Weights = fn() -> Box<dyn TimeFunction>;
-
-fn at_once() -> Box<dyn TimeFunction> {
-    Box::new(Constant(1.0))
-}
-
-fn growing() -> Box<dyn TimeFunction> {
-    Box::new(Proportional(1.0))
-}
-
-/// A uniform bar between two places, on a pin at the first one.
-fn link(
-    b: &mut ModelBuilder,
-    name: &str,
-    on: NodeId,
-    [from, to]: [[f64; 3]; 2],
-    (m, weights): (f64, Weights),
-) -> RevoluteNodes {
-    let pin = offset(b, &format!("pin {name}"), on, from).unwrap();
-    let made = revolute(b, name, pin, E3).unwrap();
-    let along = Vector3::from(to) - Vector3::from(from);
-    let J = (Matrix3::identity() * along.norm_squared() - along * along.transpose()) * (m / 12.0);
-    let body = RigidBody::new(m, J, along * 0.5).unwrap();
-    let weight = body.weight(DOWN, weights());
-    b.element(format!("bar {name}"), body, &[made.frame])
-        .unwrap();
-    b.element(format!("weight {name}"), weight, &[made.frame])
-        .unwrap();
-    made
-}
-
-/// The linkage drawn at an angle of the crank, and its joints A to D.
-fn linkage(b: &mut ModelBuilder, crank: f64, weights: Weights) -> [NodeId; 4] {
-    let at = |angle: f64, l: f64, from: [f64; 3]| {
-        [from[0] + l * angle.cos(), from[1] + l * angle.sin(), 0.0]
-    };
-    let [_, rocker] = closed_form(crank);
-    let O = [0.0; 3];
-    let P = at(crank, BARS[0], O);
-    let D = [BASE, 0.0, 0.0];
-    let Q = at(rocker, BARS[2], D);
-    let ground = ground(b);
-    let A = link(b, "A", ground, [O, P], (MASSES[0], weights));
-    let B = link(b, "B", A.frame, [P, Q], (MASSES[1], weights));
-    let rocker = link(b, "D", ground, [D, Q], (MASSES[2], weights));
-    let tip = offset(b, "tip of the coupler", B.frame, Q).unwrap();
-    let C = revolute(b, "C", tip, E3).unwrap();
-    let end = offset(b, "tip of the rocker", rocker.frame, Q).unwrap();
-    b.close(C.frame, end).unwrap();
-    [A.angle, B.angle, C.angle, rocker.angle]
-}
 
 struct Motion {
     end: Vec<f64>,
