@@ -10,14 +10,22 @@ use dynamics_support::*;
 use loops_support::four_bar::*;
 use loops_support::linkage::*;
 use loops_support::*;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{DMatrix, Vector2, Vector3};
 use pullback::elements::constraint::Stiffness;
+use pullback::elements::joint::{offset, revolute};
 use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
-use pullback::integrators::dynamics::{Progress, Scheme};
-use pullback::manifold::system::{Evaluation, Point, System};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::elements::time::Table;
+use pullback::input::assemble_text;
+use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
+use pullback::integrators::linear_solver::scaling;
+use pullback::integrators::statics::{NewtonOptions, StaticOptions, solve_statics};
+use pullback::manifold::system::{Evaluation, Point, System, Weights};
+use std::ops::ControlFlow;
 
+/// With dampers, so that what vibrates at first does not stay.
 fn penalty(p: f64) -> Closure {
-    Closure::Penalty(Stiffness { p, tau: 0.0 })
+    Closure::Penalty(Stiffness { p, tau: 1e-3 })
 }
 
 /// What a run leaves behind.
@@ -95,7 +103,7 @@ fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
 }
 
 fn flat(force: &Vector3<f64>) -> Vector2<f64> {
-    assert_eq!(force.z.abs() < 1e-9, true, "{force}");
+    assert!(force.z.abs() < 1e-9, "{force}");
     force.xy()
 }
 
@@ -133,4 +141,403 @@ fn multipliers_are_of_order_two_with_their_forces() {
         assert_slopes("four-bar", &names, &errors, 2.0, 0.2);
         assert!(runs.iter().all(|r| r.gap < 1e-11));
     }
+}
+
+/// Errors against another outcome: angles, rates, the force at the end.
+fn errors(run: &Outcome, limit: &Outcome) -> Vec<f64> {
+    let force = run.force.last().unwrap() - limit.force.last().unwrap();
+    vec![
+        gap(&run.end[..3], &limit.end[..3]),
+        gap(&run.end[3..], &limit.end[3..]),
+        force.norm(),
+    ]
+}
+
+#[test]
+fn a_penalty_is_of_order_one_in_its_compliance() {
+    // At the same steps.
+    let span = [0.4, 1e-3];
+    let limit = go(Closure::Multipliers, span);
+    let runs = [1e6, 2e6, 4e6].map(|p| go(penalty(p), span));
+    let all: Vec<Vec<f64>> = runs.iter().map(|run| errors(run, &limit)).collect();
+    for (run, errors) in runs.iter().zip(&all) {
+        let summary = &run.progress.summary;
+        println!(
+            "{} unknowns, gap {:.1e}, errors {errors:?}, {:.2} iterations a step",
+            run.unknowns,
+            run.gap,
+            summary.iterations as f64 / summary.steps as f64
+        );
+    }
+    assert_slopes("penalty", &["angles", "rates", "force"], &all, 1.0, 0.1);
+}
+
+// In equilibrium -------------------------------------------------------------------------------
+
+/// Crank angle and pin force of the linkage under its weights, a spring on the rocker.
+fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
+    let mut b = ModelBuilder::new();
+    let angles = linkage_by(&mut b, CRANK_START, growing, by);
+    let law = CoordinateLaw {
+        k: 300.0,
+        ..CoordinateLaw::default()
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("spring", spring, &[angles[3]]).unwrap();
+    let mut model = b.build().unwrap();
+    model.check_supports().unwrap();
+    let mut q = model.initial().to_vec();
+    let options = StaticOptions {
+        newton: NewtonOptions {
+            relative: 1e-13,
+            ..NewtonOptions::default()
+        },
+        ..StaticOptions::default()
+    };
+    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let (t, v, a) = (1.0, &[][..], &[][..]);
+    let mut r = vec![0.0; q.len()];
+    let at = Point { t, q: &q, v, a };
+    model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+    let pin = model.find("C").unwrap();
+    let force = model.joint_force(pin).unwrap()[0];
+    let crank = model.coordinate(angles[0], 0).unwrap()[0];
+    (CRANK_START + crank, flat(&force))
+}
+
+#[test]
+fn a_loop_in_equilibrium_all_three_ways() {
+    let (crank, force) = equilibrium(Closure::Map);
+    assert!((crank - CRANK_START).abs() > 0.05, "it hardly moves");
+    // The rocker in balance about its foot: r × F + (r/2) × weight = k times its turn.
+    let [_, rocker] = closed_form(crank);
+    let turn = rocker - closed_form(CRANK_START)[1];
+    let r = Vector2::new(rocker.cos(), rocker.sin()) * BARS[2];
+    let weight = Vector2::new(0.0, -G * MASSES[2]);
+    let balance = r.perp(&force) + (r * 0.5).perp(&weight) - 300.0 * turn;
+    assert!(balance.abs() < 1e-8, "{balance:e}");
+    let (by_multipliers, its_force) = equilibrium(Closure::Multipliers);
+    println!(
+        "equilibrium: crank {:.1e} apart, force {:.1e} of {:.1}",
+        crank - by_multipliers,
+        (force - its_force).norm(),
+        force.norm()
+    );
+    assert!((crank - by_multipliers).abs() < 1e-11);
+    assert!((force - its_force).norm() < 1e-9 * force.norm());
+    let all: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
+        .iter()
+        .map(|&p| {
+            let (other, its_force) = equilibrium(penalty(p));
+            println!("penalty {p:e}: {:.2e}", other - crank);
+            vec![(other - crank).abs(), (its_force - force).norm()]
+        })
+        .collect();
+    assert_slopes("statics", &["crank", "force"], &all, 1.0, 0.02);
+}
+
+// Flexible -------------------------------------------------------------------------------------
+
+const FLEXIBLE: &str = include_str!("../examples/models/four_bar_flexible.toml");
+
+/// The flexible linkage with other words in its file, for 0.2 s: crank, tip, and the pin's force.
+fn flexible(words: &str, step: f64) -> Vec<f64> {
+    let text = FLEXIBLE.replace(
+        "child = \"coupler tip\"",
+        &format!("child = \"coupler tip\"\n{words}"),
+    );
+    let mut job = assemble_text("flexible.toml", &text).unwrap();
+    let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.2, step);
+    let [tip, pin] = ["coupler tip", "C"].map(|n| job.model.find(n).unwrap());
+    let start = [&job.start.q[..], &job.start.v[..]];
+    let mut out = Vec::new();
+    observed(&mut job.model, start, &options, &mut |model, step| {
+        let s = &step.progress.state;
+        let at = Point {
+            t: s.t,
+            q: &s.q,
+            v: &s.v,
+            a: &s.a,
+        };
+        let mut r = vec![0.0; s.q.len()];
+        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        let state = model.node_state(tip);
+        let force = model.joint_force(pin).unwrap()[0];
+        out = [state.place, state.velocity, force]
+            .iter()
+            .flat_map(|x| x.iter().copied())
+            .collect();
+    });
+    out
+}
+
+#[test]
+fn a_flexible_loop_all_three_ways() {
+    let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
+        (0..3)
+            .map(|k| gap(&a[3 * k..3 * k + 3], &b[3 * k..3 * k + 3]))
+            .collect()
+    };
+    let names = ["place", "velocity", "force"];
+    // Different coordinates are integrated: the methods differ by their errors, of order two.
+    let methods: Vec<Vec<f64>> = [2e-3, 1e-3, 5e-4]
+        .iter()
+        .map(|&h| {
+            let [map, other] = ["", "closure = \"multipliers\""].map(|w| flexible(w, h));
+            println!("flexible, step {h}: {:?}", apart(&map, &other));
+            apart(&map, &other)
+        })
+        .collect();
+    assert_slopes("flexible", &names, &methods, 2.0, 0.3);
+    let limit = flexible("closure = \"multipliers\"", 1e-3);
+    let all: Vec<Vec<f64>> = [1e7, 2e7, 4e7]
+        .iter()
+        .map(|p| {
+            let words = format!("closure = \"penalty\"\npenalty = {p}\npenalty_damping = 1e-3");
+            let errors = apart(&flexible(&words, 1e-3), &limit);
+            println!("flexible, penalty {p}: {errors:?}");
+            errors
+        })
+        .collect();
+    assert_slopes("penalty", &names, &all, 1.0, 0.15);
+}
+
+// Charts, drives, steps ------------------------------------------------------------------------
+
+#[test]
+fn multipliers_go_through_changes_of_chart() {
+    let go = |n: u32| {
+        let mut b = ModelBuilder::new();
+        let (rotation, e) = balls(&mut b, Closure::Multipliers);
+        let mut model = b.build().unwrap();
+        let mut q = model.initial().to_vec();
+        let mut v = vec![0.0; q.len()];
+        let held: Vec<usize> = (0..3)
+            .map(|k| model.unknown_at(rotation, k).unwrap())
+            .collect();
+        for (k, &u) in held.iter().enumerate() {
+            v[u] = 7.0 * e[k];
+        }
+        assert!(model.satisfy(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
+        let scheme = Scheme::chung_hulbert(0.9).unwrap();
+        let options = tight(scheme, 1.5, 1.5 / f64::from(n));
+        let ends = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
+        let (mut place, mut residual) = (Vector3::zeros(), 0.0_f64);
+        let run = observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let [p, q] = ends.map(|n| model.node_state(n).place);
+            place = p;
+            residual = residual.max((p - q).norm());
+        });
+        assert!(residual < 1e-11, "{residual:e}");
+        assert!(
+            run.summary.chart_changes >= 2,
+            "{}",
+            run.summary.chart_changes
+        );
+        place
+    };
+    let map = |n: u32| {
+        let mut b = ModelBuilder::new();
+        let (rotation, e) = balls(&mut b, Closure::Map);
+        let mut model = b.build().unwrap();
+        let mut v = vec![0.0; model.pattern().dim()];
+        let q = v.clone();
+        let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
+        model.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
+        let options = tight(Scheme::default(), 1.5, 1.5 / f64::from(n));
+        let end = model.find("coupler end").unwrap();
+        let mut place = Vector3::zeros();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            place = model.node_state(end).place;
+        });
+        place
+    };
+    // The limit of the map, extrapolated from two steps.
+    let [coarse, fine] = [1000, 2000].map(map);
+    let limit = fine + (fine - coarse) / 3.0;
+    let all: Vec<Vec<f64>> = [400, 800, 1600]
+        .iter()
+        .map(|&n| vec![(go(n) - limit).norm()])
+        .collect();
+    println!("balls by multipliers: {all:?}");
+    assert_slopes("balls", &["place"], &all, 2.0, 0.25);
+}
+
+#[test]
+fn conditioning_does_not_depend_on_the_step() {
+    let mut b = ModelBuilder::new();
+    let angles = linkage_by(&mut b, CRANK_START, at_once, Closure::Multipliers);
+    let mut model = b.build().unwrap();
+    let [q, v] = started(&mut model, angles[0]);
+    let n = q.len();
+    let a = vec![0.0; n];
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &v,
+        a: &a,
+    };
+    let pattern = model.pattern().clone();
+    let mut conditions = [Vec::new(), Vec::new()];
+    for k in 2..8 {
+        let h = 10.0_f64.powi(-k);
+        let weights = Weights {
+            K: 1.0,
+            C: 2.0 / h,
+            M: 4.0 / (h * h),
+        };
+        let (mut r, mut S) = (vec![0.0; n], vec![0.0; pattern.len()]);
+        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+        model.evaluate(at, out).unwrap();
+        let mut scales = vec![1.0; n];
+        let dense = |scales: &[f64]| {
+            let mut A = DMatrix::zeros(n, n);
+            for j in 0..pattern.blocks() {
+                for (i, range) in pattern.column(j) {
+                    let block = &S[range];
+                    let rows = pattern.unknowns(i);
+                    for (c, column) in pattern.unknowns(j).enumerate() {
+                        for (l, row) in rows.clone().enumerate() {
+                            let value = block[l + c * rows.len()];
+                            A[(row, column)] = value * scales[row] * scales[column];
+                        }
+                    }
+                }
+            }
+            let values = A.singular_values();
+            values.max() / values.min()
+        };
+        let raw = dense(&scales);
+        scaling::equilibrate(&pattern, &S, &mut scales, &mut vec![0.0; n]).unwrap();
+        conditions[0].push(raw);
+        conditions[1].push(dense(&scales));
+    }
+    println!("raw {:.1?}, as solved {:.1?}", conditions[0], conditions[1]);
+    let spread = |c: &[f64]| {
+        let least = c.iter().copied().fold(f64::INFINITY, f64::min);
+        c.iter().copied().fold(0.0, f64::max) / least
+    };
+    assert!(spread(&conditions[0]) > 1e8);
+    assert!(spread(&conditions[1]) < 10.0);
+}
+
+#[test]
+fn a_drive_that_jumps_strikes_the_whole_loop() {
+    // The crank is driven, and its velocity jumps: the free pendulum on the coupler takes it.
+    let go = |by: Closure, h: f64| {
+        let mut b = ModelBuilder::new();
+        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let tip = b.find("tip of the coupler").unwrap();
+        let from: [f64; 3] = b.place(tip).into();
+        let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
+        let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).angle;
+        let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
+        let drive = Table::new(points).unwrap();
+        b.prescribe_coordinate(angles[0], 0, Box::new(drive));
+        let mut model = b.build().unwrap();
+        let mut q = model.initial().to_vec();
+        let mut v = vec![0.0; q.len()];
+        // Of a model that enforces nothing this takes nothing.
+        model.satisfy(0.0, &mut q, &mut v, &[]).unwrap();
+        let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
+        let mut end = Vec::new();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let [x, x_dot] = model.coordinate(pendulum, 0).unwrap();
+            end = vec![x, x_dot];
+        });
+        end
+    };
+    let all: Vec<Vec<f64>> = [2e-3, 1e-3, 5e-4]
+        .iter()
+        .map(|&h| {
+            let [map, other] = [Closure::Map, Closure::Multipliers].map(|by| go(by, h));
+            println!("struck, step {h}: {map:.4?} {:.1e}", gap(&map, &other));
+            vec![gap(&map, &other)]
+        })
+        .collect();
+    assert_slopes("struck", &["pendulum"], &all, 2.0, 0.3);
+}
+
+// What is refused ------------------------------------------------------------------------------
+
+#[test]
+fn a_scheme_that_damps_nothing_is_refused_by_name() {
+    let run = |scheme: Scheme, by: Closure| {
+        let mut b = ModelBuilder::new();
+        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let mut model = b.build().unwrap();
+        let [q, v] = started(&mut model, angles[0]);
+        let options = tight(scheme, 0.01, 1e-3);
+        let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+            ControlFlow::Continue(())
+        })
+    };
+    for scheme in [
+        Scheme::default(),
+        Scheme::newmark(0.3, 0.6).unwrap(),
+        Scheme::wbz(1.0).unwrap(),
+        Scheme::chung_hulbert(1.0).unwrap(),
+        Scheme::hht(0.0).unwrap(),
+    ] {
+        let error = run(scheme, Closure::Multipliers).unwrap_err();
+        assert!(matches!(error, DynamicsError::Undamped { .. }), "{error}");
+        let said = error.to_string();
+        assert!(
+            said.contains(scheme.name) && said.contains("multipliers of C"),
+            "{said}"
+        );
+        run(scheme, Closure::Map).unwrap();
+    }
+    // (γ + ½)²/4: damped.
+    run(Scheme::newmark(0.3025, 0.6).unwrap(), Closure::Multipliers).unwrap();
+    for rho in [0.0, 0.3, 0.8] {
+        for scheme in [Scheme::wbz(rho), Scheme::chung_hulbert(rho)] {
+            let found = scheme.unwrap().spectral_radius();
+            assert!((found - rho).abs() < 1e-7, "{found} {rho}");
+        }
+    }
+    let hht = Scheme::hht(-0.1).unwrap().spectral_radius();
+    assert!((hht - 0.9 / 1.1).abs() < 1e-7, "{hht}");
+}
+
+#[test]
+fn an_equation_that_followed_at_a_singular_start_only_is_named() {
+    // All bars on one line: there the gap across it follows from nothing else, but the loop is
+    // drawn where its equations have no full rank.
+    let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    let places = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [2.5, 0.0, 0.0],
+        [1.5, 0.0, 0.0],
+    ];
+    let [O, P, Q, D] = places;
+    let A = link(&mut b, "A", ground, [O, P], (1.0, at_once));
+    let B = link(&mut b, "B", A.frame, [P, Q], (1.0, at_once));
+    let rocker = link(&mut b, "D", ground, [D, Q], (1.0, at_once));
+    let tip = offset(&mut b, "tip", B.frame, Q).unwrap();
+    let C = revolute(&mut b, "C", tip, E3).unwrap();
+    let end = offset(&mut b, "end", rocker.frame, Q).unwrap();
+    b.close_by(C.frame, end, Closure::Multipliers).unwrap();
+    let mut model = b.build().unwrap();
+    let note = model.notes()[0].clone();
+    assert!(note.contains("the gap along e1"), "{note}");
+    let zero = vec![0.0; model.pattern().dim()];
+    let mut progress = Progress::new(start(&model, 0.0, &zero, &zero).unwrap());
+    let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.5, 1e-3);
+    let error = integrate(&mut model, &mut progress, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
+    let said = error.to_string();
+    assert!(
+        said.contains("the gap along e1 of element closure of C"),
+        "{said}"
+    );
+    assert!(said.contains("singular position"), "{said}");
 }

@@ -112,7 +112,10 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
         source.key(&path(key), Problem::ClosureKey { joint, key, needs })
     };
     if joint.closure.is_some() && joint.child.is_none() {
-        return Err(useless("closure", "child, the node that is one with the joint's"));
+        return Err(useless(
+            "closure",
+            "child, the node that is one with the joint's",
+        ));
     }
     let by = joint.closure.unwrap_or(Word::Map);
     for (key, given) in [
@@ -134,7 +137,10 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
     match (by, joint.penalty) {
         (Word::Map, _) => Ok(Closure::Map),
         (Word::Multipliers, _) => Ok(Closure::Multipliers),
-        (Word::Penalty, None) => Err(useless("closure", "penalty, its stiffness (force over gap)")),
+        (Word::Penalty, None) => Err(useless(
+            "closure",
+            "penalty, its stiffness (force over gap)",
+        )),
         (Word::Penalty, Some(p)) => {
             let tau = joint.penalty_damping.unwrap_or(0.0);
             if p <= 0.0 {

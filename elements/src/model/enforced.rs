@@ -65,14 +65,19 @@ impl Model {
             return Ok(0.0);
         }
         let all = self.equations(t, q, v).map_err(start)?;
-        let size = all.J.amax().max(f64::MIN_POSITIVE) * v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let size =
+            all.J.amax().max(f64::MIN_POSITIVE) * v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let J = without(&all.J, held);
         let more = least(&J, &(-&all.h_dot));
         for (u, more) in more.iter().enumerate() {
             v[u] += more * self.unit(u);
         }
         let left = (all.h_dot + J * more).amax();
-        Ok(if left > 0.0 { left / size.max(left) } else { 0.0 })
+        Ok(if left > 0.0 {
+            left / size.max(left)
+        } else {
+            0.0
+        })
     }
 
     /// Assembles the model once it is built, coordinates at the values that they should start with,
@@ -203,7 +208,10 @@ impl Model {
         let mut limit = 0.0;
         loop {
             let norm = |i: &usize| rest.row(*i).norm();
-            let Some(best) = waiting.iter().copied().max_by(|i, j| norm(i).total_cmp(&norm(j)))
+            let Some(best) = waiting
+                .iter()
+                .copied()
+                .max_by(|i, j| norm(i).total_cmp(&norm(j)))
             else {
                 break;
             };

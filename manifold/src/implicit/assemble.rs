@@ -5,7 +5,7 @@
 use super::chart::{RANK, row_size, scaled, sizes};
 use super::factor::pivoted;
 use super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::{Implicit, ImplicitError, Equations, names};
+use super::{Equations, Implicit, ImplicitError, names};
 use crate::map::derived;
 use nalgebra::{SMatrix, SVector};
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Implicit, Equations, Solved};
+use super::{Equations, Implicit, Solved};
 use crate::jet::Taylor;
 use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
 use crate::scalar::Scalar;

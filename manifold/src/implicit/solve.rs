@@ -2,7 +2,7 @@
 
 use super::assemble::assemble;
 use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
-use super::{Choice, GAIN, Implicit, ImplicitError, Equations, Trouble, names};
+use super::{Choice, Equations, GAIN, Implicit, ImplicitError, Trouble, names};
 use crate::map::{Map, Rewritten, derived};
 use nalgebra::{SMatrix, SVector};
 
