@@ -214,7 +214,9 @@ pub trait System {
 
     /// As [`System::evaluate`], for accelerations (and multipliers) that fit a state: the rows of
     /// multipliers hold the second time derivatives −ḧ of their equations in place of −h, and the
-    /// matrix of M alone is [M h_xᵀ; h_x 0]. For a system without multipliers that is the
+    /// matrix of M alone is [M h_xᵀ; h_x 0]. Springs much stiffer than a step of size `h` resolves
+    /// may do the same by their inertia p h², which leaves out vibrations that the step cannot show;
+    /// `h` is zero where impulses are asked for. For a system without such things that is the
     /// evaluation itself, and the default.
     ///
     /// # Errors
@@ -222,8 +224,10 @@ pub trait System {
     fn evaluate_accelerations(
         &mut self,
         at: Point<'_>,
+        h: f64,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
+        let _ = h;
         self.evaluate(at, out)
     }
 

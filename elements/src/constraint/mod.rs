@@ -13,8 +13,7 @@
 //! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are the derivatives that every map has. [`Scaled`] divides each equation
 //! by its size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length
 //! squared; the solvers equilibrate rows and columns of multipliers, so that neither the size of
-//! the step nor the unit of λ matters to conditioning (Bottasso, Bauchau & Cardona 2007, SIAM J.
-//! Sci. Comput. 29).
+//! the step nor the unit of λ matters to conditioning (\[Bottasso2007\]).
 
 #![allow(non_snake_case)]
 
@@ -107,8 +106,8 @@ pub trait Enforced: Send + Sync {
     /// Name of equation `i`, for messages.
     fn equation(&self, i: usize) -> String;
 
-    /// Whether the last M coordinates of the element are multipliers.
-    fn has_multipliers(&self) -> bool;
+    /// Stiffness of a penalty; none where the last M coordinates of the element are multipliers.
+    fn penalty(&self) -> Option<f64>;
 
     /// Leaves equations out that follow from others: bit i for equation i.
     fn leave_out(&mut self, equations: u32);

@@ -16,7 +16,7 @@ use pullback_manifold::map::Map;
 /// Coordinates are those of the nodes in the equations, N in all, and those of a node of multipliers
 /// (M, [`ModelBuilder::multipliers`](crate::model::ModelBuilder::multipliers)) behind them. Nothing
 /// is differentiated: the equations of motion have index 3, and take a scheme that damps infinite
-/// frequencies (Arnold & Brüls 2007, Multibody Syst. Dyn. 18): q, q̇ and λ are then of order 2.
+/// frequencies (\[ArnoldBruls2007\]): q, q̇ and λ are then of order 2.
 /// h_xᵀ λ are the forces that the constraint takes from its nodes, so λ has the unit of a force
 /// times that of x over that of h.
 ///
@@ -133,8 +133,8 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Multipliers<H, N
         equation(self.names, i)
     }
 
-    fn has_multipliers(&self) -> bool {
-        true
+    fn penalty(&self) -> Option<f64> {
+        None
     }
 
     fn leave_out(&mut self, equations: u32) {

@@ -173,8 +173,8 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M>
         equation(self.names, i)
     }
 
-    fn has_multipliers(&self) -> bool {
-        false
+    fn penalty(&self) -> Option<f64> {
+        Some(self.stiffness.p)
     }
 
     /// Springs in parallel share the load: nothing is left out.

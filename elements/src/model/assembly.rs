@@ -45,8 +45,8 @@ pub(super) struct Workspace {
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
-    /// Whether equations that elements enforce are asked for at the level of accelerations.
-    accelerations_asked: bool,
+    /// Step size, while equations that elements enforce are asked for at the level of accelerations.
+    accelerations_asked: Option<f64>,
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
@@ -93,7 +93,7 @@ impl Workspace {
             accelerations: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
-            accelerations_asked: false,
+            accelerations_asked: None,
             sheets: Sheets::default(),
             scales,
         }
@@ -166,8 +166,8 @@ impl Model {
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
-            if w.accelerations_asked {
-                local.ask_accelerations(e, t);
+            if let Some(h) = w.accelerations_asked {
+                local.ask_accelerations(e, t, h);
             }
             if e.load {
                 local.measure_load(e, &self.nodes, &mut w.scales);
@@ -285,11 +285,12 @@ impl System for Model {
     fn evaluate_accelerations(
         &mut self,
         at: Point<'_>,
+        h: f64,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.work.accelerations_asked = true;
+        self.work.accelerations_asked = Some(h);
         let outcome = self.evaluate(at, out);
-        self.work.accelerations_asked = false;
+        self.work.accelerations_asked = None;
         outcome
     }
 

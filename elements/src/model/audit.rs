@@ -157,7 +157,7 @@ impl Model {
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
-            if let Some(enforced) = e.element.enforced().filter(|e| e.has_multipliers()) {
+            if let Some(enforced) = e.element.enforced().filter(|e| e.penalty().is_none()) {
                 // The momentum of a multiplier is the rate of its equation.
                 let (N, _) = enforced.dims();
                 let rates = enforced.levels(&local.motion(e, at.t, false)).h_dot;

@@ -201,7 +201,7 @@ impl Model {
         let Equations { J, of, .. } = self.equations(0.0, q, &[]).map_err(start)?;
         let counts = |&(k, _): &(usize, usize)| {
             let enforced = self.elements[k].element.enforced();
-            enforced.is_some_and(|e| e.has_multipliers())
+            enforced.is_some_and(|e| e.penalty().is_none())
         };
         let mut waiting: Vec<usize> = (0..of.len()).filter(|&i| counts(&of[i])).collect();
         let mut rest = J;

@@ -7,6 +7,7 @@ use super::dependence::Operators;
 use super::dependence::collect;
 use super::slots::Complement;
 use super::{Attached, Node, Span};
+use crate::constraint::Levels;
 use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
@@ -188,17 +189,30 @@ impl Local {
         }
     }
 
-    /// Puts the equations that an element enforces by multipliers at the level of accelerations,
-    /// after an evaluation in motion: rows −ḧ, and h_x as if it were mass.
-    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64) {
-        let Some(enforced) = e.element.enforced().filter(|e| e.has_multipliers()) else {
+    /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
+    /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
+    /// an inertia p h².
+    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64, h: f64) {
+        let Some(enforced) = e.element.enforced() else {
             return;
         };
         let n = e.element.dim();
         let (N, M) = enforced.dims();
-        let levels = enforced.levels(&self.motion(e, t, false));
+        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
+        if let Some(p) = enforced.penalty() {
+            let inertia = p * h * h;
+            for (j, J_j) in J.chunks_exact(M).enumerate() {
+                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
+                self.r[j] -= inertia * force;
+                for (i, J_i) in J.chunks_exact(M).enumerate() {
+                    let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
+                    self.M[i + j * n] += inertia * product;
+                }
+            }
+            return;
+        }
         for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
-            self.r[N + i] = -levels.h_ddot[i];
+            self.r[N + i] = -h_ddot[i];
         }
         for j in 0..n {
             for i in (0..n).filter(|i| j >= N || *i >= N) {

@@ -141,7 +141,7 @@ fn solve_mass<Y: System + ?Sized>(
         };
         let out = Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S);
         system
-            .evaluate_accelerations(at, out)
+            .evaluate_accelerations(at, if b.is_some() { 0.0 } else { h }, out)
             .map_err(|source| DynamicsError::System { t, source })?;
         if let Some(b) = b {
             r.copy_from_slice(b);
