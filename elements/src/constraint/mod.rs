@@ -103,6 +103,9 @@ pub trait Enforced: Send + Sync {
     /// Writes h (M) alone.
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]);
 
+    /// Writes ḣ (M) alone.
+    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]);
+
     /// Name of equation `i`, for messages.
     fn equation(&self, i: usize) -> String;
 
@@ -134,6 +137,12 @@ fn levels<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>) 
         h_ddot: k.x_ddot.as_slice().to_vec(),
         J: k.B.as_slice().to_vec(),
     }
+}
+
+/// ḣ of a map.
+fn rates<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>, out: &mut [f64]) {
+    let [x, v, a] = vectors(at);
+    out.copy_from_slice(h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
 }
 
 /// The first N coordinates, velocities and accelerations of a motion; zero where there are none.

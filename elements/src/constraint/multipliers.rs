@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, vectors};
+use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, rates, vectors};
 use crate::element::{Element, ElementError, Motion, Response};
 use nalgebra::SVector;
 use pullback_manifold::map::Map;
@@ -65,8 +65,8 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
         for (r, f) in out.r.iter_mut().zip(force.iter()) {
             *r -= f;
         }
-        for i in 0..M {
-            out.r[N + i] -= if self.counts(i) { h.x[i] } else { given[i] };
+        for (i, (r, given)) in out.r[N..].iter_mut().zip(given).enumerate() {
+            *r -= if self.counts(i) { h.x[i] } else { *given };
         }
         if let Some(K) = &mut out.K {
             let n = N + M;
@@ -127,6 +127,10 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Multipliers<H, N
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
         let [x, ..] = vectors::<N>(at);
         h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
+    }
+
+    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
+        rates(&self.h, at, h_dot);
     }
 
     fn equation(&self, i: usize) -> String {

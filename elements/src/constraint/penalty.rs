@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, vectors};
+use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, rates, vectors};
 use crate::element::{Element, ElementError, Motion, Response};
 use nalgebra::SVector;
 use pullback_manifold::map::Map;
@@ -167,6 +167,10 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M>
     fn residual(&self, at: &Motion<'_>, h: &mut [f64]) {
         let [x, ..] = vectors::<N>(at);
         h.copy_from_slice(self.h.phi(at.t, &x).as_slice());
+    }
+
+    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]) {
+        rates(&self.h, at, h_dot);
     }
 
     fn equation(&self, i: usize) -> String {

@@ -3,8 +3,9 @@
 
 #![allow(non_snake_case)]
 
-use super::{Model, ModelError};
-use crate::constraint::MAX_EQUATIONS;
+use super::local::Local;
+use super::{Attached, Model, ModelError};
+use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Kind, Point, System, SystemError};
 
@@ -291,7 +292,41 @@ impl Model {
     }
 }
 
-impl super::Attached {
+impl Local {
+    /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
+    /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
+    /// an inertia p h².
+    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64, h: f64) {
+        let Some(enforced) = e.element.enforced() else {
+            return;
+        };
+        let n = e.element.dim();
+        let (N, M) = enforced.dims();
+        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
+        if let Some(p) = enforced.penalty() {
+            let inertia = p * h * h;
+            for (j, J_j) in J.chunks_exact(M).enumerate() {
+                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
+                self.r[j] -= inertia * force;
+                for (i, J_i) in J.chunks_exact(M).enumerate() {
+                    let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
+                    self.M[i + j * n] += inertia * product;
+                }
+            }
+            return;
+        }
+        for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+            self.r[N + i] = -h_ddot[i];
+        }
+        for j in 0..n {
+            for i in (0..n).filter(|i| j >= N || *i >= N) {
+                self.M[i + j * n] = self.K[i + j * n];
+            }
+        }
+    }
+}
+
+impl Attached {
     /// Name of one of the equations that the element enforces.
     fn equation(&self, i: usize) -> String {
         let enforced = self.element.enforced();

@@ -7,7 +7,6 @@ use super::dependence::Operators;
 use super::dependence::collect;
 use super::slots::Complement;
 use super::{Attached, Node, Span};
-use crate::constraint::Levels;
 use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
@@ -23,7 +22,7 @@ pub(super) struct Local {
     pub r_t: Vec<f64>,
     pub K: Vec<f64>,
     C: Vec<f64>,
-    M: Vec<f64>,
+    pub M: Vec<f64>,
     pub S: Vec<f64>,
     /// Second set, for a pull-back in two stages.
     K2: Vec<f64>,
@@ -186,38 +185,6 @@ impl Local {
         match previous {
             Some(previous) => e.element.evaluate_from(previous, &at, &mut out),
             None => e.element.evaluate(&at, &mut out),
-        }
-    }
-
-    /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
-    /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
-    /// an inertia p h².
-    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64, h: f64) {
-        let Some(enforced) = e.element.enforced() else {
-            return;
-        };
-        let n = e.element.dim();
-        let (N, M) = enforced.dims();
-        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
-        if let Some(p) = enforced.penalty() {
-            let inertia = p * h * h;
-            for (j, J_j) in J.chunks_exact(M).enumerate() {
-                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
-                self.r[j] -= inertia * force;
-                for (i, J_i) in J.chunks_exact(M).enumerate() {
-                    let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
-                    self.M[i + j * n] += inertia * product;
-                }
-            }
-            return;
-        }
-        for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
-            self.r[N + i] = -h_ddot[i];
-        }
-        for j in 0..n {
-            for i in (0..n).filter(|i| j >= N || *i >= N) {
-                self.M[i + j * n] = self.K[i + j * n];
-            }
         }
     }
 
