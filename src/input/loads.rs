@@ -8,8 +8,9 @@ use super::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
-use pullback_elements::load::{LineLoad, NodalLoad, Which};
-use pullback_elements::model::{ModelBuilder, NodeId};
+use pullback_elements::inertia::Inertia;
+use pullback_elements::load::{EccentricForce, LineLoad, NodalLoad, Which};
+use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::time::{Constant, TimeFunction};
 use std::collections::{BTreeMap, HashSet};
 
@@ -163,10 +164,7 @@ pub(super) fn apply(
                         .map_err(|error| {
                             let element = format!("load {}", k + 1);
                             let source = error;
-                            model_error(pullback_elements::model::ModelError::Beam {
-                                element,
-                                source,
-                            })
+                            model_error(ModelError::Beam { element, source })
                         })?
                         .with_interpolation(lines[line].interpolation);
                     builder
@@ -196,20 +194,12 @@ pub(super) fn apply(
                         };
                         return Err(source.value(&path("gravity"), problem));
                     }
-                    let weight = (Vector3::from(g) * A_rho).into();
-                    for e in 0..line.elements.len() {
-                        let (nodes, places) = element(builder, line, e);
-                        let element = format!("load {}:{}:{}", k + 1, line.name, e + 1);
-                        let load = LineLoad::new(&places, weight, false, amplitude()?).map_err(
-                            |source| {
-                                model_error(pullback_elements::model::ModelError::Beam {
-                                    element: element.clone(),
-                                    source,
-                                })
-                            },
-                        )?;
-                        builder.element(element, load, nodes).map_err(model_error)?;
-                    }
+                    let weight = Weight {
+                        name: format!("load {}", k + 1),
+                        g: g.into(),
+                        inertia: &sections[name].inertia,
+                    };
+                    weight.add(builder, line, &amplitude, &model_error)?;
                 }
                 for (b, body) in bodies.iter().enumerate().filter(|_| only.is_none()) {
                     let element = format!("load {}: weight of {}", k + 1, file.bodies[b].name);
@@ -229,6 +219,51 @@ pub(super) fn apply(
         }
     }
     Ok(())
+}
+
+/// The weight of a line.
+struct Weight<'a> {
+    name: String,
+    g: Vector3<f64>,
+    /// Per length, in section axes.
+    inertia: &'a Inertia,
+}
+
+impl Weight<'_> {
+    /// Adds it. A mass centre beside the axis has its weight there, node by node: mass and place
+    /// are interpolated as those of the section are.
+    fn add(
+        &self,
+        builder: &mut ModelBuilder,
+        line: &LineGeometry,
+        amplitude: &dyn Fn() -> Result<Box<dyn TimeFunction>, InputError>,
+        model_error: &dyn Fn(ModelError) -> InputError,
+    ) -> Result<(), InputError> {
+        let force = self.g * self.inertia.mass;
+        let center = self.inertia.S / self.inertia.mass;
+        for e in 0..line.elements.len() {
+            let (nodes, places) = element(builder, line, e);
+            let name = format!("{}:{}:{}", self.name, line.name, e + 1);
+            let whole = LineLoad::new(&places, force.into(), false, amplitude()?);
+            let whole = whole.map_err(|source| {
+                let element = name.clone();
+                model_error(ModelError::Beam { element, source })
+            })?;
+            if center == Vector3::zeros() {
+                builder.element(name, whole, nodes).map_err(model_error)?;
+                continue;
+            }
+            let frames = &line.frames[e * line.order..];
+            for (i, (share, frame)) in whole.shares().iter().zip(frames).enumerate() {
+                let (n, at) = ((force * *share).into(), (frame * center).into());
+                let part = EccentricForce::boxed(n, at, amplitude()?);
+                builder
+                    .element(format!("{name}, node {}", i + 1), part, &[nodes[i]])
+                    .map_err(model_error)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// What a load is.

@@ -72,10 +72,12 @@ pub(super) fn laws(
     }
 }
 
-/// How fast coordinates change, in units.
+/// How fast coordinates change, in units. Masters in a loop may be at a turning point, where only
+/// their accelerations tell.
 fn rate(units: &[f64], s: &State) -> f64 {
     let speeds = s.v.iter().zip(units).map(|(v, u)| (v / u).abs());
-    let fastest = speeds.fold(0.0, f64::max);
+    let turns = s.a.iter().zip(units).map(|(a, u)| (a / u).abs().sqrt());
+    let fastest = speeds.chain(turns).fold(0.0, f64::max);
     if fastest.is_normal() { fastest } else { 1.0 }
 }
 

@@ -71,9 +71,10 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
         plan.push((format!("random {}", k + 1), size));
     }
     let mut seen: Vec<(String, Vec<State>)> = Vec::new();
+    let (at_start, memories) = ((options.t, q.as_slice()), model.map_memories());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
-        let rest = match beside(model, options.t, &q, *size, &units, &mut random) {
+        let rest = match beside(model, at_start, &memories, *size, &units, &mut random) {
             Ok(rest) => rest,
             Err(error) => {
                 report.impossible("domain", at, error.to_string());

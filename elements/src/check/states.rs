@@ -77,14 +77,14 @@ impl Field {
 }
 
 /// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside is
-/// halved as often as it takes.
+/// halved as often as it takes. Loops are solved from where `memories` has them, which is at `q`.
 ///
 /// # Errors
 /// [`SystemError`] where `q` itself is outside of a domain.
 pub(super) fn beside(
     model: &mut Model,
-    t: f64,
-    q: &[f64],
+    (t, q): (f64, &[f64]),
+    memories: &[Vec<f64>],
     size: Size,
     units: &[f64],
     random: &mut Random,
@@ -92,6 +92,8 @@ pub(super) fn beside(
     let seed = random.clone();
     let mut factor = 1.0;
     loop {
+        let same_model = model.recall_maps(memories);
+        debug_assert!(same_model, "memories of another model");
         *random = seed.clone();
         let x = moved(model, q, size.times(factor), units, random);
         let mut state = State::statics(t, DVector::from_vec(x));

@@ -305,7 +305,13 @@ impl System for Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
-        self.update_charts(t, q, v, accelerations)
+        let changes = self.update_charts(t, q, v, accelerations);
+        if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
+            // Observers find the accepted state. A joint outside its domain is named when the model
+            // is next evaluated.
+            let _ = self.expand(Point { t, q, v, a });
+        }
+        changes
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {

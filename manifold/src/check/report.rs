@@ -79,6 +79,8 @@ pub struct Report {
 const RATIO: f64 = 4.0;
 /// Steps at most: the last one is 2.4e-8 of the first.
 const STEPS: usize = 12;
+/// Steps at most that may lead out of a domain.
+const OUTSIDE: usize = 4;
 /// Remainders below this fraction of the scale are not told from round-off.
 pub(super) const RESOLVED: f64 = 1e-12;
 /// A slope may fall short of Taylor's by this much: the next term still bends the line a little.
@@ -238,7 +240,8 @@ impl Report {
     /// one it was.
     ///
     /// Small numbers beside large ones (a soft spring in a stiff structure, moments in millimetres
-    /// beside forces) are thus not lost in a common norm.
+    /// beside forces) are thus not lost in a common norm. First steps with a remainder that is no
+    /// number may lead out of the domain, and are left out.
     pub fn slopes(
         &mut self,
         law: &str,
@@ -251,8 +254,14 @@ impl Report {
         let mut found: Vec<Vec<f64>> = vec![Vec::with_capacity(STEPS); scales.len()];
         let mut below: Vec<Option<f64>> = vec![None; scales.len()];
         let mut step = first;
-        for _ in 0..STEPS {
-            for (k, defect) in remainders(step).into_iter().enumerate() {
+        for tried in 0..STEPS {
+            let defects = remainders(step);
+            let inside = defects.iter().all(|d| d.is_finite());
+            if !inside && tried < OUTSIDE && found.iter().all(Vec::is_empty) {
+                step /= RATIO;
+                continue;
+            }
+            for (k, defect) in defects.into_iter().enumerate() {
                 if !defect.is_finite() {
                     let why = format!("remainder {defect} at step {step:.1e}");
                     self.impossible(law, at, why);
