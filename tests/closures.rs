@@ -10,13 +10,13 @@ use dynamics_support::*;
 use loops_support::four_bar::*;
 use loops_support::linkage::*;
 use loops_support::*;
-use nalgebra::{DMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use pullback::elements::constraint::Stiffness;
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
-use pullback::integrators::linear_solver::scaling;
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
 use pullback::integrators::statics::{NewtonOptions, StaticOptions, solve_statics};
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
 use std::ops::ControlFlow;
@@ -280,13 +280,28 @@ fn conditioning_does_not_depend_on_the_step() {
                     }
                 }
             }
+            A
+        };
+        let condition = |A: DMatrix<f64>| {
             let values = A.singular_values();
             values.max() / values.min()
         };
-        let raw = dense(&scales);
+        let raw = condition(dense(&scales));
+        // The solver takes zeros on the diagonal, whatever the step: against a dense solution.
+        let b: Vec<f64> = (0..n).map(|i| (1.3 * i as f64).sin()).collect();
+        let mut solver = AutoSolver::new();
+        solver.analyse(&pattern, Symmetry::General).unwrap();
+        solver.factorise(&S).unwrap();
+        let mut x = b.clone();
+        solver.solve(Some(&S), &mut x).unwrap();
+        println!("step 1e-{k}: {:?}", solver.active());
         scaling::equilibrate(&pattern, &S, &mut scales, &mut vec![0.0; n]).unwrap();
+        let scaled = DVector::from_fn(n, |i, _| b[i] * scales[i]);
+        let exact = dense(&scales).lu().solve(&scaled).unwrap();
+        let found = DVector::from_fn(n, |i, _| x[i] / scales[i]);
+        assert!((found - &exact).amax() < 1e-12 * exact.amax());
         conditions[0].push(raw);
-        conditions[1].push(dense(&scales));
+        conditions[1].push(condition(dense(&scales)));
     }
     println!("raw {:.1?}, as solved {:.1?}", conditions[0], conditions[1]);
     let spread = |c: &[f64]| {

@@ -20,6 +20,7 @@ use pullback_manifold::map::Map;
 /// h_xᵀ λ are the forces that the constraint takes from its nodes, so λ has the unit of a force
 /// times that of x over that of h.
 ///
+/// The power of equations that depend on time explicitly is not booked in an audit of energies.
 /// Of an equation that is left out ([`Enforced::leave_out`]) the multiplier is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers<H, const N: usize, const M: usize> {

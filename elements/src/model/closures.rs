@@ -27,7 +27,9 @@ impl ModelBuilder {
     /// Multipliers and penalties act between the two frames as they are: a child that is free stays
     /// so, and the loop may lead over bodies that fly freely. What both methods enforce are the
     /// equations of the map: what the child sees of the gap over the size of the model, and twice the
-    /// vector part of the quaternion between the frames.
+    /// vector part of the quaternion between the frames. An analysis of such a model starts from
+    /// [`Model::initial`](super::Model::initial), or from what
+    /// [`Model::satisfy`](super::Model::satisfy) makes of another start.
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
