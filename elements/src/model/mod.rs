@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod ancestry;
 mod assembly;
 mod audit;
 mod axis;
@@ -12,6 +13,7 @@ mod closures;
 mod dependence;
 mod enforced;
 mod error;
+mod gather;
 mod inspect;
 mod line;
 mod local;

@@ -223,10 +223,10 @@ impl Newton {
                     Err(Failure::TooManyIterations)
                 };
             }
-            self.factorise(solver)?;
+            self.factorisations += 1;
             self.dq.copy_from_slice(&self.r);
             solver
-                .solve(Some(&self.S), &mut self.dq)
+                .factorise_and_solve(&self.S, &mut self.dq)
                 .map_err(Failure::Linear)?;
             let mut d_lambda = 0.0;
             if let Some(c) = condition {
