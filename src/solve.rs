@@ -190,7 +190,7 @@ pub fn solve(
     progress: &mut Progress,
     observer: &mut dyn FnMut(&mut Model, &Advance<'_>) -> ControlFlow<()>,
 ) -> Ended {
-    let mut q = Vec::new();
+    let mut q = model.initial().to_vec();
     let mut counts = Counts::default();
     let mut step_limit = None;
     let mut seen = |model: &mut Model, step: &Step<'_>| {

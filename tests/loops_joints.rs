@@ -8,74 +8,19 @@ mod loops_support;
 
 use dynamics_support::*;
 use loops_support::four_bar::*;
+use loops_support::linkage::*;
 use loops_support::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{RevoluteNodes, offset, revolute, spherical};
-use pullback::elements::model::{Model, ModelBuilder, NodeId};
+use nalgebra::Vector3;
+use pullback::elements::joint::{offset, revolute};
+use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
-use pullback::elements::time::{Constant, Proportional, Sine, TimeFunction};
+use pullback::elements::time::{Sine, TimeFunction};
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::integrators::statics::{StaticOptions, solve_statics};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Evaluation, Point, System};
 use std::ops::ControlFlow;
-
-const E3: [f64; 3] = [0.0, 0.0, 1.0];
-
-/// How weights come on: at once, and in statics with the load parameter.
-type Weights = fn() -> Box<dyn TimeFunction>;
-
-fn at_once() -> Box<dyn TimeFunction> {
-    Box::new(Constant(1.0))
-}
-
-fn growing() -> Box<dyn TimeFunction> {
-    Box::new(Proportional(1.0))
-}
-
-/// A uniform bar between two places, on a pin at the first one.
-fn link(
-    b: &mut ModelBuilder,
-    name: &str,
-    on: NodeId,
-    [from, to]: [[f64; 3]; 2],
-    (m, weights): (f64, Weights),
-) -> RevoluteNodes {
-    let pin = offset(b, &format!("pin {name}"), on, from).unwrap();
-    let made = revolute(b, name, pin, E3).unwrap();
-    let along = Vector3::from(to) - Vector3::from(from);
-    let J = (Matrix3::identity() * along.norm_squared() - along * along.transpose()) * (m / 12.0);
-    let body = RigidBody::new(m, J, along * 0.5).unwrap();
-    let weight = body.weight(DOWN, weights());
-    b.element(format!("bar {name}"), body, &[made.frame])
-        .unwrap();
-    b.element(format!("weight {name}"), weight, &[made.frame])
-        .unwrap();
-    made
-}
-
-/// The linkage drawn at an angle of the crank, and its joints A to D.
-fn linkage(b: &mut ModelBuilder, crank: f64, weights: Weights) -> [NodeId; 4] {
-    let at = |angle: f64, l: f64, from: [f64; 3]| {
-        [from[0] + l * angle.cos(), from[1] + l * angle.sin(), 0.0]
-    };
-    let [_, rocker] = closed_form(crank);
-    let O = [0.0; 3];
-    let P = at(crank, BARS[0], O);
-    let D = [BASE, 0.0, 0.0];
-    let Q = at(rocker, BARS[2], D);
-    let ground = ground(b);
-    let A = link(b, "A", ground, [O, P], (MASSES[0], weights));
-    let B = link(b, "B", A.frame, [P, Q], (MASSES[1], weights));
-    let rocker = link(b, "D", ground, [D, Q], (MASSES[2], weights));
-    let tip = offset(b, "tip of the coupler", B.frame, Q).unwrap();
-    let C = revolute(b, "C", tip, E3).unwrap();
-    let end = offset(b, "tip of the rocker", rocker.frame, Q).unwrap();
-    b.close(C.frame, end).unwrap();
-    [A.angle, B.angle, C.angle, rocker.angle]
-}
 
 struct Motion {
     end: Vec<f64>,
@@ -412,32 +357,13 @@ fn ball_joints_in_a_loop_change_their_charts() {
     // Crank about e3 and rocker about e1, with a coupler between two ball joints that may spin.
     let runs = [500, 1000, 2000].map(|n| {
         let mut b = ModelBuilder::new();
-        let ground = ground(&mut b);
-        let (P, Q, D) = ([0.3, 0.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 0.0]);
-        let A = link(&mut b, "A", ground, [[0.0; 3], P], (1.0, at_once));
-        let tip = offset(&mut b, "crank pin", A.frame, P).unwrap();
-        let B = spherical(&mut b, "B", tip).unwrap();
-        let along = Vector3::from(Q) - Vector3::from(P);
-        let e = along.normalize();
-        let J = Matrix3::identity() * 0.2 - e * e.transpose() * 0.15;
-        let body = RigidBody::new(0.7, J, along * 0.5).unwrap();
-        let weight = body.weight(DOWN, Box::new(Constant(1.0)));
-        b.element("coupler", body, &[B.frame]).unwrap();
-        b.element("its weight", weight, &[B.frame]).unwrap();
-        let end = offset(&mut b, "coupler end", B.frame, Q).unwrap();
-        let C = spherical(&mut b, "C", end).unwrap();
-        let foot = offset(&mut b, "foot", ground, D).unwrap();
-        let rocker = revolute(&mut b, "D", foot, [1.0, 0.0, 0.0]).unwrap();
-        let body = RigidBody::new(1.0, Matrix3::identity() * 0.3, Vector3::new(0.0, 0.0, 0.45));
-        b.element("rocker", body.unwrap(), &[rocker.frame]).unwrap();
-        let child = offset(&mut b, "rocker end", rocker.frame, Q).unwrap();
-        b.close(C.frame, child).unwrap();
+        let (rotation, e) = balls(&mut b, Closure::Map);
         let mut model = b.build().unwrap();
         // Eight unknowns, six equations: the mechanism's freedom and the spin of the coupler.
         assert_eq!(model.pattern().dim(), 2);
         let zero = [0.0; 2];
         let mut v = zero;
-        let spin = [0, 1, 2].map(|k| (B.rotation, k, 7.0 * e[k]));
+        let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
         let left = model.fit_coordinate_rates(&zero, &mut v, &spin).unwrap();
         assert!(left < 1e-12, "{left:e}");
         let mut options = tight(Scheme::default(), 2.0, 2.0 / f64::from(n));
@@ -457,7 +383,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
             let [p, q] = names.map(|n| model.node_state(n).place);
             place = p;
             residual = residual.max((p - q).norm());
-            turned = turned.max(model.coordinate(B.rotation, 0).unwrap()[0].abs());
+            turned = turned.max(model.coordinate(rotation, 0).unwrap()[0].abs());
             let energy = audit.energies.kinetic + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         });

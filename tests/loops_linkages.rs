@@ -11,11 +11,14 @@ use loops_support::four_bar::*;
 use loops_support::*;
 use nalgebra::{SVector, Vector2, Vector3};
 use pullback::elements::body::PointMass;
+use pullback::elements::check;
+use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 use pullback::elements::joint::{Joint, Pose};
 use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
-use pullback::manifold::implicit::{Choice, Implicit, Solved};
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::implicit::{Choice, Equations, Implicit, Solved};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
@@ -71,7 +74,13 @@ fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
     let x = b
         .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
         .unwrap();
-    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(&mut b, x, k, Kind::Length));
+    slider_crank_bodies(&mut b, x);
+    (b.build().unwrap(), x, rate.as_slice().to_vec())
+}
+
+/// Masses, weights and the spring on the coordinates (x, y, s).
+fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
+    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(b, x, k, Kind::Length));
     let zero = Linear::<1, 1>::ratio(0.0, 0.0).boxed();
     let height = b
         .mapped_coordinates("0", &[Kind::Length], zero, &[s])
@@ -91,7 +100,90 @@ fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
     };
     b.element("spring", CoordinateSpring::new(law).unwrap(), &[s])
         .unwrap();
-    (b.build().unwrap(), x, rate.as_slice().to_vec())
+}
+
+#[test]
+fn the_same_equations_by_multipliers_and_by_a_penalty() {
+    // x is drawn at zero: the equations see it from where the crank points along the slide.
+    let at = Vector3::new(CRANK, 0.0, CRANK + ROD);
+    let h = Scaled::at(
+        Equations(Drawn(at)),
+        0.0,
+        &Vector3::zeros(),
+        &Vector3::repeat(1.0),
+    );
+    check::element(&Multipliers::<_, 3, 2>::new(h)).assert();
+    let stiffness = |p: f64| Stiffness { p, tau: 1e-3 };
+    let damped = Stiffness { p: 7.0, tau: 0.3 };
+    check::element(&Penalty::<_, 3, 2>::new(h, damped).unwrap()).assert();
+    let to = 1.5;
+    let exact = slider_crank_exact(to);
+    let go = |n: u32, p: Option<f64>| {
+        let mut b = ModelBuilder::new();
+        let x = b.coordinates("x", &[Kind::Length; 3]).unwrap();
+        let shifted = b
+            .mapped_coordinates("place", &[Kind::Length; 3], Shift(at).boxed(), &[x])
+            .unwrap();
+        slider_crank_bodies(&mut b, shifted);
+        match p {
+            None => {
+                let lambda = b.multipliers("lambda", 2).unwrap();
+                b.element("h", Multipliers::<_, 3, 2>::new(h), &[x, lambda])
+            }
+            Some(p) => b.element("h", Penalty::<_, 3, 2>::new(h, stiffness(p)).unwrap(), &[x]),
+        }
+        .unwrap();
+        let mut model = b.build().unwrap();
+        let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; model.initial().len()]);
+        v[1] = 12.0 * CRANK;
+        assert!(model.satisfy(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
+        let scheme = Scheme::chung_hulbert(0.8).unwrap();
+        let options = tight(scheme, to, to / f64::from(n));
+        let mut end = Vec::new();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let both = [0, 1, 2].map(|k| model.coordinate(shifted, k).unwrap());
+            end = (0..6).map(|k| both[k % 3][k / 3]).collect();
+        });
+        end
+    };
+    let errors: Vec<Vec<f64>> = [900, 1800, 3600]
+        .iter()
+        .map(|&n| {
+            let end = go(n, None);
+            println!("slider-crank by multipliers: {:.2e}", gap(&end, &exact));
+            vec![gap(&end[..3], &exact[..3]), gap(&end[3..], &exact[3..])]
+        })
+        .collect();
+    assert_slopes("slider-crank", &["x", "x_dot"], &errors, 2.0, 0.2);
+    let limit = go(900, None);
+    let errors: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
+        .iter()
+        .map(|&p| {
+            let end = go(900, Some(p));
+            println!("slider-crank by a penalty: {:.2e}", gap(&end, &limit));
+            vec![gap(&end[..3], &limit[..3]), gap(&end[3..], &limit[3..])]
+        })
+        .collect();
+    assert_slopes("penalty", &["x", "x_dot"], &errors, 1.0, 0.1);
+}
+
+/// The slider-crank in coordinates that are zero where it is drawn.
+#[derive(Clone, Copy, Debug)]
+struct Drawn(Vector3<f64>);
+
+impl Implicit<3, 2> for Drawn {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        SliderCrank.h(t, &(x + self.0.map(S::constant)))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Shift(Vector3<f64>);
+
+impl Map<3, 3> for Shift {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> SVector<S, 3> {
+        q + self.0.map(S::constant)
+    }
 }
 
 /// (x, y, s) and their rates from the crank angle and its rate, in closed form.

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::constraint::Enforced;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::system::Weights;
 
@@ -185,6 +186,16 @@ pub trait Element: Send + Sync {
     /// Whether it stands for applied loads, which set the scale of a convergence test.
     fn is_load(&self) -> bool {
         false
+    }
+
+    /// The equations that it enforces on its coordinates, where there are such; none by default.
+    fn enforced(&self) -> Option<&dyn Enforced> {
+        None
+    }
+
+    /// As [`Element::enforced`], to change what is enforced.
+    fn enforced_mut(&mut self) -> Option<&mut dyn Enforced> {
+        None
     }
 
     /// Appends the states of its cross-sections, for output; nothing by default.

@@ -5,6 +5,7 @@
 //! - [`beam`] is Reissner's geometrically exact beam with total rotation vectors, two to four
 //!   nodes; [`body`] has rigid bodies and point masses, [`inertia`] the kernel they share with it;
 //!   [`spring`] has springs, dampers and bushings.
+//! - [`constraint`] enforces equations by multipliers or by a penalty, where no map is wanted.
 //! - [`energy`] has elements of which only the energies are written, one generic function each.
 //! - [`load`] has nodal and distributed loads with exact tangents; [`time`] their functions.
 //! - [`model`] collects nodes, elements, loads and supports, checks them, numbers the unknowns and
@@ -22,6 +23,7 @@
 pub mod beam;
 pub mod body;
 pub mod check;
+pub mod constraint;
 pub mod element;
 pub mod energy;
 pub mod inertia;

@@ -148,6 +148,20 @@ fn solve(
     Ok(x)
 }
 
+/// As [`solve`], in one call.
+fn solve_at_once(
+    solver: &mut dyn LinearSolver,
+    pattern: &BlockPattern,
+    symmetry: Symmetry,
+    values: &[f64],
+    b: &[f64],
+) -> Result<Vec<f64>, LinearError> {
+    solver.analyse(pattern, symmetry)?;
+    let mut x = b.to_vec();
+    solver.factorise_and_solve(values, &mut x)?;
+    Ok(x)
+}
+
 #[test]
 fn all_solvers_agree_with_a_dense_factorisation() {
     let mut random = Random(1);
@@ -185,15 +199,18 @@ fn all_solvers_agree_with_a_dense_factorisation() {
                     } else {
                         symmetry
                     };
-                    let x = solve(&mut *solver, &pattern, symmetry, &values, &b)
-                        .unwrap_or_else(|e| panic!("{name} on {shape}: {e}"));
-                    for (i, (x, e)) in x.iter().zip(exact.iter()).enumerate() {
-                        // Relative to the largest in the unknown's own units.
-                        let unit = dense(&pattern, &values)[(i, i)].abs().sqrt();
-                        assert!(
-                            (x - e).abs() * unit < 1e-10 * scaled_max(&pattern, &values, &exact),
-                            "{name} on {shape}, unknown {i}: {x} instead of {e}"
-                        );
+                    for way in [solve, solve_at_once] {
+                        let x = way(&mut *solver, &pattern, symmetry, &values, &b)
+                            .unwrap_or_else(|e| panic!("{name} on {shape}: {e}"));
+                        for (i, (x, e)) in x.iter().zip(exact.iter()).enumerate() {
+                            // Relative to the largest in the unknown's own units.
+                            let unit = dense(&pattern, &values)[(i, i)].abs().sqrt();
+                            let most = scaled_max(&pattern, &values, &exact);
+                            assert!(
+                                (x - e).abs() * unit < 1e-10 * most,
+                                "{name} on {shape}, unknown {i}: {x} instead of {e}"
+                            );
+                        }
                     }
                 }
                 if nodes > 30 {
@@ -479,8 +496,11 @@ fn a_saddle_point_needs_the_fallback_and_gets_it() {
         assert_eq!(auto.active(), Some(Chosen::Lu));
         let mut x = b.clone();
         auto.solve(Some(&values), &mut x).unwrap();
-        for (x, e) in x.iter().zip(exact.iter()) {
-            assert!((x - e).abs() < 1e-10);
+        let mut at_once = b.clone();
+        auto.factorise_and_solve(&values, &mut at_once).unwrap();
+        assert_eq!(auto.active(), Some(Chosen::Lu));
+        for (k, e) in exact.iter().enumerate() {
+            assert!((x[k] - e).abs() < 1e-10 && (at_once[k] - e).abs() < 1e-10);
         }
     }
     let mut cholesky = FaerCholesky::new();
@@ -538,6 +558,8 @@ fn values_that_are_not_finite_are_named() {
                 solver.solve(Some(&values), &mut [0.0; 12]),
                 Err(LinearError::NotReady { .. })
             ));
+            let error = solver.factorise_and_solve(&values, &mut [0.0; 12]);
+            assert_eq!(error.unwrap_err(), expected, "{name}");
             solver.factorise(&good).unwrap();
             let mut b = [1.0; 12];
             b[5] = bad;
@@ -549,6 +571,13 @@ fn values_that_are_not_finite_are_named() {
             assert_eq!(error, expected, "{name}");
             assert!(matches!(
                 solver.solve(Some(&good), &mut [0.0; 11]),
+                Err(LinearError::Length { .. })
+            ));
+            let error = solver.factorise_and_solve(&good, &mut b).unwrap_err();
+            assert_eq!(error, expected, "{name}");
+            assert!(b[0] == 1.0 && b[11] == 1.0, "{name} leaves b as it is");
+            assert!(matches!(
+                solver.factorise_and_solve(&good, &mut [0.0; 11]),
                 Err(LinearError::Length { .. })
             ));
         }

@@ -116,3 +116,24 @@ fn tables_that_are_none_are_refused() {
     let error = Scheme::new("bathe", &[good], claims).unwrap_err();
     assert!(error.to_string().contains("has this name"), "{error}");
 }
+
+#[test]
+fn spectral_radii_at_infinity_are_those_of_the_schemes() {
+    for (word, radius) in [
+        ("newmark", 1.0),
+        ("hht:0.8", 0.8),
+        ("wbz:0.3", 0.3),
+        ("ga:0.6", 0.6),
+        ("ga:0", 0.0),
+        ("bathe", 0.0),
+        ("radau", 0.0),
+        ("central-difference", f64::INFINITY),
+    ] {
+        let found = word.parse::<Scheme>().unwrap().spectral_radius();
+        // A double root is known to the square root of rounding errors.
+        assert!(
+            found == radius || (found - radius).abs() < 1e-7,
+            "{word}: {found}"
+        );
+    }
+}

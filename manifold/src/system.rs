@@ -212,6 +212,33 @@ pub trait System {
         self.evaluate(at, out)
     }
 
+    /// As [`System::evaluate`], for accelerations (and multipliers) that fit a state: the rows of
+    /// multipliers hold the second time derivatives −ḧ of their equations in place of −h, and the
+    /// matrix of M alone is [M h_xᵀ; h_x 0]. Springs much stiffer than a step of size `h` resolves
+    /// may do the same by their inertia p h², which leaves out vibrations that the step cannot show;
+    /// `h` is zero where impulses are asked for. For a system without such things that is the
+    /// evaluation itself, and the default.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn evaluate_accelerations(
+        &mut self,
+        at: Point<'_>,
+        h: f64,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let _ = h;
+        self.evaluate(at, out)
+    }
+
+    /// Whether coordinate `i` is a Lagrange multiplier: an unknown without mass whose row of the
+    /// residual is an equation of the coordinates. Its velocity and acceleration mean nothing, and
+    /// its momentum is the rate ḣ of the equation. None is by default.
+    fn is_multiplier(&self, i: usize) -> bool {
+        let _ = i;
+        false
+    }
+
     /// Changes charts where that is due, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of

@@ -308,10 +308,12 @@ fn add_nodes(
 }
 
 /// The place of a problem that only the whole model shows: the node, or the line it lies in.
-fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
+pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
     let node = match &error {
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
-        ModelError::Apart { joint, .. } | ModelError::LooseLoop { joint, .. } => joint.clone(),
+        ModelError::Apart { joint, .. }
+        | ModelError::LooseLoop { joint, .. }
+        | ModelError::Unclosed { joint, .. } => joint.clone(),
         ModelError::Loop { joints, .. } => {
             let first = joints.split(", ").next();
             first.unwrap_or_default().to_owned()

@@ -195,6 +195,12 @@ pub enum Problem {
     },
     #[error("node \"{node}\" has no support, so it has no reaction")]
     NoReaction { node: String },
+    #[error("joint \"{joint}\": {key} needs {needs}")]
+    ClosureKey {
+        joint: String,
+        key: &'static str,
+        needs: &'static str,
+    },
     #[error("node \"{node}\" hangs on no joint")]
     NoJoint { node: String },
     #[error("the probe \"{probe}\" records {quantity}, which is zero in statics")]
@@ -274,6 +280,7 @@ impl Problem {
             }
             Self::NoMass { .. } => "add mass = { A_rho = ... } or a material with rho",
             Self::NoReaction { .. } => "probe a node that has a support",
+            Self::ClosureKey { .. } => "add it, or remove this key",
             Self::NoJoint { .. } => "probe the node that bears the joint's name",
             Self::DynamicProbe { .. } => "add [analysis.dynamic], or remove the probe",
             Self::SpringKind { .. } => {

@@ -1,6 +1,6 @@
 //! Initial conditions of the file as vectors of the model.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::{LineGeometry, Names, locate};
 use super::file::{Initial, ModelFile};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
@@ -27,7 +27,7 @@ pub(super) fn start(
     file: &ModelFile,
 ) -> Result<Start, InputError> {
     let n = model.pattern().dim();
-    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; n]);
     // All places come before all velocities, whatever their order in the file.
     let mut chosen = Vec::new();
     for (k, initial) in file.initial.iter().enumerate() {
@@ -99,6 +99,7 @@ pub(super) fn start(
         model.fit_rates(&q, &mut v, chosen.as_deref(), &motion).ok();
     }
     let mut rates = Vec::new();
+    let (mut held, mut most) = (Vec::new(), 0.0_f64);
     for (k, joint) in file.joints.iter().enumerate() {
         let index = k.to_string();
         for (coordinate, acts) in joint.all_acts() {
@@ -113,7 +114,17 @@ pub(super) fn start(
                 let node = released.find(source, &at, &name)?;
                 let geared = file.gears.iter().any(|g| g.joints.contains(&name));
                 // Values of a loop have been there when it was assembled.
-                let set = model.set(vector, node, 0, given);
+                // In a model that enforces equations values have been there when it was assembled,
+                // where they fit together.
+                let assembled = key == "value" && model.is_enforced();
+                let set = match model.unknown_at(node, 0) {
+                    Some(_) if assembled => true,
+                    _ => model.set(vector, node, 0, given),
+                };
+                if let (true, "rate", Some(u)) = (set, key, model.unknown_at(node, 0)) {
+                    held.push(u);
+                    most = most.max(given.abs());
+                }
                 if !set && geared {
                     let joint = name.clone();
                     return Err(source.value(&at, Problem::Geared { joint, key }));
@@ -133,6 +144,13 @@ pub(super) fn start(
         if left > 1e-9 * most {
             return Err(InputError::whole(Problem::LoopRates { left }));
         }
+    }
+    let left = model
+        .satisfy(0.0, &mut q, &mut v, &held)
+        .map_err(|error| locate(source, file, error))?;
+    if most > 0.0 && left > 1e-9 {
+        let left = left * most;
+        return Err(InputError::whole(Problem::LoopRates { left }));
     }
     Ok(Start { q, v })
 }

@@ -41,7 +41,9 @@ impl Entry<'_> {
     fn useless(&self, path: &[&str]) -> InputError {
         let hangs = if self.made.along { "lines" } else { "master" };
         let mut known = self.made.keys();
-        known.extend(["name", "type", hangs, "child", "coordinates"].map(str::to_owned));
+        let all = ["name", "type", hangs, "child", "closure", "penalty"];
+        known.extend(all.map(str::to_owned));
+        known.extend(["penalty_damping", "coordinates"].map(str::to_owned));
         known.extend(ACTS.map(str::to_owned));
         let problem = Problem::JointKey {
             joint: self.joint.name.clone(),

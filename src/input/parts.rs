@@ -2,12 +2,13 @@
 //! their nodes come to be.
 
 use super::assemble::{LineGeometry, Names};
-use super::file::{Joint, ModelFile};
+use super::file::{Closure as Word, Joint, ModelFile};
 use super::registry::Registry;
 use super::{InputError, Problem, Text, joints, lines};
 use pullback_elements::beam::Section;
+use pullback_elements::constraint::Stiffness;
 use pullback_elements::joint;
-use pullback_elements::model::{ModelBuilder, NodeId};
+use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use std::collections::BTreeMap;
 
 /// What lines and joints have made.
@@ -80,13 +81,14 @@ pub(super) fn make(
         }
     }
     for (k, joint) in file.joints.iter().enumerate() {
-        let Some(child) = &joint.child else { continue };
         let index = k.to_string();
+        let by = closure(source, joint, &index)?;
+        let Some(child) = &joint.child else { continue };
         let path = ["joints", index.as_str(), "child"];
         let child = nodes.find(source, &path, child)?;
         let frame = nodes.find(source, &path, &joint.name)?;
         let refuse = |error| source.value(&path, Problem::Model(error));
-        builder.close(frame, child).map_err(refuse)?;
+        builder.close_by(frame, child, by).map_err(refuse)?;
     }
     for (k, gear) in file.gears.iter().enumerate() {
         let index = k.to_string();
@@ -100,6 +102,56 @@ pub(super) fn make(
         lines: laid.into_iter().flatten().collect(),
         released,
     })
+}
+
+/// How a joint and its child are made one; refuses keys that say nothing, and those that lack.
+fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, InputError> {
+    let path = |key: &'static str| ["joints", index, key];
+    let useless = |key: &'static str, needs: &'static str| {
+        let joint = joint.name.clone();
+        source.key(&path(key), Problem::ClosureKey { joint, key, needs })
+    };
+    if joint.closure.is_some() && joint.child.is_none() {
+        return Err(useless(
+            "closure",
+            "child, the node that is one with the joint's",
+        ));
+    }
+    let by = joint.closure.unwrap_or(Word::Map);
+    for (key, given) in [
+        ("penalty", joint.penalty),
+        ("penalty_damping", joint.penalty_damping),
+    ] {
+        if given.is_some() && by != Word::Penalty {
+            return Err(useless(key, "closure = \"penalty\""));
+        }
+    }
+    let range = |key: &'static str, value: f64, expected: &'static str| {
+        let problem = Problem::Range {
+            key,
+            value,
+            expected,
+        };
+        Err(source.value(&path(key), problem))
+    };
+    match (by, joint.penalty) {
+        (Word::Map, _) => Ok(Closure::Map),
+        (Word::Multipliers, _) => Ok(Closure::Multipliers),
+        (Word::Penalty, None) => Err(useless(
+            "closure",
+            "penalty, its stiffness (force over gap)",
+        )),
+        (Word::Penalty, Some(p)) => {
+            let tau = joint.penalty_damping.unwrap_or(0.0);
+            if p <= 0.0 {
+                return range("penalty", p, "a positive stiffness");
+            }
+            if tau < 0.0 {
+                return range("penalty_damping", tau, "a time that is zero or positive");
+            }
+            Ok(Closure::Penalty(Stiffness { p, tau }))
+        }
+    }
 }
 
 /// Whether a joint's masters are there.

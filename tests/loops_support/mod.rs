@@ -3,6 +3,7 @@
 #![allow(non_snake_case, dead_code)]
 
 pub mod four_bar;
+pub mod linkage;
 
 use super::dynamics_support::*;
 use nalgebra::{Matrix3, SVector, Vector3};

@@ -45,6 +45,8 @@ pub(super) struct Workspace {
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
+    /// Step size, while equations that elements enforce are asked for at the level of accelerations.
+    accelerations_asked: Option<f64>,
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
@@ -91,6 +93,7 @@ impl Workspace {
             accelerations: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
+            accelerations_asked: None,
             sheets: Sheets::default(),
             scales,
         }
@@ -166,6 +169,9 @@ impl Model {
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
+            if let Some(h) = w.accelerations_asked {
+                local.ask_accelerations(e, t, h);
+            }
             if e.load {
                 local.measure_load(e, &self.nodes, &mut w.scales);
             }
@@ -239,6 +245,7 @@ impl System for Model {
         let statics = at.v.is_empty();
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
+        self.check_left_out()?;
         self.expand(at)?;
         self.work.r.fill(0.0);
         self.work.r_t.fill(0.0);
@@ -276,6 +283,22 @@ impl System for Model {
         let outcome = self.evaluate(at, out);
         self.work.has_previous = false;
         outcome
+    }
+
+    fn evaluate_accelerations(
+        &mut self,
+        at: Point<'_>,
+        h: f64,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.work.accelerations_asked = Some(h);
+        let outcome = self.evaluate(at, out);
+        self.work.accelerations_asked = None;
+        outcome
+    }
+
+    fn is_multiplier(&self, i: usize) -> bool {
+        self.multipliers[self.coordinates[i]]
     }
 
     fn change_charts(

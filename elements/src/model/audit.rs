@@ -5,6 +5,7 @@
 use super::assembly::named;
 use super::local::Local;
 use super::{Attached, Model, Node, Source};
+use crate::constraint::MAX_EQUATIONS;
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Energies, Point, SystemError};
@@ -157,6 +158,15 @@ impl Model {
                 .map_err(|error| named(error, &e.name))?;
             let n = e.element.dim();
             local.r[..n].copy_from_slice(&local.work[..n]);
+            if let Some(enforced) = e.element.enforced().filter(|e| e.penalty().is_none()) {
+                // The momentum of a multiplier is the rate of its equation.
+                let (N, M) = enforced.dims();
+                let mut rates = [0.0; MAX_EQUATIONS];
+                enforced.rates(&local.motion(e, at.t, false), &mut rates[..M]);
+                for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+                    local.r[N + i] = rates[i];
+                }
+            }
             if switched {
                 local.pull_back_switch(e, &self.nodes, None, false, false);
             }

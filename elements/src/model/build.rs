@@ -15,7 +15,9 @@ impl ModelBuilder {
     /// # Errors
     /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
     /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
-    pub fn build(self) -> Result<Model, ModelError> {
+    pub fn build(mut self) -> Result<Model, ModelError> {
+        let length = size(&self.nodes);
+        let forces = self.enforce_closings(length)?;
         let Self {
             mut nodes,
             mut elements,
@@ -27,9 +29,9 @@ impl ModelBuilder {
         if nodes.is_empty() {
             return Err(ModelError::Empty);
         }
-        let length = size(&nodes);
         let held = loops::Held(&prescribed);
-        let reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
+        let mut reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
+        reports.extend(forces);
         let mut total = 0;
         for node in &mut nodes {
             node.first = total;
@@ -91,23 +93,30 @@ impl ModelBuilder {
             .map(|n| (n, 0))
             .collect();
         let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
+        let multipliers = nodes.iter().flat_map(of_form).collect();
         let work = Workspace::new(&nodes, &elements, operators, length);
         let span = |node: &Node| Span {
             first: node.first as u32,
             dim: node.dim as u32,
         };
         let spans = nodes.iter().map(span).collect();
+        let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
+        let enforced = (0..elements.len()).filter(is_enforced).collect();
         let mut model = Model {
             nodes,
             spans,
             dependent,
             reports,
             elements,
+            enforced,
+            initial: Vec::new(),
             prescribed,
             driven_rotations,
             coordinates,
             unknowns,
             kinds,
+            multipliers,
             length,
             pattern,
             placement,
@@ -115,6 +124,11 @@ impl ModelBuilder {
         };
         let zero = vec![0.0; model.coordinates.len()];
         model.start_element_charts(0.0, &zero);
+        let mut values: Vec<(usize, f64)> = (starts.iter())
+            .filter_map(|(&(n, k), &x)| Some((model.unknown_at(n, k)?, x)))
+            .collect();
+        values.sort_unstable_by_key(|v| v.0);
+        model.assemble_enforced(&values)?;
         Ok(model)
     }
 }

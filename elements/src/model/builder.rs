@@ -206,7 +206,7 @@ impl ModelBuilder {
         self.add_node(name, place, form, kinds, source)
     }
 
-    fn add_node(
+    pub(super) fn add_node(
         &mut self,
         name: String,
         place: [f64; 3],
@@ -357,6 +357,7 @@ impl ModelBuilder {
                 .sum(),
             switched: 0,
             overturned: false,
+            loose: None,
             mapped: false,
             held: false,
             pulled: 0,

@@ -104,6 +104,7 @@ impl Model {
                 residual: false,
             };
         };
+        self.watch_left_out(t);
         ChartChanges {
             charts: changed + maps.charts,
             residual: self.follow_element_charts(t) || maps.residual,

@@ -1,9 +1,11 @@
 //! What can be wrong with a model, each with the name of the thing and what to do.
 
 use crate::beam::{BeamError, SectionError};
+use crate::constraint::PenaltyError;
 use crate::joint::{AxisError, GearError};
 use crate::time::TimeFunctionError;
 use pullback_manifold::implicit::ImplicitError;
+use pullback_manifold::system::SystemError;
 
 /// Why a model cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -122,6 +124,19 @@ pub enum ModelError {
         joints: String,
         source: ImplicitError,
     },
+    #[error("the closure of joint {joint}: {source}")]
+    Penalty { joint: String, source: PenaltyError },
+    #[error(
+        "no configuration nearby satisfies what {joint} closes or enforces: {equation} remains \
+         {gap:.3e} of its size; draw the model closer to a closed configuration, or start it there"
+    )]
+    Unclosed {
+        joint: String,
+        equation: String,
+        gap: f64,
+    },
+    #[error("the model cannot be assembled: {source}")]
+    Start { source: SystemError },
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]
     Unconnected { node: String },
     #[error(

@@ -22,7 +22,7 @@ pub(super) struct Local {
     pub r_t: Vec<f64>,
     pub K: Vec<f64>,
     C: Vec<f64>,
-    M: Vec<f64>,
+    pub M: Vec<f64>,
     pub S: Vec<f64>,
     /// Second set, for a pull-back in two stages.
     K2: Vec<f64>,

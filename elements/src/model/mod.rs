@@ -9,7 +9,9 @@ mod axis;
 mod build;
 mod builder;
 mod charts;
+mod closures;
 mod dependence;
+mod enforced;
 mod error;
 mod gather;
 mod inspect;
@@ -25,6 +27,7 @@ mod slots;
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
+pub use closures::Closure;
 pub use error::ModelError;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
@@ -60,6 +63,8 @@ enum Form {
     Frame,
     /// A rotation vector alone.
     Rotation,
+    /// Multipliers of equations: no coordinates, but unknowns.
+    Multipliers,
     /// Any others, of one chart.
     Coordinates,
 }
@@ -118,7 +123,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Coordinates => None,
+            Form::Coordinates | Form::Multipliers => None,
         }
     }
 
@@ -189,6 +194,8 @@ struct Attached {
     switched: u32,
     /// Whether its nodes have turned so far against each other that no chart holds them all.
     overturned: bool,
+    /// An equation left out that does not follow from the others any more, and its residual.
+    loose: Option<(usize, f64)>,
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether a coordinate of its nodes is prescribed or follows others.
@@ -222,6 +229,10 @@ pub struct Model {
     /// How loops are closed.
     reports: Vec<loops::Report>,
     elements: Vec<Attached>,
+    /// Elements that enforce equations.
+    enforced: Vec<usize>,
+    /// Coordinates at the start, unless something else is said.
+    initial: Vec<f64>,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,
@@ -230,6 +241,8 @@ pub struct Model {
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     kinds: Vec<Kind>,
+    /// Whether each coordinate is a multiplier.
+    multipliers: Vec<bool>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,

@@ -335,7 +335,7 @@ impl Model {
         self.nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| n.form != Form::Frame)
+            .filter(|(_, n)| matches!(n.form, Form::Coordinates | Form::Rotation))
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
     }
 

@@ -60,9 +60,15 @@ impl Model {
     /// joints children hang, which joints close loops, and the coordinates that these leave free as
     /// they are chosen now.
     pub fn notes(&self) -> Vec<String> {
-        let note = |r: &super::loops::Report| match r.map.and_then(|n| self.note(NodeId(n))) {
-            Some(note) => format!("{}; {note}", r.words),
-            None => r.words.clone(),
+        let note = |r: &super::loops::Report| {
+            let of_element = || {
+                r.element
+                    .map_or_else(String::new, |k| self.left_out_note(k))
+            };
+            match r.map.and_then(|n| self.note(NodeId(n))) {
+                Some(note) => format!("{}; {note}", r.words),
+                None => r.words.clone() + &of_element(),
+            }
         };
         self.reports.iter().map(note).collect()
     }

@@ -77,6 +77,21 @@ pub enum DynamicsError {
         /// What is.
         wanted: &'static str,
     },
+    /// A scheme without damping at infinite frequencies, for multipliers.
+    #[error(
+        "the scheme {scheme} has the spectral radius {rho:.6} at infinite frequencies: it does not \
+         damp the oscillations that constraints enforced by multipliers ({multiplier}) bring in \
+         (index 3; Arnold & Bruels 2007). Choose generalised-alpha, HHT or WBZ with a radius below \
+         1, such as generalised-alpha 0.8, or close the loop by a map"
+    )]
+    Undamped {
+        /// Name of the scheme.
+        scheme: &'static str,
+        /// Its spectral radius.
+        rho: f64,
+        /// The first multiplier.
+        multiplier: String,
+    },
     /// Initial values of the wrong number, or not finite.
     #[error("initial {what}: {problem}")]
     Initial {

@@ -1,4 +1,4 @@
-//! Consistent initial accelerations: M q̈ = r(t, q, q̇, 0).
+//! Consistent initial accelerations, M q̈ = r(t, q, q̇, 0), and multipliers.
 
 #![allow(non_snake_case)]
 
@@ -46,9 +46,11 @@ pub fn start<Y: System + ?Sized>(
     })
 }
 
-/// Fills the accelerations of a state, true and algorithmic, from the equations of motion.
+/// Fills the accelerations of a state, true and algorithmic, from the equations of motion, and its
+/// multipliers.
 ///
-/// The residual is linear in q̈, so one linear solution suffices.
+/// The residual is linear in q̈ and λ, so one linear solution suffices:
+/// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
 pub(super) fn accelerate<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -59,8 +61,16 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     let n = state.q.len();
     state.a.clear();
     state.a.resize(n, 0.0);
+    let multipliers = |i: &usize| system.is_multiplier(*i);
+    let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
+    for &i in &multipliers {
+        (state.q[i], state.v[i]) = (0.0, 0.0);
+    }
     solve_mass(system, solver, state, h, [r, S], None)?;
     state.a.copy_from_slice(r);
+    for &i in &multipliers {
+        (state.q[i], state.a[i]) = (r[i], 0.0);
+    }
     state.algorithmic.clone_from(&state.a);
     Ok(())
 }
@@ -95,8 +105,11 @@ pub(super) fn strike<Y: System + ?Sized>(
         return Ok(false);
     }
     solve_mass(system, solver, state, h, [r, S], Some(missing))?;
-    for (v, dv) in state.v.iter_mut().zip(&*r) {
-        *v += dv;
+    for (i, (v, dv)) in state.v.iter_mut().zip(&*r).enumerate() {
+        // That of a multiplier is the impulse of its constraint.
+        if !system.is_multiplier(i) {
+            *v += dv;
+        }
     }
     Ok(true)
 }
@@ -128,7 +141,7 @@ fn solve_mass<Y: System + ?Sized>(
         };
         let out = Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S);
         system
-            .evaluate(at, out)
+            .evaluate_accelerations(at, if b.is_some() { 0.0 } else { h }, out)
             .map_err(|source| DynamicsError::System { t, source })?;
         if let Some(b) = b {
             r.copy_from_slice(b);

@@ -50,6 +50,10 @@ pub struct Adaptivity {
     pub max_step: f64,
 }
 
+/// Schemes whose spectral radius at infinity is closer to 1 than this are refused for multipliers:
+/// what disturbs λ would stay for good.
+const UNDAMPED: f64 = 1e-6;
+
 /// Refuses options, and states, that no run can begin with.
 pub(super) fn check<Y: System + ?Sized>(
     options: &DynamicOptions,
@@ -80,6 +84,15 @@ pub(super) fn check<Y: System + ?Sized>(
             value: options.scheme.order() as f64,
             wanted: "the estimate of the local error is for schemes of order 2, and this one's is \
                      higher; take equal steps",
+        });
+    }
+    let rho = options.scheme.spectral_radius();
+    let multiplier = (0..system.pattern().dim()).find(|&i| system.is_multiplier(i));
+    if let Some(i) = multiplier.filter(|_| rho > 1.0 - UNDAMPED) {
+        return Err(DynamicsError::Undamped {
+            scheme: options.scheme.name,
+            rho,
+            multiplier: system.name(i),
         });
     }
     if !(options.to >= progress.state.t && options.to.is_finite()) {

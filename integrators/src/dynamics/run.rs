@@ -402,6 +402,7 @@ impl Run<'_> {
         let new = &self.stepper.next.algorithmic;
         let change = state.algorithmic.iter().zip(new).enumerate();
         let sizes = change
+            .filter(|(i, _)| !system.is_multiplier(*i))
             .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.kind(i).index()]);
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }

@@ -142,8 +142,10 @@ impl Stepper {
                 state.a[c] += m * dy / (h * h);
                 // What an explicit stage finds is h² y.
                 let size = if group.inverse.is_some() { dq } else { dy };
-                let size = size.abs() / scales[system.kind(c).index()];
-                largest = largest.max(size);
+                // Multipliers are judged by the residual that they leave.
+                if !system.is_multiplier(c) {
+                    largest = largest.max(size.abs() / scales[system.kind(c).index()]);
+                }
             }
         }
         largest

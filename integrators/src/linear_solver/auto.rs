@@ -48,6 +48,53 @@ impl AutoSolver {
         self.active
     }
 
+    /// Whether it is the block solver's turn.
+    fn asks_block(&mut self) -> bool {
+        self.active = None;
+        self.chosen == Chosen::Block && self.failures < FAILURES
+    }
+
+    fn factorise_other(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        if self.chosen != Chosen::Cholesky {
+            return self.fall_back(values);
+        }
+        self.cholesky.factorise(values)?;
+        self.active = Some(Chosen::Cholesky);
+        Ok(())
+    }
+
+    /// What became of a factorisation by blocks, and who has the factors in the end.
+    fn after_block(
+        &mut self,
+        result: Result<(), LinearError>,
+        values: &[f64],
+    ) -> Result<Chosen, LinearError> {
+        let error = match result {
+            Ok(()) => {
+                self.failures = 0;
+                self.active = Some(Chosen::Block);
+                return Ok(Chosen::Block);
+            }
+            Err(error) => error,
+        };
+        let LinearError::VanishingPivot { unknown, .. } = error else {
+            return match error {
+                LinearError::Growth { .. } => self.fall_back(values).map(|()| Chosen::Lu),
+                other => Err(other),
+            };
+        };
+        match self.fall_back(values) {
+            Ok(()) => {
+                self.failures += 1;
+                Ok(Chosen::Lu)
+            }
+            // Both agree. The block solver names the last unknown that nothing holds (where a
+            // support is missing, as a rule), if that is part of the mechanism at all.
+            Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => Err(error),
+            Err(other) => Err(other),
+        }
+    }
+
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let Some(pattern) = &self.pattern else {
             return Err(LinearError::NotReady { asked: "factorise" });
@@ -87,40 +134,11 @@ impl LinearSolver for AutoSolver {
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        self.active = None;
-        match self.chosen {
-            Chosen::Block if self.failures < FAILURES => {}
-            Chosen::Cholesky => {
-                self.cholesky.factorise(values)?;
-                self.active = Some(Chosen::Cholesky);
-                return Ok(());
-            }
-            _ => return self.fall_back(values),
+        if !self.asks_block() {
+            return self.factorise_other(values);
         }
-        let error = match self.block.factorise(values) {
-            Ok(()) => {
-                self.failures = 0;
-                self.active = Some(Chosen::Block);
-                return Ok(());
-            }
-            Err(error) => error,
-        };
-        let LinearError::VanishingPivot { unknown, .. } = error else {
-            return match error {
-                LinearError::Growth { .. } => self.fall_back(values),
-                other => Err(other),
-            };
-        };
-        match self.fall_back(values) {
-            Ok(()) => {
-                self.failures += 1;
-                Ok(())
-            }
-            // Both agree. The block solver names the last unknown that nothing holds (where a
-            // support is missing, as a rule), if that is part of the mechanism at all.
-            Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => Err(error),
-            Err(other) => Err(other),
-        }
+        let result = self.block.factorise(values);
+        self.after_block(result, values).map(|_| ())
     }
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
@@ -135,6 +153,23 @@ impl LinearSolver for AutoSolver {
                     self.lu.solve(values, b)
                 }
                 (result, _) => result,
+            },
+        }
+    }
+
+    fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        if !self.asks_block() {
+            self.factorise_other(values)?;
+            return self.solve(Some(values), b);
+        }
+        match self.block.factorise_and_solve(values, b) {
+            Err(LinearError::Residual { .. }) => {
+                self.fall_back(values)?;
+                self.lu.solve(Some(values), b)
+            }
+            result => match self.after_block(result, values)? {
+                Chosen::Block => Ok(()),
+                _ => self.lu.solve(Some(values), b),
             },
         }
     }

@@ -77,31 +77,20 @@ impl BlockLu {
         ready.symbolic.nanoseconds() < general
     }
 
-    /// Smallest pivot of the last factorisation relative to its original diagonal scale.
-    pub fn smallest_pivot(&self) -> f64 {
-        self.ready.as_ref().map_or(f64::NAN, |r| r.smallest)
-    }
-}
-
-impl LinearSolver for BlockLu {
-    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
-        self.ready = None;
-        self.factorised = false;
-        let symbolic = Symbolic::new(pattern, symmetry, MAX_UPDATES)?;
-        self.ready = Some(Factors::new(pattern, symbolic));
-        Ok(())
-    }
-
-    fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
+    /// Factorises, and takes a right-hand side through the lower factor on the way.
+    fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
         let Some(ready) = &mut self.ready else {
             return Err(LinearError::NotReady { asked: "factorise" });
         };
         check_length("matrix", ready.pattern.len(), values.len())?;
-        let result = match ready.factorise(values, self.floor, false) {
+        if let Some(b) = b {
+            check_length("right-hand side", ready.pattern.dim(), b.len())?;
+        }
+        let result = match ready.factorise(values, self.floor, false, b) {
             Err(Failure::Scale) => {
                 ready.equilibrate(values)?;
-                ready.factorise(values, self.floor, true)
+                ready.factorise(values, self.floor, true, b)
             }
             result => result,
         };
@@ -119,6 +108,25 @@ impl LinearSolver for BlockLu {
         }
     }
 
+    /// Smallest pivot of the last factorisation relative to its original diagonal scale.
+    pub fn smallest_pivot(&self) -> f64 {
+        self.ready.as_ref().map_or(f64::NAN, |r| r.smallest)
+    }
+}
+
+impl LinearSolver for BlockLu {
+    fn analyse(&mut self, pattern: &BlockPattern, symmetry: Symmetry) -> Result<(), LinearError> {
+        self.ready = None;
+        self.factorised = false;
+        let symbolic = Symbolic::new(pattern, symmetry, MAX_UPDATES)?;
+        self.ready = Some(Factors::new(pattern, symbolic));
+        Ok(())
+    }
+
+    fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        self.factorise_with(values, None)
+    }
+
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
             return Err(LinearError::NotReady { asked: "solve" });
@@ -126,27 +134,42 @@ impl LinearSolver for BlockLu {
         check_length("right-hand side", ready.pattern.dim(), b.len())?;
         ready.gather(b);
         ready.substitute(false);
-        let Some(values) = values else {
-            ready.scatter(b);
-            return Ok(());
-        };
-        check_length("matrix", ready.pattern.len(), values.len())?;
-        let mut best = f64::INFINITY;
-        for refinement in 0..=REFINEMENTS {
-            let relative = ready.relative_residual(values, b)?;
-            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
-                if !(relative <= RESIDUAL_LIMIT) {
-                    return Err(LinearError::Residual {
-                        residual: relative,
-                        limit: RESIDUAL_LIMIT,
-                    });
-                }
-                break;
-            }
-            best = relative;
-            ready.substitute(true);
+        if let Some(values) = values {
+            check_length("matrix", ready.pattern.len(), values.len())?;
+            refine(ready, values, b)?;
         }
         ready.scatter(b);
         Ok(())
     }
+
+    fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        self.factorise_with(values, Some(b))?;
+        let Some(ready) = &mut self.ready else {
+            return Err(LinearError::NotReady { asked: "solve" });
+        };
+        ready.substitute_back(false);
+        refine(ready, values, b)?;
+        ready.scatter(b);
+        Ok(())
+    }
+}
+
+/// Refines the solution in `x` until the residual is what it should be.
+fn refine(ready: &mut Factors, values: &[f64], b: &[f64]) -> Result<(), LinearError> {
+    let mut best = f64::INFINITY;
+    for refinement in 0..=REFINEMENTS {
+        let relative = ready.relative_residual(values, b)?;
+        if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
+            if !(relative <= RESIDUAL_LIMIT) {
+                return Err(LinearError::Residual {
+                    residual: relative,
+                    limit: RESIDUAL_LIMIT,
+                });
+            }
+            break;
+        }
+        best = relative;
+        ready.substitute(true);
+    }
+    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::symbolic::{Load, Panel, Symbolic};
+use super::symbolic::{Link, Load, Panel, Symbolic};
 use super::{LinearError, Symmetry, first_non_finite, kernels, max_abs, rounding_level, scaling};
 
 /// Pivots this much larger than the entries of the scaled matrix are called growth.
@@ -69,9 +69,20 @@ impl Factors {
         Ok(())
     }
 
-    pub fn factorise(&mut self, values: &[f64], floor: f64, scaled: bool) -> Result<(), Failure> {
+    /// The factors of the matrix with these values. A right-hand side `b` is scaled into `rhs` and
+    /// goes through the lower factor on the way, into `residual`: while the factors are at hand.
+    pub fn factorise(
+        &mut self,
+        values: &[f64],
+        floor: f64,
+        scaled: bool,
+        b: Option<&[f64]>,
+    ) -> Result<(), Failure> {
         let limit = rounding_level(self.symbolic.panels.len());
         self.squares.fill(0.0);
+        if b.is_some() {
+            self.residual.fill(0.0);
+        }
         self.smallest = f64::INFINITY;
         let (mut links, mut targets, mut loads, mut fills) = (0, 0, 0, 0);
         for k in 0..self.symbolic.panels.len() {
@@ -138,6 +149,24 @@ impl Factors {
                     }
                 }
             }
+            if let Some(b) = b {
+                let own = panel.first..panel.first + n;
+                let b = &b[panel.unknown..panel.unknown + n];
+                for (i, b) in own.zip(b) {
+                    self.rhs[i] = b * self.scales[i];
+                    self.residual[i] += self.rhs[i];
+                }
+                let y = &mut self.residual;
+                forward(
+                    symbolic,
+                    k,
+                    my_links,
+                    &self.factors,
+                    &self.swaps,
+                    pivots.swapped,
+                    y,
+                );
+            }
             (links, targets, loads, fills) = (panel.links, panel.targets, panel.loads, panel.fills);
         }
         let largest = self
@@ -186,24 +215,21 @@ impl Factors {
     /// Solves for the vector in `residual`, which is destroyed; into `x`, or added to it.
     pub fn substitute(&mut self, add: bool) {
         let symbolic = &self.symbolic;
-        let y = &mut self.residual;
         let mut links = 0;
         for (k, panel) in symbolic.panels.iter().enumerate() {
-            let n = panel.size;
-            let (left, right) = y.split_at_mut(panel.first + n);
-            let own = &mut left[panel.first..];
-            if self.swapped[k] {
-                for (i, &row) in self.swaps[panel.first..panel.first + n].iter().enumerate() {
-                    own.swap(i, row as usize);
-                }
-            }
-            kernels::solve_lower(n, &self.factors[panel.start..], own);
-            for link in &symbolic.links[links..panel.links] {
-                let later = &mut right[link.first - panel.first - n..];
-                kernels::subtract(link.size, n, &self.factors[link.start..], own, later);
-            }
+            let own = &symbolic.links[links..panel.links];
+            let (swaps, swapped) = (&self.swaps, self.swapped[k]);
+            let y = &mut self.residual;
+            forward(symbolic, k, own, &self.factors, swaps, swapped, y);
             links = panel.links;
         }
+        self.substitute_back(add);
+    }
+
+    /// The second half: what has been through the lower factor goes through the upper one.
+    pub fn substitute_back(&mut self, add: bool) {
+        let symbolic = &self.symbolic;
+        let y = &mut self.residual;
         for k in (0..symbolic.panels.len()).rev() {
             let panel = &symbolic.panels[k];
             let n = panel.size;
@@ -268,6 +294,33 @@ impl Factors {
             what: "solution",
             unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),
         })
+    }
+}
+
+/// Takes the unknowns of panel `k` through the lower factor, and their share off later ones.
+#[inline(always)]
+fn forward(
+    symbolic: &Symbolic,
+    k: usize,
+    links: &[Link],
+    factors: &[f64],
+    swaps: &[u32],
+    swapped: bool,
+    y: &mut [f64],
+) {
+    let panel = &symbolic.panels[k];
+    let n = panel.size;
+    let (left, right) = y.split_at_mut(panel.first + n);
+    let own = &mut left[panel.first..];
+    if swapped {
+        for (i, &row) in swaps[panel.first..panel.first + n].iter().enumerate() {
+            own.swap(i, row as usize);
+        }
+    }
+    kernels::solve_lower(n, &factors[panel.start..], own);
+    for link in links {
+        let later = &mut right[link.first - panel.first - n..];
+        kernels::subtract(link.size, n, &factors[link.start..], own, later);
     }
 }
 

@@ -64,6 +64,14 @@ pub trait LinearSolver: Send {
     /// step, when the matrix is that of the next iterate already) it may be the factors' answer
     /// as it is.
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError>;
+
+    /// Both at once, refined and checked: a Newton iteration. A solver may use the factors while
+    /// they are at hand; large ones have left the caches when they are complete. A `b` that could
+    /// not be solved for is untouched.
+    fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
+        self.factorise(values)?;
+        self.solve(Some(values), b)
+    }
 }
 
 /// Why a linear system could not be solved.

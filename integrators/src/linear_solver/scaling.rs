@@ -25,10 +25,14 @@ pub(crate) fn inverse_root(d: f64) -> f64 {
     f64::from_bits(((1023 - half) as u64) << 52)
 }
 
+/// Sweeps of an equilibration at most.
+const SWEEPS: usize = 8;
+
 /// Scales by equilibration, for matrices whose diagonal is no measure of their rows.
 ///
-/// Three sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and
-/// columns alike and needs no diagonal.
+/// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and columns alike
+/// and needs no diagonal. Each halves the range of the rows in logarithms: eight of them take
+/// masses over a squared step of 10⁻⁸ and gradients of equations to the same size.
 ///
 /// # Errors
 /// Values that are not finite, and rows that are zero.
@@ -39,7 +43,7 @@ pub fn equilibrate(
     largest: &mut [f64],
 ) -> Result<(), LinearError> {
     scales.fill(1.0);
-    for sweep in 0..3 {
+    for sweep in 0..SWEEPS {
         largest.fill(0.0);
         for j in 0..pattern.blocks() {
             for (i, range) in pattern.column(j) {
@@ -59,6 +63,7 @@ pub fn equilibrate(
                 }
             }
         }
+        let mut done = true;
         for (unknown, (s, &m)) in scales.iter_mut().zip(&*largest).enumerate() {
             let factor = inverse_root(m);
             if !factor.is_finite() {
@@ -67,7 +72,11 @@ pub fn equilibrate(
                 }
                 continue;
             }
+            done &= factor == 1.0;
             *s *= factor;
+        }
+        if done {
+            break;
         }
     }
     Ok(())

@@ -53,7 +53,7 @@ pub(super) struct Newton {
     pub q_lambda: Vec<f64>,
     trial: Vec<f64>,
     simplified: Vec<f64>,
-    /// 1 / typical size of each coordinate.
+    /// 1 / typical size of each coordinate; zero of multipliers.
     pub inverse_scale: Vec<f64>,
     pub history: Vec<Iteration>,
     pub evaluations: usize,
@@ -74,8 +74,12 @@ impl Newton {
             q_lambda: zeros(),
             trial: zeros(),
             simplified: zeros(),
+            // Multipliers are judged by the residual that they leave.
             inverse_scale: (0..n)
-                .map(|i| 1.0 / scales.coordinate[system.kind(i).index()])
+                .map(|i| match system.is_multiplier(i) {
+                    true => 0.0,
+                    false => 1.0 / scales.coordinate[system.kind(i).index()],
+                })
                 .collect(),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             evaluations: 0,
@@ -219,10 +223,10 @@ impl Newton {
                     Err(Failure::TooManyIterations)
                 };
             }
-            self.factorise(solver)?;
+            self.factorisations += 1;
             self.dq.copy_from_slice(&self.r);
             solver
-                .solve(Some(&self.S), &mut self.dq)
+                .factorise_and_solve(&self.S, &mut self.dq)
                 .map_err(Failure::Linear)?;
             let mut d_lambda = 0.0;
             if let Some(c) = condition {

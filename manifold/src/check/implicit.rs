@@ -3,7 +3,7 @@
 use super::map::{CLOSED_FORM, agree, laws, relative, short_name};
 use super::report::Report;
 use super::sample::Random;
-use crate::implicit::{Implicit, Residual, Solved};
+use crate::implicit::{Equations, Implicit, Solved};
 use crate::map::{Map, Rewritten, derived};
 use nalgebra::SVector;
 
@@ -39,7 +39,7 @@ where
         };
         let x = map.phi(t, &q);
         let h = map.constraint().h(t, &x);
-        let J = derived::tangent(&Residual(map.constraint()), t, &x).B;
+        let J = derived::tangent(&Equations(map.constraint()), t, &x).B;
         report.defect(
             "h(t, phi) = 0",
             at,

@@ -5,7 +5,7 @@
 use super::chart::{RANK, row_size, scaled, sizes};
 use super::factor::pivoted;
 use super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::{Implicit, ImplicitError, Residual, names};
+use super::{Equations, Implicit, ImplicitError, names};
 use crate::map::derived;
 use nalgebra::{SMatrix, SVector};
 
@@ -22,7 +22,7 @@ pub(super) fn assemble<H, const D: usize, const X: usize, const M: usize>(
 where
     H: Implicit<X, M>,
 {
-    let residual = Residual(constraint);
+    let residual = Equations(constraint);
     let mut x = guess;
     let mut before = f64::INFINITY;
     for iteration in 0..ITERATIONS {
@@ -79,7 +79,7 @@ fn check<H, const D: usize, const X: usize, const M: usize>(
 where
     H: Implicit<X, M>,
 {
-    let at = derived::tangent(&Residual(constraint), t, &x);
+    let at = derived::tangent(&Equations(constraint), t, &x);
     let J: SMatrix<f64, M, X> = at.B;
     let sizes = sizes(constraint, &J, &[0.0; M]);
     let found = pivoted(&scaled(constraint, &J, &sizes).transpose());

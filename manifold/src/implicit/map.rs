@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Implicit, Residual, Solved};
+use super::{Equations, Implicit, Solved};
 use crate::jet::Taylor;
 use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
 use crate::scalar::Scalar;
@@ -137,7 +137,7 @@ where
         };
         let x_dot = B * v - P * along(&SVector::zeros()).map(|h| h.d);
         let x_ddot = B * a - P * along(&x_dot).map(|h| h.dd);
-        let h = derived::kinematics(&Residual(&self.constraint), t, &x, &x_dot, &x_ddot);
+        let h = derived::kinematics(&Equations(&self.constraint), t, &x, &x_dot, &x_ddot);
         let B_dot = -P * (h.B_dot * B);
         Kinematics {
             x,
@@ -159,7 +159,7 @@ where
             return SMatrix::repeat(f64::NAN);
         };
         let lambda = at.inverse.P.tr_mul(f);
-        let bend = derived::geometric_stiffness(&Residual(&self.constraint), t, &at.x, &lambda);
+        let bend = derived::geometric_stiffness(&Equations(&self.constraint), t, &at.x, &lambda);
         -at.inverse.B.tr_mul(&(bend * at.inverse.B))
     }
 }

@@ -72,6 +72,24 @@ pub trait Implicit<const X: usize, const M: usize>: Send + Sync {
     }
 }
 
+impl<H: Implicit<X, M>, const X: usize, const M: usize> Implicit<X, M> for &H {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, X>) -> SVector<S, M> {
+        (**self).h(t, x)
+    }
+
+    fn size(&self, k: usize) -> f64 {
+        (**self).size(k)
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        (**self).coordinate(k)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        (**self).equation(i)
+    }
+}
+
 /// How the coordinates q of a [`Solved`] constraint are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
@@ -86,10 +104,12 @@ pub enum Choice {
     Tangent,
 }
 
-/// h as a map from x to its residuals, for the derivatives that every map has.
-pub(crate) struct Residual<'a, H>(pub(crate) &'a H);
+/// The left-hand sides of an implicit constraint as the map x ↦ h(t, x), with the derivatives that
+/// every map has: for whoever enforces them otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equations<H>(pub H);
 
-impl<H, const X: usize, const M: usize> Map<X, M> for Residual<'_, H>
+impl<H, const X: usize, const M: usize> Map<X, M> for Equations<H>
 where
     H: Implicit<X, M>,
 {

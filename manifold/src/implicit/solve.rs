@@ -2,7 +2,7 @@
 
 use super::assemble::assemble;
 use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
-use super::{Choice, GAIN, Implicit, ImplicitError, Residual, Trouble, names};
+use super::{Choice, Equations, GAIN, Implicit, ImplicitError, Trouble, names};
 use crate::map::{Map, Rewritten, derived};
 use nalgebra::{SMatrix, SVector};
 
@@ -70,7 +70,7 @@ where
             );
         }
         let x = assemble::<H, D, X, M>(&constraint, t, guess.into())?;
-        let J = derived::tangent(&Residual(&constraint), t, &x).B;
+        let J = derived::tangent(&Equations(&constraint), t, &x).B;
         let sizes = sizes(&constraint, &J, &[0.0; M]);
         let (chart, inverse) = best(&constraint, &J, &sizes, choice)
             .ok_or_else(|| singular::<H, D, X, M>(&constraint, &J, &sizes))?;
@@ -139,7 +139,7 @@ where
 
     /// x at q, and A⁻¹ there.
     pub(super) fn solve(&self, t: f64, q: &SVector<f64, D>) -> Result<Solution<D, X, M>, Trouble> {
-        let residual = Residual(&self.constraint);
+        let residual = Equations(&self.constraint);
         let mut x = self.anchor + self.anchor_B * (q - self.coordinates(&self.anchor));
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -213,7 +213,7 @@ where
     pub(super) fn remember(&mut self, t: f64, q: &SVector<f64, D>) -> Option<Solution<D, X, M>> {
         let now = self.solve(t, q).ok()?;
         (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
-        let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
+        let J = derived::tangent(&Equations(&self.constraint), t, &now.x).B;
         self.sizes = sizes(&self.constraint, &J, &self.sizes);
         Some(now)
     }
@@ -229,7 +229,7 @@ where
         if self.choice == Choice::Fixed {
             return None;
         }
-        let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
+        let J = derived::tangent(&Equations(&self.constraint), t, &now.x).B;
         let (chart, inverse) = best::<H, D, X, M>(&self.constraint, &J, &self.sizes, self.choice)?;
         if now.inverse.condition <= GAIN * inverse.condition {
             return None;
@@ -247,7 +247,7 @@ where
         independent: Option<[usize; D]>,
     ) -> Option<Rewritten<D>> {
         let now = self.remember(t, q)?;
-        let J = derived::tangent(&Residual(&self.constraint), t, &now.x).B;
+        let J = derived::tangent(&Equations(&self.constraint), t, &now.x).B;
         let used = self.chart.used;
         let chart = match independent {
             Some(independent) => split(independent, used)?,

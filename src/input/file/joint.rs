@@ -23,6 +23,17 @@ pub struct Joint {
     /// loop: the coordinates of the joints along it then follow from those that it leaves free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub child: Option<String>,
+    /// How the node that hangs on the joint and the `child` are made one: by a `map` (the default),
+    /// by Lagrange `multipliers`, or by a `penalty`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closure: Option<Closure>,
+    /// Stiffness of a `penalty`: force over the gap; moment over the turn is this times the square
+    /// of the size of the model (the diagonal of the box around its nodes).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penalty: Option<f64>,
+    /// Time of dampers in parallel with a `penalty`: damping over stiffness. 0 by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penalty_damping: Option<f64>,
     /// Lines of two-node elements, one after the other, that a slide runs along.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<String>,
@@ -48,6 +59,18 @@ pub struct Joint {
     /// The keys that joints of this type have besides.
     #[serde(flatten)]
     pub keys: Map<String, Value>,
+}
+
+/// How a joint and its child are made one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Closure {
+    /// Coordinates of joints along the loop follow from those that it leaves free.
+    Map,
+    /// Lagrange multipliers are unknowns: for statics, and schemes that damp infinite frequencies.
+    Multipliers,
+    /// Stiff springs.
+    Penalty,
 }
 
 /// A pair of gears, a rack on a pinion: coordinates of two joints in a fixed ratio.

@@ -19,7 +19,7 @@ pub use analysis::{
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
-pub use joint::{Acts, Gear, Joint, JointSpring};
+pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};

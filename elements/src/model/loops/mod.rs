@@ -16,6 +16,7 @@ mod chain;
 mod tree;
 
 use super::builder::{ModelBuilder, NodeId};
+use super::closures::Closure;
 use super::dependence::Dependence;
 use super::{Form, ModelError, Node, Source};
 use crate::joint::{Hung, Offset};
@@ -28,7 +29,8 @@ use pullback_manifold::implicit::closed::{Description, Unknown};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::Kind;
 use std::collections::{BTreeSet, HashMap};
-use tree::{Coincide, Part, Read, Tree};
+pub(super) use tree::Coincide;
+use tree::{Part, Read, Tree};
 
 /// Distance of the places of two frames that are one, relative to the size of the model.
 const APART: f64 = 1e-9;
@@ -38,6 +40,7 @@ const APART: f64 = 1e-9;
 pub(super) struct Closing {
     pub frame: NodeId,
     pub child: NodeId,
+    pub by: Closure,
 }
 
 /// A part of the report on how loops close: in words, or the map that has more to say.
@@ -47,6 +50,8 @@ pub(super) struct Report {
     pub map: Option<u32>,
     /// Closing frame and child of each loop, in the order of the equations.
     pub closures: Vec<(u32, u32)>,
+    /// The element that enforces it.
+    pub element: Option<u32>,
 }
 
 impl ModelBuilder {
@@ -62,16 +67,7 @@ impl ModelBuilder {
     /// When the model is built: [`ModelError::Apart`], [`ModelError::LooseLoop`],
     /// [`ModelError::Loop`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
-        self.check_own(&[frame, child], || "a loop".to_owned())?;
-        let is_frame = |n: NodeId| self.nodes[n.0 as usize].is_frame();
-        if frame == child || !is_frame(frame) || !is_frame(child) {
-            return Err(ModelError::NotFrames {
-                first: self.node_name(frame).to_owned(),
-                second: self.node_name(child).to_owned(),
-            });
-        }
-        self.closings.push(Closing { frame, child });
-        Ok(())
+        self.close_by(frame, child, Closure::Map)
     }
 
     /// Says what value coordinate `k` of a node should have when the loops that it belongs to are
@@ -124,7 +120,7 @@ pub(super) fn close(
     let mut reports = Vec::new();
     let mut loops: Vec<Closing> = Vec::new();
     for &closing in closings {
-        let Closing { frame, child } = closing;
+        let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
         let free = b.is_own() && !held.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
         if !free {
@@ -143,6 +139,7 @@ pub(super) fn close(
             words: format!("joint {}: {} hangs on it", a.name, b.name),
             map: None,
             closures: Vec::new(),
+            element: None,
         });
         let same = Hung::new(Offset {
             c: Vector3::zeros(),
@@ -277,7 +274,7 @@ fn add(
 }
 
 /// What the equations of a frame at a joint are called, in the order of [`Coincide`].
-const EQUATIONS: [&str; 6] = [
+pub(super) const EQUATIONS: [&str; 6] = [
     "the gap along e1",
     "the gap along e2",
     "the gap along e3",
@@ -387,5 +384,6 @@ fn close_set(
         ),
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
+        element: None,
     })
 }

@@ -14,10 +14,10 @@ use pullback_manifold::system::ChartChanges;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Two frames are one: what frame b sees of the gap to frame a, and twice the vector part of the
-/// quaternion that turns b into a. Both vanish together with their derivatives' ambiguities: the
-/// sheets of the rotation vectors do not matter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Coincide {
+/// quaternion with a positive scalar part that turns b into a: the sheets of the rotation vectors
+/// do not matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::model) struct Coincide {
     /// From b to a in the reference configuration.
     pub apart: Vector3<f64>,
 }
@@ -27,7 +27,8 @@ impl Map<12, 6> for Coincide {
         let (a, b) = (Pose::of(q, 0), Pose::of(q, 6));
         let back = b.turn.conjugate();
         let gap = back.rotate(&(a.d - b.d + self.apart.map(S::constant)));
-        let turn = back.product(&a.turn).v * S::constant(2.0);
+        let turn = back.product(&a.turn);
+        let turn = turn.v * S::constant(2.0_f64.copysign(turn.w.re()));
         SVector::<S, 6>::new(gap.x, gap.y, gap.z, turn.x, turn.y, turn.z)
     }
 }

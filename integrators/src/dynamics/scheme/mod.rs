@@ -193,6 +193,45 @@ impl Scheme {
         self.claims.order
     }
 
+    /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
+    /// and accelerations of coordinates that are held in place (by infinite stiffness, or by
+    /// multipliers) changes in a step. Infinite for an explicit scheme, which holds nothing.
+    pub fn spectral_radius(&self) -> f64 {
+        // With q held, (h q̇, h² y) is multiplied by a matrix, and q̈ by −α_f/(1−α_f) besides.
+        let mut columns = [[0.0; 2]; 2];
+        for (k, column) in columns.iter_mut().enumerate() {
+            let v = if k == 0 { 1.0 } else { 0.0 };
+            let mut y = [0.0; 1 + STAGES];
+            y[0] = 1.0 - v;
+            let sum = |w: &[f64; 1 + STAGES], y: &[f64; 1 + STAGES]| -> f64 {
+                w.iter().zip(y).map(|(w, y)| w * y).sum()
+            };
+            for group in self.groups() {
+                let Some(inverse) = inverse(self.stages(), &group) else {
+                    return f64::INFINITY;
+                };
+                let known = y;
+                for (i, row) in inverse.iter().enumerate().take(group.len()) {
+                    let parts = self.stages[group.clone()].iter().zip(row);
+                    y[1 + group.start + i] = parts
+                        .map(|(stage, x)| -x * (stage.c * v + sum(&stage.q, &known)))
+                        .sum();
+                }
+            }
+            let last = self.count - 1;
+            *column = [v + sum(&self.stages[last].v, &y), y[self.count]];
+        }
+        let [[a, b], [c, d]] = columns;
+        let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+        let discriminant = half * half - determinant;
+        let largest = if discriminant > 0.0 {
+            half.abs() + discriminant.sqrt()
+        } else {
+            determinant.abs().sqrt()
+        };
+        largest.max((self.alpha_f / (1.0 - self.alpha_f)).abs())
+    }
+
     /// Whether its local error can be estimated, as adaptive steps want it: it is of order 1 or 2.
     pub fn estimates_error(&self) -> bool {
         self.error_factor().is_some()

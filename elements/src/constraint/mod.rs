@@ -1,0 +1,151 @@
+//! Constraints h(t, x) = 0 that are enforced by forces, not by coordinates.
+//!
+//! The same equations that [`Closed`](pullback_manifold::implicit::Closed) or
+//! [`Solved`](pullback_manifold::implicit::Solved) make a map of can be left to the solver:
+//!
+//! | method | element | unknowns | what is exact |
+//! |---|---|---|---|
+//! | map | none: x = φ(t, q) | X − rank | h = 0 at every state, velocities, accelerations |
+//! | multipliers | [`Multipliers`] | X + M | h = 0 at converged states; index 3 |
+//! | penalty | [`Penalty`] | X | nothing: h is of order 1/p |
+//!
+//! h is a [`Map`] from the coordinates of the element's nodes to its M residuals, written once;
+//! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are the derivatives that every map has. [`Scaled`] divides each equation
+//! by its size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length
+//! squared; the solvers equilibrate rows and columns of multipliers, so that neither the size of
+//! the step nor the unit of λ matters to conditioning (\[Bottasso2007\]).
+
+#![allow(non_snake_case)]
+
+mod multipliers;
+mod penalty;
+
+pub use multipliers::Multipliers;
+pub use penalty::{Penalty, PenaltyError, Stiffness};
+
+use crate::element::Motion;
+use nalgebra::SVector;
+use pullback_manifold::map::Map;
+use pullback_manifold::scalar::Scalar;
+
+/// Most equations that one constraint may have.
+pub const MAX_EQUATIONS: usize = 32;
+
+/// Equations divided by their sizes: the map s ∘ h with a factor for each equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scaled<H, const M: usize> {
+    h: H,
+    factors: [f64; M],
+}
+
+impl<H, const M: usize> Scaled<H, M> {
+    /// Equation i times `factors[i]`, in its inverse unit.
+    pub fn new(h: H, factors: [f64; M]) -> Self {
+        Self { h, factors }
+    }
+
+    /// Each equation divided by the length of its gradient at time `t` and x, in coordinates divided
+    /// by their `sizes`; one that has no gradient there stays as it is.
+    pub fn at<const N: usize>(h: H, t: f64, x: &SVector<f64, N>, sizes: &SVector<f64, N>) -> Self
+    where
+        H: Map<N, M>,
+    {
+        let B = h.tangent(t, x).B;
+        let factors = std::array::from_fn(|i| {
+            let size = B.row(i).transpose().component_mul(sizes).norm();
+            if size > 0.0 && size.is_finite() {
+                size.recip()
+            } else {
+                1.0
+            }
+        });
+        Self { h, factors }
+    }
+}
+
+impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
+    fn phi<S: Scalar>(&self, t: S, x: &SVector<S, N>) -> SVector<S, M> {
+        let mut h = self.h.phi(t, x);
+        for (h, factor) in h.iter_mut().zip(self.factors) {
+            *h = *h * factor;
+        }
+        h
+    }
+
+    fn is_objective(&self) -> bool {
+        self.h.is_objective()
+    }
+}
+
+/// Equations of an element at one motion, all orders of their derivatives in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels {
+    /// h (M).
+    pub h: Vec<f64>,
+    /// ḣ along the motion (M).
+    pub h_dot: Vec<f64>,
+    /// ḧ along the motion (M).
+    pub h_ddot: Vec<f64>,
+    /// h_x, M×N, column by column.
+    pub J: Vec<f64>,
+}
+
+/// An element that enforces equations h(t, x) = 0 on the first N of its coordinates: what an
+/// initial state has to satisfy.
+pub trait Enforced: Send + Sync {
+    /// (N, M): number of coordinates in the equations and number of equations.
+    fn dims(&self) -> (usize, usize);
+
+    /// The equations at a motion of the element's coordinates; velocities and accelerations that
+    /// are not given are zero.
+    fn levels(&self, at: &Motion<'_>) -> Levels;
+
+    /// Writes h (M) alone.
+    fn residual(&self, at: &Motion<'_>, h: &mut [f64]);
+
+    /// Writes ḣ (M) alone.
+    fn rates(&self, at: &Motion<'_>, h_dot: &mut [f64]);
+
+    /// Name of equation `i`, for messages.
+    fn equation(&self, i: usize) -> String;
+
+    /// Stiffness of a penalty; none where the last M coordinates of the element are multipliers.
+    fn penalty(&self) -> Option<f64>;
+
+    /// Leaves equations out that follow from others: bit i for equation i.
+    fn leave_out(&mut self, equations: u32);
+
+    /// The equations that are left out.
+    fn left_out(&self) -> u32;
+}
+
+/// Name of an equation: the one it was given, or its number.
+fn equation(names: &[&str], i: usize) -> String {
+    match names.get(i) {
+        Some(name) => (*name).to_owned(),
+        None => format!("equation {}", i + 1),
+    }
+}
+
+/// [`Levels`] of a map.
+fn levels<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>) -> Levels {
+    let [x, v, a] = vectors(at);
+    let k = h.kinematics(at.t, &x, &v, &a);
+    Levels {
+        h: k.x.as_slice().to_vec(),
+        h_dot: k.x_dot.as_slice().to_vec(),
+        h_ddot: k.x_ddot.as_slice().to_vec(),
+        J: k.B.as_slice().to_vec(),
+    }
+}
+
+/// ḣ of a map.
+fn rates<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>, out: &mut [f64]) {
+    let [x, v, a] = vectors(at);
+    out.copy_from_slice(h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
+}
+
+/// The first N coordinates, velocities and accelerations of a motion; zero where there are none.
+fn vectors<const N: usize>(at: &Motion<'_>) -> [SVector<f64, N>; 3] {
+    [at.x, at.v, at.a].map(|x| SVector::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0)))
+}

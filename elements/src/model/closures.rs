@@ -1,0 +1,120 @@
+//! Loops that are closed by forces instead of a map: multipliers or a penalty between two frames.
+
+use super::builder::{ModelBuilder, NodeId};
+use super::loops::{Closing, Coincide, EQUATIONS, Report};
+use super::{Form, ModelError, Source};
+use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
+use crate::element::Element;
+use pullback_manifold::system::Kind;
+
+/// How two frames are made one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Closure {
+    /// By a map: coordinates of joints along the loop follow from independent ones.
+    #[default]
+    Map,
+    /// By Lagrange multipliers of the same six equations, unknowns of the model: index 3, for
+    /// schemes that damp infinite frequencies.
+    Multipliers,
+    /// By springs and dampers: `p` is the stiffness (force over length) against the gap; against the
+    /// turn it is p L², L the size of the model.
+    Penalty(Stiffness),
+}
+
+impl ModelBuilder {
+    /// As [`ModelBuilder::close`], by a method of choice.
+    ///
+    /// Multipliers and penalties act between the two frames as they are: a child that is free stays
+    /// so, and the loop may lead over bodies that fly freely. What both methods enforce are the
+    /// equations of the map: what the child sees of the gap over the size of the model, and twice the
+    /// vector part of the quaternion between the frames. An analysis of such a model starts from
+    /// [`Model::initial`](super::Model::initial), or from what
+    /// [`Model::satisfy`](super::Model::satisfy) makes of another start.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
+    pub fn close_by(
+        &mut self,
+        frame: NodeId,
+        child: NodeId,
+        by: Closure,
+    ) -> Result<(), ModelError> {
+        self.check_own(&[frame, child], || "a loop".to_owned())?;
+        let is_frame = |n: NodeId| self.nodes[n.0 as usize].is_frame();
+        if frame == child || !is_frame(frame) || !is_frame(child) {
+            return Err(ModelError::NotFrames {
+                first: self.node_name(frame).to_owned(),
+                second: self.node_name(child).to_owned(),
+            });
+        }
+        if let Closure::Penalty(stiffness) = by {
+            let probe = Coincide::default();
+            Penalty::<_, 12, 6>::new(probe, stiffness).map_err(|source| ModelError::Penalty {
+                joint: self.node_name(frame).to_owned(),
+                source,
+            })?;
+        }
+        self.closings.push(Closing { frame, child, by });
+        Ok(())
+    }
+
+    /// Adds `count` multipliers: unknowns without mass, for
+    /// [`Multipliers`](crate::constraint::Multipliers).
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn multipliers(
+        &mut self,
+        name: impl Into<String>,
+        count: usize,
+    ) -> Result<NodeId, ModelError> {
+        let kinds = vec![Kind::Other; count];
+        let place = [0.0; 3];
+        self.add_node(name.into(), place, Form::Multipliers, &kinds, Source::Own)
+    }
+
+    /// Adds the elements of all closings that no map makes, in a model of this size; what there is
+    /// to say about each.
+    pub(super) fn enforce_closings(&mut self, length: f64) -> Result<Vec<Report>, ModelError> {
+        let (maps, forces) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
+        let forces: Vec<Closing> = forces;
+        self.closings = maps;
+        let mut reports = Vec::new();
+        for Closing { frame, child, by } in forces {
+            let name = self.node_name(frame).to_owned();
+            let h = Coincide {
+                apart: self.place(frame) - self.place(child),
+            };
+            let l = length.recip();
+            let h = Scaled::new(h, [l, l, l, 1.0, 1.0, 1.0]);
+            let mut nodes = vec![frame, child];
+            let mut words = format!("joint {name}: closed by multipliers");
+            let element: Box<dyn Element> = match by {
+                Closure::Penalty(Stiffness { p, tau }) => {
+                    let p_l2 = p * length * length;
+                    let made = Penalty::<_, 12, 6>::new(h, Stiffness { p: p_l2, tau });
+                    words = format!("joint {name}: closed by a penalty of {p}");
+                    Box::new(
+                        made.map_err(|source| ModelError::Penalty {
+                            joint: name.clone(),
+                            source,
+                        })?
+                        .named(&EQUATIONS),
+                    )
+                }
+                Closure::Map | Closure::Multipliers => {
+                    nodes.push(self.multipliers(format!("multipliers of {name}"), 6)?);
+                    Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
+                }
+            };
+            let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
+            reports.push(Report {
+                words,
+                map: None,
+                closures: Vec::new(),
+                element: Some(id.0),
+            });
+        }
+        Ok(reports)
+    }
+}

@@ -1,0 +1,358 @@
+//! What elements enforce on a model ([`Enforced`](crate::constraint::Enforced)): a start that
+//! satisfies it, and equations that say nothing new.
+
+#![allow(non_snake_case)]
+
+use super::local::Local;
+use super::{Attached, Model, ModelError};
+use crate::constraint::{Levels, MAX_EQUATIONS};
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::system::{Kind, Point, System, SystemError};
+
+/// Largest scaled residual of equations that are satisfied.
+const CLOSED: f64 = 1e-11;
+/// Part of the largest gradient below which what is left of another one is rounding.
+const RANK: f64 = 1e-8;
+/// Residual of an equation that followed from others at which it does so no more.
+const LOOSE: f64 = 1e-8;
+/// Largest step to a value that a coordinate should start with, in its size.
+const STRIDE: f64 = 0.1;
+/// What an equation leaves that has been left out.
+const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
+                        singular position; start in another one";
+
+/// All equations that elements enforce, with their derivatives by the unknowns.
+struct Equations {
+    h: DVector<f64>,
+    h_dot: DVector<f64>,
+    /// Derivatives, a row for each equation, a column for each unknown over its size.
+    J: DMatrix<f64>,
+    /// Element of each equation, and its number there.
+    of: Vec<(usize, usize)>,
+}
+
+impl Model {
+    /// Whether elements enforce equations on the coordinates: multipliers, penalties.
+    pub fn is_enforced(&self) -> bool {
+        !self.enforced.is_empty()
+    }
+
+    /// The coordinates from which an analysis starts where nothing else is said: zero, the model as
+    /// it is drawn, but for loops that multipliers or penalties close, which are assembled.
+    pub fn initial(&self) -> &[f64] {
+        &self.initial
+    }
+
+    /// Moves a start at time t to the nearest one that satisfies what elements enforce: coordinates
+    /// `q`, and velocities `v` if there are any. The unknowns in `held` keep what they have.
+    /// How far off the worst velocity remains, relative to their size: zero to rounding where there
+    /// are velocities that satisfy the equations.
+    ///
+    /// # Errors
+    /// [`ModelError::Unclosed`] where no configuration nearby satisfies the equations;
+    /// [`ModelError::Start`] where one is outside the domain of a joint.
+    pub fn satisfy(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        held: &[usize],
+    ) -> Result<f64, ModelError> {
+        if self.enforced.is_empty() {
+            return Ok(0.0);
+        }
+        self.close_up(t, q, held)?;
+        if v.is_empty() {
+            return Ok(0.0);
+        }
+        let all = self.equations(t, q, v).map_err(start)?;
+        let size =
+            all.J.amax().max(f64::MIN_POSITIVE) * v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let J = without(&all.J, held);
+        let more = least(&J, &(-&all.h_dot));
+        for (u, more) in more.iter().enumerate() {
+            v[u] += more * self.unit(u);
+        }
+        let left = (all.h_dot + J * more).amax();
+        Ok(if left > 0.0 {
+            left / size.max(left)
+        } else {
+            0.0
+        })
+    }
+
+    /// Assembles the model once it is built, coordinates at the values that they should start with,
+    /// and finds the equations that follow from others there.
+    pub(super) fn assemble_enforced(&mut self, values: &[(usize, f64)]) -> Result<(), ModelError> {
+        let n = self.coordinates.len();
+        self.initial = vec![0.0; n];
+        if self.enforced.is_empty() {
+            return Ok(());
+        }
+        let mut q = vec![0.0; n];
+        let far = values.iter().map(|&(u, x)| x.abs() / self.unit(u));
+        let steps = (far.fold(0.0, f64::max) / STRIDE).ceil().max(1.0);
+        let mut held: Vec<usize> = values.iter().map(|&(u, _)| u).collect();
+        for k in 1..=steps as usize {
+            if !held.is_empty() {
+                for &(u, x) in values {
+                    q[u] = x * k as f64 / steps;
+                }
+            }
+            let before = q.clone();
+            if self.close_up(0.0, &mut q, &held).is_err() {
+                // Values that do not fit together are a first guess.
+                q = before;
+                if !held.is_empty() {
+                    values.iter().for_each(|&(u, x)| q[u] = x);
+                    held.clear();
+                }
+                self.close_up(0.0, &mut q, &[])?;
+            }
+            self.change_charts(0.0, &mut q, &mut [], &mut []);
+        }
+        self.leave_out_redundant(&q)?;
+        self.initial = q;
+        Ok(())
+    }
+
+    /// Newton's method for h(t, q) = 0 with the smallest corrections.
+    fn close_up(&mut self, t: f64, q: &mut [f64], held: &[usize]) -> Result<(), ModelError> {
+        let mut last = f64::INFINITY;
+        for _ in 0..60 {
+            let all = self.equations(t, q, &[]).map_err(start)?;
+            let worst = all.h.amax();
+            if worst <= 1e-15 || (worst <= CLOSED && worst > 0.5 * last) {
+                return Ok(());
+            }
+            last = worst;
+            let more = least(&without(&all.J, held), &(-&all.h));
+            let shorter = (3.0 * STRIDE / more.amax()).min(1.0);
+            for (u, more) in more.iter().enumerate() {
+                q[u] += more * shorter * self.unit(u);
+            }
+        }
+        let all = self.equations(t, q, &[]).map_err(start)?;
+        let (k, i) = all.of[all.h.iamax()];
+        let e = &self.elements[k];
+        Err(ModelError::Unclosed {
+            joint: e.name.trim_start_matches("closure of ").to_owned(),
+            equation: e.equation(i),
+            gap: all.h.amax(),
+        })
+    }
+
+    /// Typical size of an unknown.
+    fn unit(&self, u: usize) -> f64 {
+        match self.kind(u) {
+            Kind::Length => self.length,
+            _ => 1.0,
+        }
+    }
+
+    /// All equations at a state; without velocities at rest.
+    fn equations(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Equations, SystemError> {
+        let a = vec![0.0; v.len()];
+        self.expand(Point { t, q, v, a: &a })?;
+        let n = q.len();
+        let (mut h, mut h_dot, mut of, mut rows) = (vec![], vec![], vec![], vec![]);
+        for k in self.enforced.clone() {
+            let e = &self.elements[k];
+            let w = &mut self.work;
+            w.local.gather(e, &self.spans, &w.x);
+            w.local
+                .gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
+            let switched = w.local.switch(e, &self.nodes);
+            let motion = w.local.motion(e, t, !w.moving);
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            let (N, M) = enforced.dims();
+            let levels = enforced.levels(&motion);
+            h.extend(levels.h);
+            h_dot.extend(levels.h_dot);
+            for i in 0..M {
+                of.push((k, i));
+                let (e, w) = (&self.elements[k], &mut self.work);
+                w.r.fill(0.0);
+                w.local.r[..e.element.dim()].fill(0.0);
+                for j in 0..N {
+                    w.local.r[j] = levels.J[i + j * M];
+                }
+                if switched {
+                    w.local.pull_back_switch(e, &self.nodes, None, true, false);
+                }
+                w.local.add_residual(e, &self.spans, &mut w.r);
+                self.pull_back_nodes(t, None, false);
+                let row = self.coordinates.iter().enumerate();
+                rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
+            }
+        }
+        Ok(Equations {
+            J: DMatrix::from_row_slice(of.len(), n, &rows),
+            h: DVector::from_vec(h),
+            h_dot: DVector::from_vec(h_dot),
+            of,
+        })
+    }
+
+    /// Takes as many equations as are independent of each other, those with the largest gradients
+    /// first, and leaves the others out.
+    fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
+        let Equations { J, of, .. } = self.equations(0.0, q, &[]).map_err(start)?;
+        let counts = |&(k, _): &(usize, usize)| {
+            let enforced = self.elements[k].element.enforced();
+            enforced.is_some_and(|e| e.penalty().is_none())
+        };
+        let mut waiting: Vec<usize> = (0..of.len()).filter(|&i| counts(&of[i])).collect();
+        let mut rest = J;
+        let mut limit = 0.0;
+        loop {
+            let norm = |i: &usize| rest.row(*i).norm();
+            let Some(best) = waiting
+                .iter()
+                .copied()
+                .max_by(|i, j| norm(i).total_cmp(&norm(j)))
+            else {
+                break;
+            };
+            let size = norm(&best);
+            limit = f64::max(limit, RANK * size);
+            if size <= limit || size == 0.0 {
+                break;
+            }
+            waiting.retain(|&i| i != best);
+            let direction = rest.row(best) / size;
+            for &i in &waiting {
+                let along = rest.row(i).dot(&direction);
+                let reduced = rest.row(i) - &direction * along;
+                rest.set_row(i, &reduced);
+            }
+        }
+        for k in self.enforced.clone() {
+            let mine = waiting.iter().map(|&i| of[i]).filter(|&(e, _)| e == k);
+            let left_out = mine.fold(0, |bits, (_, i)| bits | 1 << i);
+            if let Some(enforced) = self.elements[k].element.enforced_mut() {
+                enforced.leave_out(left_out);
+            }
+        }
+        Ok(())
+    }
+
+    /// At a converged state: whether the equations that are left out still follow from the others.
+    pub(super) fn watch_left_out(&mut self, t: f64) {
+        let w = &mut self.work;
+        for &k in &self.enforced {
+            let e = &self.elements[k];
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            let left_out = enforced.left_out();
+            if left_out == 0 {
+                continue;
+            }
+            w.local.gather(e, &self.spans, &w.x);
+            w.local.gather_rates(e, &self.spans, None);
+            w.local.switch(e, &self.nodes);
+            let mut h = [0.0; MAX_EQUATIONS];
+            let (_, M) = enforced.dims();
+            enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);
+            let off = |i: &usize| left_out & (1 << i) != 0 && h[*i].abs() > LOOSE;
+            let loose = (0..M).find(off).map(|i| (i, h[i]));
+            self.elements[k].loose = loose;
+        }
+    }
+
+    /// Refuses to go on where an equation that was left out is violated.
+    pub(super) fn check_left_out(&self) -> Result<(), SystemError> {
+        for &k in &self.enforced {
+            let e = &self.elements[k];
+            if let Some((i, h)) = e.loose {
+                return Err(SystemError::OutsideChart {
+                    edge: FOLLOWED,
+                    what: format!("{} of element {}", e.equation(i), e.name),
+                    margin: -h.abs(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What there is to say about the equations that an element enforces.
+    pub(super) fn left_out_note(&self, k: u32) -> String {
+        let e = &self.elements[k as usize];
+        let left_out = e.element.enforced().map_or(0, |e| e.left_out());
+        let bits = (0..MAX_EQUATIONS).filter(|i| left_out & (1 << i) != 0);
+        let names: Vec<String> = bits.map(|i| e.equation(i)).collect();
+        if names.is_empty() {
+            String::new()
+        } else {
+            format!("; redundant: {}", names.join(", "))
+        }
+    }
+}
+
+impl Local {
+    /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
+    /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
+    /// an inertia p h².
+    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64, h: f64) {
+        let Some(enforced) = e.element.enforced() else {
+            return;
+        };
+        let n = e.element.dim();
+        let (N, M) = enforced.dims();
+        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
+        if let Some(p) = enforced.penalty() {
+            let inertia = p * h * h;
+            for (j, J_j) in J.chunks_exact(M).enumerate() {
+                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
+                self.r[j] -= inertia * force;
+                for (i, J_i) in J.chunks_exact(M).enumerate() {
+                    let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
+                    self.M[i + j * n] += inertia * product;
+                }
+            }
+            return;
+        }
+        for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+            self.r[N + i] = -h_ddot[i];
+        }
+        for j in 0..n {
+            for i in (0..n).filter(|i| j >= N || *i >= N) {
+                self.M[i + j * n] = self.K[i + j * n];
+            }
+        }
+    }
+}
+
+impl Attached {
+    /// Name of one of the equations that the element enforces.
+    fn equation(&self, i: usize) -> String {
+        let enforced = self.element.enforced();
+        enforced.map_or_else(String::new, |e| e.equation(i))
+    }
+}
+
+/// A start that cannot be evaluated.
+fn start(source: SystemError) -> ModelError {
+    ModelError::Start { source }
+}
+
+/// The same matrix with zeros in the columns of what is held.
+fn without(J: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
+    let mut J = J.clone();
+    held.iter().for_each(|&u| J.column_mut(u).fill(0.0));
+    J
+}
+
+/// The smallest x that comes closest to J x = b.
+fn least(J: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    let gram = (J * J.transpose()).symmetric_eigen();
+    let largest = gram.eigenvalues.amax();
+    let mut y = gram.eigenvectors.tr_mul(b);
+    for (y, e) in y.iter_mut().zip(gram.eigenvalues.iter()) {
+        *y = if *e > 1e-14 * largest { *y / e } else { 0.0 };
+    }
+    J.tr_mul(&(gram.eigenvectors * y))
+}
