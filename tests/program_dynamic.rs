@@ -269,3 +269,57 @@ joint = "pivot"
         "{said}"
     );
 }
+
+#[test]
+fn the_moment_of_a_driven_joint_is_that_of_inverse_dynamics() {
+    let text = r#"
+[nodes]
+root = [0, 0, 0]
+elsewhere = [5, 0, 0]
+
+[[supports]]
+node = "root"
+fix = "all"
+
+[[joints]]
+name = "motor"
+type = "revolute"
+master = "root"
+axis = [0, 0, 1]
+driven = { sine = { amplitude = 1.2, omega = 3 } }
+
+[[bodies]]
+name = "arm"
+node = "motor"
+mass = 2
+center = [0.5, 0, 0]
+inertia = [0.1, 0.2, 0.3]
+
+# Something has to be free.
+[[bodies]]
+name = "free"
+node = "elsewhere"
+mass = 1
+
+[[loads]]
+gravity = [0, -9.81, 0]
+
+[analysis.dynamic]
+to = 2
+step = 0.05
+
+[[probes]]
+name = "M"
+quantity = "joint_moment"
+joint = "motor"
+component = "z"
+"#;
+    let out = ran(&directory("program_inverse"), text);
+    let rows = history(&out);
+    assert_eq!(rows.len(), 41);
+    for row in &rows {
+        let (sine, t) = (1.2 * (3.0 * number(row, "t")).sin(), number(row, "t"));
+        let moment = -9.0 * sine * (0.3 + 2.0 * 0.25) + 2.0 * 9.81 * 0.5 * sine.cos();
+        assert!((number(row, "M") - moment).abs() < 1e-12, "at {t}");
+    }
+}

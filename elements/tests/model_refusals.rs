@@ -163,7 +163,8 @@ fn supports_that_cannot_be() {
     ends.iter().for_each(|&n| b.support(n, &Dof::ALL));
     says(
         b.build(),
-        "all coordinates are prescribed; there is nothing to solve for",
+        "all coordinates are prescribed; there is nothing to solve for: leave one free, if need be \
+         that of a body or spring of its own",
     );
     // A coordinate that a node does not have is not that of the next node.
     let (mut b, ends) = simple();

@@ -78,9 +78,15 @@ fn one(
         };
         source.value(&path("quantity"), problem)
     };
-    let target = match (needs, &probe.node, &probe.element, &probe.joint) {
-        (Quantity::NODE, Some(name), None, None) => {
-            let node = names.nodes.find(source, &path("node"), name)?;
+    let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
+    // The frame that hangs on a joint has the joint's name.
+    let (key, node, released) = match (&probe.node, &probe.joint) {
+        (None, frame) if joint => ("joint", frame, &None),
+        (node, released) => ("node", node, released),
+    };
+    let target = match (needs, node, &probe.element, released) {
+        (Quantity::NODE | Quantity::FRAME, Some(name), None, None) => {
+            let node = names.nodes.find(source, &path(key), name)?;
             let reaction = matches!(
                 quantity,
                 Quantity::reaction_force | Quantity::reaction_moment
@@ -89,10 +95,9 @@ fn one(
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }
-            let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
             if joint && !model.hung().any(|(hung, _)| hung == node) {
                 let node = name.clone();
-                return Err(source.value(&path("node"), Problem::NoJoint { node }));
+                return Err(source.value(&path(key), Problem::NoJoint { node }));
             }
             Target::Node(node, name.clone())
         }
@@ -133,6 +138,7 @@ fn one(
 
 impl Quantity {
     const NODE: &'static str = "a node (and no element)";
+    const FRAME: &'static str = "a joint, or the node that hangs on one (and no element)";
     const ELEMENT: &'static str = "an element such as \"line:1\" (and no node)";
     const JOINT: &'static str = "a joint (and neither node nor element)";
     const NOTHING: &'static str = "neither node nor element";
@@ -148,10 +154,9 @@ impl Quantity {
             | Self::velocity
             | Self::angular_velocity
             | Self::acceleration
-            | Self::joint_force
-            | Self::joint_moment
             | Self::reaction_force
             | Self::reaction_moment => Self::NODE,
+            Self::joint_force | Self::joint_moment => Self::FRAME,
             Self::N | Self::M | Self::Gamma | Self::K => Self::ELEMENT,
             Self::joint_coordinate | Self::joint_rate => Self::JOINT,
             Self::momentum | Self::angular_momentum => Self::SPACE,

@@ -152,10 +152,13 @@ impl Model {
                 return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
             }
             let n = e.element.dim();
-            local.gather(e, &self.spans, &w.x);
-            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
-            if w.has_previous {
-                local.gather_previous(e, &self.spans, &w.previous);
+            // A dead load that is seen as it is stored reads nothing but the time.
+            if !e.dead || e.switched != 0 {
+                local.gather(e, &self.spans, &w.x);
+                local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
+                if w.has_previous {
+                    local.gather_previous(e, &self.spans, &w.previous);
+                }
             }
             let switched = local.switch(e, &self.nodes);
             let S = S.as_mut().filter(|_| !e.dead);
@@ -166,7 +169,7 @@ impl Model {
             if e.load {
                 local.measure_load(e, &self.nodes, &mut w.scales);
             }
-            if rates && w.moving {
+            if rates && w.moving && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
                 for (k, &v) in local.v[..n].iter().enumerate() {
                     if v != 0.0 {

@@ -1,8 +1,8 @@
 //! The end of building: one check of the whole, the numbering, the pattern.
 
+use super::ancestry;
 use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
-use super::dependence;
 use super::loops;
 use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
@@ -35,8 +35,8 @@ impl ModelBuilder {
             node.first = total;
             total += node.dim;
         }
-        let dependent = dependence::order(&nodes);
-        let operators = dependence::arrange(&mut nodes, &dependent);
+        let dependent = ancestry::order(&nodes);
+        let operators = ancestry::arrange(&mut nodes, &dependent);
         check_connections(&nodes, &dependent, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_rewritten(&nodes, &elements, &prescribed)?;
@@ -78,7 +78,7 @@ impl ModelBuilder {
         };
         let groups = elements.iter().map(|e| &e.nodes[..]);
         let groups = groups.chain(dependent.iter().map(std::slice::from_ref));
-        let groups = groups.flat_map(|group| dependence::alternatives(&nodes, group));
+        let groups = groups.flat_map(|group| ancestry::alternatives(&nodes, group));
         let pattern = BlockPattern::new(&sizes, groups.map(blocks_of));
         placement.locate(&nodes, &mut elements, &pattern);
 

@@ -1,6 +1,6 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
-use super::dependence::collect;
+use super::gather::collect;
 use super::slots::Complement;
 use super::{Model, Node, Source};
 use nalgebra::Vector3;

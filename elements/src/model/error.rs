@@ -129,6 +129,9 @@ pub enum ModelError {
          as a rigid body ({motion}); add supports that prevent this"
     )]
     Unsupported { node: String, motion: String },
-    #[error("all coordinates are prescribed; there is nothing to solve for")]
+    #[error(
+        "all coordinates are prescribed; there is nothing to solve for: leave one free, if need be \
+         that of a body or spring of its own"
+    )]
     NothingFree,
 }

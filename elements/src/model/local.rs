@@ -4,7 +4,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Operators;
-use super::dependence::collect;
+use super::gather::{collect, distribute};
 use super::slots::Complement;
 use super::{Attached, Node, Span};
 use crate::element::{Combined, ElementError, Motion, Response};
@@ -393,17 +393,4 @@ impl Local {
 fn combined(e: &Attached, statics: bool, rates: bool) -> Option<&dyn Combined> {
     let parts = statics || rates || e.mapped || e.switched != 0;
     if parts { None } else { e.element.combined() }
-}
-
-/// Adds the entries of some nodes, one after the other, to those of all: the reverse of `collect`.
-fn distribute(of: &[u32], spans: &[Span], local: &[f64], all: &mut [f64]) {
-    let mut rest = local;
-    for &node in of {
-        let own = &mut all[spans[node as usize].range()];
-        let (mine, others) = rest.split_at(own.len());
-        for (a, l) in own.iter_mut().zip(mine) {
-            *a += l;
-        }
-        rest = others;
-    }
 }

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod ancestry;
 mod assembly;
 mod audit;
 mod axis;
@@ -10,6 +11,7 @@ mod builder;
 mod charts;
 mod dependence;
 mod error;
+mod gather;
 mod inspect;
 mod line;
 mod local;

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::builder::NodeId;
-use super::dependence::collect;
+use super::gather::collect;
 use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};

@@ -10,11 +10,13 @@ mod arc_length;
 mod error;
 mod load_steps;
 mod newton;
+mod path;
 
 pub use crate::failure::{Along, Cause, FailedStep, Spent};
-pub use arc_length::{ArcLengthOptions, Event, PathSummary, trace_path, trace_path_with};
+pub use arc_length::{trace_path, trace_path_with};
 pub use error::StaticsError;
 pub use load_steps::{StaticOptions, Summary, solve_statics, solve_statics_with};
+pub use path::{ArcLengthOptions, Event, PathSummary};
 
 /// Newton's method: when to stop and how far to go.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,7 @@ pub struct Probe {
     /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
-    /// Joint, for joint_coordinate and joint_rate.
+    /// Joint, for joint_coordinate and joint_rate, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).

@@ -1,0 +1,45 @@
+//! Entries of a few nodes from and to the vectors of all nodes.
+
+use super::Span;
+
+/// Copies the coordinates of some nodes one after the other; how many there are.
+pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) -> usize {
+    let mut k = 0;
+    for &m in of {
+        let from = &x[spans[m as usize].range()];
+        let to = &mut out[k..k + from.len()];
+        // Most nodes are frames: six values are moved without a call.
+        match (
+            <&mut [f64; 6]>::try_from(&mut *to),
+            <&[f64; 6]>::try_from(from),
+        ) {
+            (Ok(to), Ok(from)) => *to = *from,
+            _ => to.copy_from_slice(from),
+        }
+        k += from.len();
+    }
+    k
+}
+
+/// Adds the entries of some nodes, one after the other, to those of all: the reverse of `collect`.
+pub(super) fn distribute(of: &[u32], spans: &[Span], local: &[f64], all: &mut [f64]) {
+    let mut rest = local;
+    for &node in of {
+        let own = &mut all[spans[node as usize].range()];
+        let (mine, others) = rest.split_at(own.len());
+        rest = others;
+        // Most nodes are frames: six sums without a loop.
+        if let (Ok(own), Ok(mine)) = (
+            <&mut [f64; 6]>::try_from(&mut *own),
+            <&[f64; 6]>::try_from(mine),
+        ) {
+            for k in 0..6 {
+                own[k] += mine[k];
+            }
+            continue;
+        }
+        for (a, l) in own.iter_mut().zip(mine) {
+            *a += l;
+        }
+    }
+}

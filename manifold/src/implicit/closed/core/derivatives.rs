@@ -1,0 +1,130 @@
+//! Derivatives of what Newton's method finds: [M04] (172)–(173) along a motion.
+
+use super::super::dense::{product, product_tr};
+use super::{Core, Work};
+use crate::map::{KinematicsMut, Parametrization};
+
+impl Core {
+    pub(in super::super) fn kinematics(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+        out: KinematicsMut<'_>,
+    ) {
+        let solved = self.solve(t, q).is_ok();
+        if !solved {
+            for part in [out.x, out.x_dot, out.x_ddot, out.B, out.B_dot, out.B_ddot] {
+                part.fill(f64::NAN);
+            }
+            return;
+        }
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        self.embed();
+        let w = &mut self.work;
+        out.x.copy_from_slice(&w.y[p..]);
+        out.B.copy_from_slice(&w.Y);
+        // ẏ = Z (q̇, ṗ), less what explicit time makes of it; ÿ is not known yet.
+        product([N, Q, 1], &w.Z, v, &mut w.y_dot);
+        w.y_ddot.fill(0.0);
+        along(&*self.h, t, w);
+        if w.h_dot.iter().any(|h| h.abs() > 0.0) {
+            let mut moved = false;
+            for k in 0..X {
+                let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_dot[i]).sum();
+                moved |= by.abs() > 1e-14 * (1.0 + w.y_dot[p + k].abs());
+                w.y_dot[p + k] -= by;
+            }
+            if moved {
+                along(&*self.h, t, w);
+            }
+        }
+        out.x_dot.copy_from_slice(&w.y_dot[p..]);
+        product([N, Q, 1], &w.Z, a, &mut w.y_ddot);
+        for k in 0..X {
+            let by: f64 = (0..M).map(|i| w.P[k + i * X] * w.h_ddot[i]).sum();
+            w.y_ddot[p + k] -= by;
+        }
+        out.x_ddot.copy_from_slice(&w.y_ddot[p..]);
+        if w.y_ddot.iter().any(|y| *y != 0.0) {
+            along(&*self.h, t, w);
+        }
+        // Ḃ = −P ḣ_y Z; B̈ = −P (ḧ_y Z + 2 ḣ_y Ż).
+        product([M, N, Q], &w.J_dot, &w.Z, &mut w.JZ);
+        product([X, M, Q], &w.P, &w.JZ, out.B_dot);
+        out.B_dot.iter_mut().for_each(|b| *b = -*b);
+        for j in 0..Q {
+            w.Z_dot[j * N..j * N + p].fill(0.0);
+            w.Z_dot[j * N + p..(j + 1) * N].copy_from_slice(&out.B_dot[j * X..(j + 1) * X]);
+        }
+        product([M, N, Q], &w.J_dot, &w.Z_dot, &mut w.JZ);
+        product([M, N, Q], &w.J_ddot, &w.Z, &mut w.bent[..M * Q]);
+        for (b, j) in w.bent.iter_mut().zip(&w.JZ) {
+            *b += 2.0 * j;
+        }
+        product([X, M, Q], &w.P, &w.bent[..M * Q], out.B_ddot);
+        out.B_ddot.iter_mut().for_each(|b| *b = -*b);
+    }
+
+    /// Z = ∂(p, x)/∂(q, p).
+    fn embed(&mut self) {
+        let (p, X, D) = (self.p, self.X, self.D);
+        let N = p + X;
+        let w = &mut self.work;
+        w.Z.fill(0.0);
+        for j in 0..D + p {
+            w.Z[j * N + p..(j + 1) * N].copy_from_slice(&w.Y[j * X..(j + 1) * X]);
+        }
+        for j in 0..p {
+            w.Z[j + (D + j) * N] = 1.0;
+        }
+    }
+
+    pub(in super::super) fn geometric_stiffness(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        f: &[f64],
+        K: &mut [f64],
+    ) {
+        if self.solve(t, q).is_err() {
+            K.fill(f64::NAN);
+            return;
+        }
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let (N, Q) = (p + X, D + p);
+        self.embed();
+        let w = &mut self.work;
+        product_tr([M, X, 1], &w.P, f, &mut w.lambda);
+        self.h.geometric_stiffness(t, &w.y, &w.lambda, &mut w.bend);
+        product([N, N, Q], &w.bend, &w.Z, &mut w.bent[..N * Q]);
+        product_tr([Q, N, Q], &w.Z, &w.bent[..N * Q], K);
+        K.iter_mut().for_each(|k| *k = -*k);
+    }
+
+    /// μ with f + h_xᵀ μ = 0 along the dependent coordinates.
+    pub(in super::super) fn multipliers(&self, f: &[f64], mu: &mut [f64]) {
+        product_tr([self.M, self.X, 1], &self.work.P, f, mu);
+        mu.iter_mut().for_each(|m| *m = -*m);
+    }
+}
+
+/// The equations along the motion that stands in the workspace.
+fn along(h: &dyn Parametrization, t: f64, w: &mut Work) {
+    h.kinematics(
+        t,
+        &w.y,
+        &w.y_dot,
+        &w.y_ddot,
+        KinematicsMut {
+            x: &mut w.h,
+            x_dot: &mut w.h_dot,
+            x_ddot: &mut w.h_ddot,
+            B: &mut w.J,
+            B_dot: &mut w.J_dot,
+            B_ddot: &mut w.J_ddot,
+        },
+    );
+}
