@@ -90,6 +90,7 @@ pub mod output;
 pub mod probe;
 pub mod run;
 pub mod solve;
+pub mod spectrum;
 mod terminal;
 
 pub use pullback_elements as elements;

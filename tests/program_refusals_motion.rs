@@ -441,8 +441,8 @@ fn forms_that_the_parser_knows_by_other_words() {
         (motor("\"constant\""), "", "a table with one key", ""),
         (
             with("{ hht = -0.1 }", "\"hht\""),
-            "",
-            "a table with one key",
+            "\"hht\"",
+            "0 numbers are given",
             "",
         ),
         (

@@ -50,7 +50,10 @@ fn what_is_no_scheme_is_refused_at_its_place() {
     for (scheme, text) in [
         ("\"bath\"", "scheme `bath`: no scheme is called so"),
         ("{ bath = 1 }", "scheme `bath`: no scheme is called so"),
-        ("{ hht = 0.3 }", "rho of HHT = 0.3 is outside its range"),
+        (
+            "{ hht = 0.3 }",
+            "rho of HHT (or alpha, which is not positive) = 0.3 is outside its range",
+        ),
         ("{ wbz = [0.1, 0.2] }", "2 numbers are given"),
         ("{ wbz = 0.1, hht = 0 }", "one scheme is enough"),
         ("{ wbz = true }", ""),

@@ -58,7 +58,9 @@ fn words_that_make_none_are_refused_with_what_there_is() {
         ),
         (
             "hht:0.3",
-            &["rho of HHT = 0.3 is outside its range [0.500000, 1.000000]"],
+            &[
+                "rho of HHT (or alpha, which is not positive) = 0.3 is outside its range [0.500000, 1.000000]",
+            ],
         ),
         ("hht:-0.1:2", &["2 numbers are given", "hht:ALPHA"]),
         ("wbz:x", &["scheme `wbz:x`: `x` is no number"]),
@@ -111,4 +113,6 @@ fn tables_that_are_none_are_refused() {
             .to_string();
         assert!(error.contains(text), "{error}");
     }
+    let error = Scheme::new("bathe", &[good], claims).unwrap_err();
+    assert!(error.to_string().contains("has this name"), "{error}");
 }

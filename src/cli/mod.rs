@@ -1,6 +1,7 @@
 //! The program `pullback`, and programs like it with joints of their own.
 
 mod compare;
+mod spectrum;
 
 use crate::input::Registry;
 use crate::output::Ending;
@@ -73,6 +74,13 @@ enum Command {
     /// is no reference; 2: the model or an argument is refused, or the results cannot be written;
     /// 130: interrupted.
     Compare(compare::Arguments),
+    /// Shows what schemes of time integration do to vibrations over Ω = ω h: spectral radius,
+    /// algorithmic damping ratio, period elongation, overshoot of the first step; by the steps that
+    /// runs make, beside the closed forms of theory.
+    ///
+    /// Prints a table; with --out it writes spectrum.json, spectrum.csv and figures too. Exit code
+    /// 0: complete; 2: an argument is refused, or the files cannot be written.
+    Spectrum(spectrum::Arguments),
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -116,6 +124,7 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         } => run_model(registry, &model, out, resume, quiet),
         Command::Check { model, seed, json } => check(registry, &model, seed, json),
         Command::Compare(asked) => compare::compare(registry, asked, &command_line),
+        Command::Spectrum(asked) => spectrum::spectrum(asked, &command_line),
         Command::Schema => print_schema(registry),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
     }

@@ -143,15 +143,14 @@ fn exactness(report: &mut Report, scheme: &Scheme) {
 /// By how much Schur's and Cohn's conditions for roots of λ³ + p₁ λ² + p₂ λ + p₃ in the unit circle
 /// are missed, at most.
 fn outside([p1, p2, p3]: [f64; 3]) -> f64 {
-    let margins = [
-        1.0 + p1 + p2 + p3,
-        1.0 - p1 + p2 - p3,
-        1.0 - p3.abs(),
-        1.0 - p3 * p3 - (p2 - p1 * p3).abs(),
+    let missed = [
+        -(1.0 + p1 + p2 + p3),
+        -(1.0 - p1 + p2 - p3),
+        p3.abs() - 1.0,
+        p3 * p3 - 1.0 + (p2 - p1 * p3).abs(),
     ];
-    margins
-        .into_iter()
-        .fold(0.0, |m, x| if -x > m { -x } else { m })
+    let worse = |m: f64, x: f64| if x > m || x.is_nan() { x } else { m };
+    missed.into_iter().fold(0.0, worse)
 }
 
 fn stability(report: &mut Report, scheme: &Scheme) {
@@ -163,7 +162,7 @@ fn stability(report: &mut Report, scheme: &Scheme) {
         match amplification(scheme, Omega) {
             Ok(A) => {
                 let defect = outside(characteristic(A));
-                if !(defect <= worst) {
+                if defect > worst || defect.is_nan() {
                     (worst, place) = (defect, Omega);
                 }
             }

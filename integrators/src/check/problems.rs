@@ -147,7 +147,7 @@ impl System for Known {
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
         self.calls += 1;
-        if !self.switching || self.calls % 3 != 0 {
+        if !self.switching || !self.calls.is_multiple_of(3) {
             return ChartChanges::default();
         }
         for i in 0..2 {

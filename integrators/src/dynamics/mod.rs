@@ -14,6 +14,7 @@ mod options;
 mod progress;
 mod run;
 pub mod scheme;
+mod stages;
 mod step;
 mod stops;
 mod together;

@@ -28,7 +28,8 @@ pub fn integrate<Y: System + ?Sized>(
     integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
 }
 
-/// As [`integrate`], with a linear solver of the caller's choice.
+/// As [`integrate`], with a linear solver of the caller's choice; stages that are solved together
+/// (Radau IIA) take a solver of their own for the larger matrix.
 ///
 /// # Errors
 /// As [`integrate`].

@@ -63,8 +63,8 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
     let mut stepper = Stepper::new(&system, &options)?;
     let unit = [1.0, 1.0 + Omega, 1.0 + Omega * Omega];
     let mut A = [[0.0; 3]; 3];
-    for j in 0..3 {
-        let entry = |i: usize| if i == j { unit[i] } else { 0.0 };
+    for (j, size) in unit.into_iter().enumerate() {
+        let entry = |i: usize| if i == j { size } else { 0.0 };
         let state = State {
             t: 0.0,
             q: vec![entry(0)],

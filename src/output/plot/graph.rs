@@ -19,7 +19,7 @@ pub struct Graph {
     pub division: [Division; 2],
     /// The curves. Those of one colour have one entry in the legend and one kind of mark.
     pub curves: Vec<Curve>,
-    /// Whether points are marked.
+    /// Whether points of all curves are marked; those of scattered ones are nothing but marked.
     pub marked: bool,
     /// Slopes shown by triangles under the curves; for logarithmic axes.
     pub slopes: Vec<f64>,
@@ -68,10 +68,9 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
             let color = curve.color.unwrap_or(place);
             if !seen.contains(&color) {
                 seen.push(color);
-                out.push((
-                    color,
-                    (curve.label.clone(), curve_mark(color, graph.marked)),
-                ));
+                let alike = |c: &Curve| c.scattered && c.color == Some(color);
+                let marked = graph.marked || graph.curves.iter().any(alike);
+                out.push((color, (curve.label.clone(), curve_mark(color, marked))));
             }
         }
     }
@@ -141,10 +140,13 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         let color = curve.color.unwrap_or(place);
         let rgb = PALETTE[color % PALETTE.len()];
         let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
-        if graph.marked {
+        if graph.marked || curve.scattered {
             for &p in &points {
                 axes::marker(area, p, rgb, color)?;
             }
+        }
+        if curve.scattered {
+            continue;
         }
         let width = if graph.marked { 3 * FINE / 2 } else { 2 * FINE };
         area.draw(&PathElement::new(points, rgb.stroke_width(width as u32)))?;

@@ -5,32 +5,6 @@ use super::{Claims, Family, Scheme, Stage};
 use crate::dynamics::DynamicsError;
 use std::f64::consts::SQRT_2;
 
-/// Bathe's scheme.
-pub(super) const BATHE: Family = Family {
-    word: "bathe",
-    long: "bathe",
-    usage: "bathe (gamma = 2 - sqrt 2), or bathe:GAMMA, where its first substep ends, in [0.01, 0.99]",
-    // Its own formulas for q̇ = λq, h = 1: z q_γ by the trapezoidal rule, z qₙ₊₁ = c₁ + c₂ q_γ + c₃ qₙ₊₁.
-    stability: Some(|scheme, z| {
-        let gamma = scheme.stages()[0].c;
-        let middle = (1.0 + z * (0.5 * gamma)) / (1.0 - z * (0.5 * gamma));
-        let [c1, c2, c3] = [
-            (1.0 - gamma) / gamma,
-            -1.0 / ((1.0 - gamma) * gamma),
-            (2.0 - gamma) / (1.0 - gamma),
-        ];
-        (c1 + c2 * middle) / (z - c3)
-    }),
-    make: |numbers| match *numbers {
-        [] => Some(Ok(Scheme {
-            arguments: [None; 2],
-            ..Scheme::composite(2.0 - SQRT_2)
-        })),
-        [gamma] => Some(Scheme::bathe(gamma)),
-        _ => None,
-    },
-};
-
 impl Scheme {
     /// Bathe's composite scheme (Bathe & Baig 2005, Bathe & Noh 2012): the trapezoidal rule up to
     /// tₙ + γ h, from there to tₙ₊₁ the differences
@@ -72,3 +46,29 @@ impl Scheme {
         }
     }
 }
+
+/// Its line in the list.
+pub(super) const BATHE: Family = Family {
+    word: "bathe",
+    long: "bathe",
+    usage: "bathe (gamma = 2 - sqrt 2), or bathe:GAMMA, where its first substep ends, in [0.01, 0.99]",
+    // Its own formulas for q̇ = λq, h = 1: z q_γ by the trapezoidal rule, z qₙ₊₁ = c₁ + c₂ q_γ + c₃ qₙ₊₁.
+    stability: Some(|scheme, z| {
+        let gamma = scheme.stages()[0].c;
+        let middle = (1.0 + z * (0.5 * gamma)) / (1.0 - z * (0.5 * gamma));
+        let [c1, c2, c3] = [
+            (1.0 - gamma) / gamma,
+            -1.0 / ((1.0 - gamma) * gamma),
+            (2.0 - gamma) / (1.0 - gamma),
+        ];
+        (c1 + c2 * middle) / (z - c3)
+    }),
+    make: |numbers| match *numbers {
+        [] => Some(Ok(Scheme {
+            arguments: [None; 2],
+            ..Scheme::composite(2.0 - SQRT_2)
+        })),
+        [gamma] => Some(Scheme::bathe(gamma)),
+        _ => None,
+    },
+};

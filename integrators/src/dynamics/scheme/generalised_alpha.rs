@@ -26,8 +26,12 @@ pub(super) const HHT: Family = Family {
     make: |numbers| match *numbers {
         // ρ = (1 + α)/(1 − α) at infinity; no α is a ρ.
         [rho] if rho > 0.0 => Some(
-            within("rho of HHT", rho, [0.5, 1.0])
-                .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0))),
+            within(
+                "rho of HHT (or alpha, which is not positive)",
+                rho,
+                [0.5, 1.0],
+            )
+            .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0))),
         ),
         [alpha] => Some(Scheme::hht(alpha)),
         _ => None,

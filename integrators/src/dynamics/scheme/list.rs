@@ -5,6 +5,9 @@ use crate::dynamics::DynamicsError;
 use num_complex::Complex;
 use std::str::FromStr;
 
+/// The value R(z) of a scheme's stability function.
+pub type Stability = fn(&Scheme, Complex<f64>) -> Complex<f64>;
+
 /// Schemes that differ in numbers, by the word that makes them: `word`, or `word:number` ...
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
@@ -16,7 +19,7 @@ pub struct Family {
     pub usage: &'static str,
     /// The stability function R(z) of a Runge-Kutta method, z = λh for ẏ = λy, from where it is
     /// published; the generalised-α family has its characteristic polynomial instead.
-    pub stability: Option<fn(&Scheme, Complex<f64>) -> Complex<f64>>,
+    pub stability: Option<Stability>,
     /// The scheme with these numbers; `None` when there are too many or too few of them.
     pub make: fn(&[f64]) -> Option<Result<Scheme, DynamicsError>>,
 }

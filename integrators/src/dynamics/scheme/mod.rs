@@ -23,7 +23,7 @@ mod list;
 mod radau;
 
 pub use generalised_alpha::Coefficients;
-pub use list::{Family, SCHEMES};
+pub use list::{Family, SCHEMES, Stability};
 
 use super::DynamicsError;
 use std::fmt;
@@ -118,7 +118,7 @@ impl Scheme {
     ///
     /// # Errors
     /// [`DynamicsError::Table`] for a table that is none: no stages or too many, weights that are
-    /// not finite or belong to no stage, an end that is not at c = 1, stages that cannot be solved
+    /// not finite or belong to no stage, the name of another scheme, an end that is not at c = 1, stages that cannot be solved
     /// for their accelerations.
     pub fn new(
         name: &'static str,
@@ -143,6 +143,11 @@ impl Scheme {
             .all(|w| w.is_finite())
         {
             Some("a number in it is not finite")
+        } else if SCHEMES
+            .iter()
+            .any(|f| [f.word, f.long].contains(&self.word))
+        {
+            Some("a scheme of the list has this name")
         } else if rows.iter().any(|s| beyond(&s.q) || beyond(&s.v)) {
             Some("a weight belongs to a stage that it does not have")
         } else if rows.iter().any(|s| !(s.c > 0.0 && s.c <= 1.0)) || rows[count - 1].c != 1.0 {
