@@ -2,7 +2,7 @@
 //!
 //! [`run`] measures them by the steps that runs make and puts the closed forms of theory beside them
 //! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] make them readable, and
-//! [`write`] leaves them in a directory.
+//! [`write()`] leaves them in a directory.
 
 #![allow(non_snake_case)]
 
