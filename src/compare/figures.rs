@@ -120,6 +120,12 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
     shown(comparison).into_iter().map(graph).collect()
 }
 
+/// What a run costs, where that is known.
+type Cost<'a> = dyn Fn(&Row) -> Option<f64> + 'a;
+
+/// What the motion keeps, at a common time of a run.
+type Kept = dyn Fn(&Row, usize) -> f64;
+
 fn work(comparison: &Comparison) -> Vec<Graph> {
     let alone = comparison
         .rows
@@ -135,13 +141,13 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         false => Some(row.seconds),
     };
     let evaluations = |row: &Row| Some(row.counts.evaluations as f64);
-    let costs: [(&str, &dyn Fn(&Row) -> Option<f64>); 2] = [
+    let costs: [(&str, &Cost); 2] = [
         ("evaluations of the model", &evaluations),
         (&time, &seconds),
     ];
     let quantities = shown(comparison).into_iter().take(2);
     let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
-    let graph = |(quantity, (cost, of)): (Quantity, (&str, &dyn Fn(&Row) -> Option<f64>))| Graph {
+    let graph = |(quantity, (cost, of)): (Quantity, (&str, &Cost))| Graph {
         description: [cost.to_owned(), format!("error of {}", quantity.name())],
         division: [Division::Logarithmic; 2],
         curves: curves(comparison, &|row| Some((of(row)?, error(row, quantity)?))),
@@ -158,7 +164,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
     };
     let mut out = Vec::new();
     let momentum = |k: usize, i: usize| move |row: &Row, j: usize| row.samples[j].momenta[k][i];
-    let mut kept: Vec<(String, Box<dyn Fn(&Row, usize) -> f64>)> = Vec::new();
+    let mut kept: Vec<(String, Box<Kept>)> = Vec::new();
     if reference.kept.energy {
         kept.push((
             "|change of energy|".to_owned(),
