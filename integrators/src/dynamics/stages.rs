@@ -129,13 +129,18 @@ impl Stepper {
             let StageState { state, before } = &mut self.stages[k];
             before.copy_from_slice(&state.q);
             for c in 0..state.q.len() {
-                let (mut dq, mut dv) = (0.0, 0.0);
-                for (i, j) in group.range().enumerate() {
-                    let dy = group.unit * self.dq[place(&self.together, group, i, c)];
-                    dq += row.q[1 + j] * dy;
-                    dv += row.v[1 + j] * dy;
-                }
-                let dy = group.unit * self.dq[place(&self.together, group, k - group.start, c)];
+                let [dq, dv, dy] = if group.len() == 1 {
+                    let dy = group.unit * self.dq[c];
+                    [row.q[1 + k] * dy, row.v[1 + k] * dy, dy]
+                } else {
+                    let dy = |i| self.dq[place(&self.together, group, i, c)];
+                    let (mut dq, mut dv) = (0.0, 0.0);
+                    for (i, j) in group.range().enumerate() {
+                        dq += row.q[1 + j] * dy(i);
+                        dv += row.v[1 + j] * dy(i);
+                    }
+                    [dq, dv, dy(k - group.start)].map(|d| group.unit * d)
+                };
                 state.q[c] += dq;
                 state.v[c] += dv / h;
                 state.algorithmic[c] += dy / (h * h);

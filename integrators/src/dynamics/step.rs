@@ -307,13 +307,12 @@ impl Stepper {
                 ready.and_then(|()| together.solve(&mut self.dq))
             }
             _ => {
-                let n = self.r.len();
-                let ready = if fresh {
-                    solver.factorise(&self.S)
+                let b = &mut self.dq[..self.r.len()];
+                if fresh {
+                    solver.factorise_and_solve(&self.S, b)
                 } else {
-                    Ok(())
-                };
-                ready.and_then(|()| solver.solve(Some(&self.S), &mut self.dq[..n]))
+                    solver.solve(Some(&self.S), b)
+                }
             }
         };
         solved.map_err(Failure::Linear)
