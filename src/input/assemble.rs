@@ -313,8 +313,10 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
         ModelError::Apart { joint, .. }
         | ModelError::LooseLoop { joint, .. }
+        | ModelError::OwnMaster { joint, .. }
+        | ModelError::Rigid { joint, .. }
         | ModelError::Unclosed { joint, .. } => joint.clone(),
-        ModelError::Loop { joints, .. } => {
+        ModelError::Loop { joints, .. } | ModelError::AllDriven { joints, .. } => {
             let first = joints.split(", ").next();
             first.unwrap_or_default().to_owned()
         }

@@ -119,6 +119,26 @@ pub enum ModelError {
          that is held in part may hang on a prismatic, cylindrical or planar joint instead"
     )]
     LooseLoop { joint: String, node: String },
+    #[error(
+        "joint {joint}: its child {child} is the frame that it hangs on; a joint goes from one frame \
+         to another one"
+    )]
+    OwnMaster { joint: String, child: String },
+    #[error(
+        "joint {joint} and its child {child} are {gap:.3e} apart and turned by {turn:.3e}, and no \
+         joint between them can move: draw both as one, or release something along the loop"
+    )]
+    Rigid {
+        joint: String,
+        child: String,
+        gap: f64,
+        turn: f64,
+    },
+    #[error(
+        "the loop closed by joint {joints} has no freedom left: all of its coordinates ({driven}) \
+         are driven; leave one of them to follow from the others"
+    )]
+    AllDriven { joints: String, driven: String },
     #[error("the loop closed by joint {joints}: {source}")]
     Loop {
         joints: String,

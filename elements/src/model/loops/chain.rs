@@ -1,7 +1,8 @@
 //! The two chains of joints that a loop is made of.
 
 use super::tree::{Read, Tree};
-use super::{Closing, Held, Inputs};
+use super::set::{self, Inputs};
+use super::{Closing, Held};
 use crate::model::{Form, ModelError, Node, Source};
 use pullback_manifold::map::Parametrization;
 
@@ -113,7 +114,7 @@ pub(super) fn root_matters(nodes: &[Node], chain: &Chain, root: u32, held: &Held
     let own = coordinates(nodes, chain);
     let nothing = Held(&[]);
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
-    let tree: Tree = super::tree(nodes, std::slice::from_ref(chain), &inputs);
+    let tree: Tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
     debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
     let value = |y: &[f64]| {
