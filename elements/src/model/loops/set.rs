@@ -8,7 +8,7 @@ use crate::model::dependence::Dependence;
 use crate::model::{Form, ModelError, NONE, Node, Source, assembly};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
-use pullback_manifold::implicit::closed::{Description, Unknown};
+use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
 use std::collections::HashMap;
@@ -147,6 +147,35 @@ fn nothing_follows(
     })
 }
 
+/// What there is to say about values that coordinates should have and that do not fit together.
+fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters: usize) -> String {
+    let mut words = String::new();
+    for (k, x) in map.displaced() {
+        let of = |(n, first): &&(u32, usize)| {
+            let first = first - parameters;
+            (first..first + nodes[*n as usize].dim).contains(&k)
+        };
+        if let Some(&(n, first)) = unknown.iter().find(of) {
+            let name = nodes[n as usize].coordinate_name(k + parameters - first);
+            words += &format!("; {name} starts at {x:.6}, as its value does not close the loop");
+        }
+    }
+    words
+}
+
+/// What there is to say about frames that are one and are drawn apart.
+fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
+    let mut words = String::new();
+    for chain in chains {
+        let (a, b) = (&nodes[chain.frame as usize], &nodes[chain.child as usize]);
+        let gap = (a.place - b.place).norm();
+        if gap > APART * length {
+            words += &format!("; {} and {} were drawn {gap:.3e} apart", a.name, b.name);
+        }
+    }
+    words
+}
+
 /// Closes a set of loops: its coordinates, and what there is to say about it.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
@@ -160,7 +189,7 @@ pub(super) fn close_set(
     own.dedup();
     let mut roots: Vec<u32> = Vec::new();
     for chain in chains {
-        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, held);
+        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, held, length);
         roots.extend(chain.root.filter(matters));
         roots.extend(chain.ends.iter().flatten());
     }
@@ -190,9 +219,13 @@ pub(super) fn close_set(
     }
     for chain in chains {
         let name = &nodes[chain.frame as usize].name;
-        let names = EQUATIONS.iter().map(|e| format!("{e} at joint {name}"));
-        about.equations.extend(names);
+        about.equations.extend((0..6).map(|i| Equation {
+            name: format!("{} at joint {name}", EQUATIONS[i]),
+            size: if i < 3 { length } else { 1.0 },
+        }));
     }
+    let names = given.iter().map(|&(n, _)| nodes[n as usize].name.clone());
+    about.parameters = names.collect();
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
         let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
@@ -206,6 +239,10 @@ pub(super) fn close_set(
         joints: joints.clone(),
         source,
     })?;
+    let (moved, apart) = (
+        displaced(nodes, unknown, &map, inputs.parameters),
+        drawn_apart(nodes, chains, length),
+    );
     let (count, D) = (kinds.len(), map.freedoms());
     let first = map.independent().and_then(|k| k.first().copied());
     let kind = first.map_or(Kind::Angle, |k| kinds[k]);
@@ -248,7 +285,8 @@ pub(super) fn close_set(
             if chains.len() == 1 { "joint" } else { "joints" },
             if chains.len() == 1 { "s" } else { "" },
             if chains.len() == 1 { "a loop" } else { "loops" },
-        ),
+        ) + &apart
+            + &moved,
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
         element: None,
