@@ -2,7 +2,7 @@
 //!
 //! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
 //! [`element`] and [`same`] are the conformance kit for elements of one's own, [`map`] is that for
-//! joints (of [`Hung`](crate::prelude::Hung) of them), and [`manifold::check`](crate::manifold::check)
+//! joints (of [`Hung`](crate::prelude::Hung) of them), [`scheme`] that for integrators, and [`manifold::check`](crate::manifold::check)
 //! has more for maps and charts. All hand back one [`Report`]: [`table`] and [`entries`] make it readable.
 //!
 //! ```no_run
@@ -20,6 +20,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_elements::check::{Options, element, model, same};
+pub use pullback_integrators::check::scheme;
 pub use pullback_manifold::check::{Block, Measure, Report, Row, map};
 
 /// Random states of a model besides its start.

@@ -83,12 +83,14 @@
 
 pub mod check;
 pub mod cli;
+pub mod compare;
 pub mod gallery;
 pub mod input;
 pub mod output;
 pub mod probe;
 pub mod run;
 pub mod solve;
+pub mod spectrum;
 mod terminal;
 
 pub use pullback_elements as elements;

@@ -182,7 +182,15 @@ fn twice_as_many_steps_allocate_no_more() {
     };
     // What the first run in a process sets up, and the test's own thread, are not counted.
     allocations(150, &plain);
-    for options in [plain, adaptive] {
+    let composite = DynamicOptions {
+        scheme: Scheme::bathe(0.5).unwrap(),
+        ..plain
+    };
+    let coupled = DynamicOptions {
+        scheme: Scheme::radau(),
+        ..plain
+    };
+    for options in [plain, adaptive, composite, coupled] {
         let (few, short, early) = allocations(150, &options);
         let (many, long, all) = allocations(300, &options);
         assert_eq!([short.steps, long.steps], [150, 300]);

@@ -113,15 +113,23 @@ impl Modelled for Plain {
 /// Length of an element, axial stiffness, mass per length and step size.
 const DATA: [f64; 4] = [0.25, 1e4, 1.0, 0.05];
 
-/// Largest residuals (N and N m) of the iterations of the first steps.
+/// Largest residuals (N and N m) of the iterations of the first steps, of a composite scheme those of
+/// the first substep.
 fn residuals<Y: Modelled>(mut system: Y, scheme: Scheme, predictor: Predictor) -> Vec<Vec<f64>> {
     let h = DATA[3];
     let mut options = tight(scheme, 4.0 * h, h);
     options.newton.predictor = predictor;
     let mut steps = Vec::new();
     observed(&mut system, [&[], &[]], &options, &mut |_, step| {
-        let all = step.residuals.iter();
-        steps.push(all.map(|i| i.residual[0].max(i.residual[1])).collect());
+        let all = step.residuals;
+        // A converged state, which has no correction, ends a substep.
+        let end = all.iter().position(|i| i.damping == 0.0).unwrap();
+        steps.push(
+            all[..=end]
+                .iter()
+                .map(|i| i.residual[0].max(i.residual[1]))
+                .collect(),
+        );
     });
     steps
 }

@@ -134,11 +134,16 @@ fn bodies_on_joints_of_a_driven_carriage() {
         states
     };
     let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
-    for scheme in second_order() {
+    for scheme in second_order()
+        .into_iter()
+        .chain([Scheme::central_difference()])
+    {
         assert_eq!(scheme.order(), 2);
         let e = errors(160, &reference, &mut |n| run(scheme, n));
         assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
     }
+    let e = errors(80, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
     let first = Scheme::newmark(0.3025, 0.6).unwrap();
     assert_eq!(first.order(), 1);
     let e = errors(320, &reference, &mut |n| run(first, n));
@@ -188,6 +193,8 @@ fn swings_about_the_border_of_a_chart() {
         let e = errors(80, &reference, &mut |n| run(scheme, n));
         assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
     }
+    let e = errors(40, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
 }
 
 /// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.
@@ -247,6 +254,8 @@ fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
         let e = errors(320, &reference, &mut |n| run(scheme, n));
         assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
     }
+    let e = errors(160, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
 }
 
 #[test]

@@ -333,9 +333,9 @@ fn analyses_and_probes() {
         (with("{ hht = -0.1 }", "{ wbz = 1.5 }"), "{ wbz", "rho", ""),
         (
             with("{ hht = -0.1 }", "{ rk4 = 1 }"),
-            "rk4",
-            "rk4",
-            "here are",
+            "{ rk4",
+            "scheme `rk4`: no scheme is called so; there are",
+            "",
         ),
         (
             with("step = 0.1", "step = 0.1\nrecord_every = 0"),
@@ -441,8 +441,8 @@ fn forms_that_the_parser_knows_by_other_words() {
         (motor("\"constant\""), "", "a table with one key", ""),
         (
             with("{ hht = -0.1 }", "\"hht\""),
-            "",
-            "a table with one key",
+            "\"hht\"",
+            "0 numbers are given",
             "",
         ),
         (

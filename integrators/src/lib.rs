@@ -5,13 +5,18 @@
 //!
 //! - [`statics`]: load stepping that halves and grows its steps, and path following through limit
 //!   points with located events.
-//! - [`dynamics`]: Newmark, HHT, WBZ and generalised-α by one step routine, with steps that end at
-//!   kinks, are halved when they fail, and may follow an error estimate.
+//! - [`dynamics`]: Newmark, HHT, WBZ and generalised-α, composite, Runge-Kutta and explicit schemes
+//!   by one step routine, with steps that end at kinks, are halved when they fail, and may follow an
+//!   error estimate.
+//! - [`spectrum`]: what these do to vibrations, measured on that routine, and in closed form.
+//! - [`check`]: the conformance kit for schemes.
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
 
 #![warn(clippy::unwrap_used)]
 
+pub mod check;
 pub mod dynamics;
 mod failure;
 pub mod linear_solver;
+pub mod spectrum;
 pub mod statics;

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
+use pullback_integrators::dynamics::scheme::Coefficients;
 use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, StepReport,
     Tangent, integrate, start,
@@ -246,7 +247,12 @@ fn amplification_matrices_have_the_characteristic_polynomials_of_theory() {
     for s in schemes() {
         for Omega in [0.1, 1.0, 3.0, 10.0] {
             let W: f64 = Omega * Omega;
-            let (m, f, b, g) = (s.alpha_m, s.alpha_f, s.beta, s.gamma);
+            let Coefficients {
+                alpha_m: m,
+                alpha_f: f,
+                beta: b,
+                gamma: g,
+            } = s.coefficients().unwrap();
             let p = [
                 1.0 - m + b * (1.0 - f) * W,
                 3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),

@@ -15,9 +15,11 @@
 
 mod composed;
 pub mod derived;
+mod increment;
 mod linear;
 
 pub use composed::Composed;
+pub use increment::Increment;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;

@@ -10,7 +10,7 @@ use pullback_manifold::chart::{
     Circle, Complement, Either, Euclidean, Frame, Identity, Product, RotationVector,
 };
 use pullback_manifold::check;
-use pullback_manifold::map::{Composed, Map};
+use pullback_manifold::map::{Composed, Increment, Map};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -65,6 +65,7 @@ fn maps() {
     check::map(&Either(Some(Complement))).assert();
     check::map::<_, 3, 3>(&Either::<Complement>(None)).assert();
     check::map(&Driven).assert();
+    check::map(&Increment::from(&Vector3::new(0.4, -1.1, 0.7))).assert();
     check::map(&Offset([0.3, 1.2, -0.5])).assert();
     check::map(&HingeAtEnd).assert();
 }

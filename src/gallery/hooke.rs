@@ -134,7 +134,7 @@ fn light(file: &ModelFile, degrees: f64) -> ModelFile {
     if let Analysis::Dynamic(d) = &mut file.analysis {
         d.to = 9.0;
         d.step = 0.005;
-        d.scheme = Scheme::GeneralisedAlpha(0.5);
+        d.scheme = Scheme::from("ga:0.5");
     }
     file
 }

@@ -2,8 +2,7 @@
 
 use super::assemble::Names;
 use super::file::{
-    Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Scheme, Static, Stop,
-    TangentRule,
+    Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
 use super::{InputError, Problem, Text, positive};
 use pullback_elements::model::{Model, NodeId};
@@ -14,6 +13,8 @@ use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, Stat
 const MOST_STEPS: f64 = 1e9;
 
 /// What the solver is asked to do.
+// There is one in a run: its size costs nothing.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Plan {
     /// Load stepping.
@@ -118,16 +119,18 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         };
         return Err(source.value(&at("step"), problem));
     }
-    let scheme = match d.scheme {
-        Scheme::Newmark([beta, gamma]) => integrator::Scheme::newmark(beta, gamma),
-        Scheme::Hht(alpha) => integrator::Scheme::hht(alpha),
-        Scheme::Wbz(rho) => integrator::Scheme::wbz(rho),
-        Scheme::GeneralisedAlpha(rho) => integrator::Scheme::chung_hulbert(rho),
-    };
-    let scheme = scheme.map_err(|error| {
+    let scheme = d.scheme.scheme().map_err(|error| {
         let message = error.to_string();
         source.value(&at("scheme"), Problem::Scheme { message })
     })?;
+    if d.adaptive.is_some() && !scheme.estimates_error() {
+        let name = scheme.name;
+        let message = format!(
+            "{name} has no estimate of the local error, which is for schemes of order 2; take equal \
+             steps, or another scheme"
+        );
+        return Err(source.value(&at("scheme"), Problem::Scheme { message }));
+    }
     Ok(DynamicPlan {
         options: DynamicOptions {
             min_step,

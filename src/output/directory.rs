@@ -49,15 +49,34 @@ impl Directory {
     /// # Errors
     /// [`OutputError::Write`].
     pub fn open(path: &Path) -> Result<Self, OutputError> {
+        Self::cleared(path, super::results::NAME, &is_result)
+    }
+
+    /// Opens a directory for files of these names, makes it where it does not exist, and removes
+    /// what an earlier program of the kind has left there (known by the first of the names). Other
+    /// files stay.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn open_for(path: &Path, names: &[&str]) -> Result<Self, OutputError> {
+        let first = names.first().copied().unwrap_or_default();
+        Self::cleared(path, first, &|name| names.contains(&name))
+    }
+
+    fn cleared(
+        path: &Path,
+        known_by: &str,
+        ours: &dyn Fn(&str) -> bool,
+    ) -> Result<Self, OutputError> {
         let fail = |source| OutputError::Write {
             path: path.to_owned(),
             source,
         };
         fs::create_dir_all(path).map_err(fail)?;
-        if path.join(super::results::NAME).is_file() {
+        if path.join(known_by).is_file() {
             for entry in fs::read_dir(path).map_err(fail)? {
                 let entry = entry.map_err(fail)?;
-                let ours = |name: &str| is_result(name) || is_litter(name);
+                let ours = |name: &str| ours(name) || is_litter(name, ours);
                 if entry.file_name().to_str().is_some_and(ours) {
                     fs::remove_file(entry.path()).map_err(fail)?;
                 }
@@ -85,7 +104,7 @@ impl Directory {
             let Some(name) = entry.file_name().to_str().map(str::to_owned) else {
                 continue;
             };
-            if is_litter(&name) || is_grid(&name) && !kept.contains(&name.as_str()) {
+            if is_litter(&name, &is_result) || is_grid(&name) && !kept.contains(&name.as_str()) {
                 fs::remove_file(entry.path()).map_err(fail)?;
             }
         }
@@ -172,9 +191,9 @@ pub(super) fn is_grid(name: &str) -> bool {
 }
 
 /// Whether a file name is that of a file that was being written when a program was killed.
-fn is_litter(name: &str) -> bool {
+fn is_litter(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
     let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
-    inner.is_some_and(|(name, id)| is_result(name) && id.bytes().all(|b| b.is_ascii_digit()))
+    inner.is_some_and(|(name, id)| ours(name) && id.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// Whether a file name is one that a run gives.

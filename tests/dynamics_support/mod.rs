@@ -30,12 +30,13 @@ pub fn tight(scheme: Scheme, to: f64, h: f64) -> DynamicOptions {
 }
 
 /// All schemes of order 2 that the tests go through.
-pub fn second_order() -> [Scheme; 4] {
+pub fn second_order() -> [Scheme; 5] {
     [
         Scheme::newmark(0.25, 0.5).unwrap(),
         Scheme::hht(-0.1).unwrap(),
         Scheme::wbz(0.8).unwrap(),
         Scheme::chung_hulbert(0.8).unwrap(),
+        Scheme::bathe(2.0 - 2.0_f64.sqrt()).unwrap(),
     ]
 }
 

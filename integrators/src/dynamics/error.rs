@@ -19,6 +19,54 @@ pub enum DynamicsError {
         /// Largest value allowed.
         to: f64,
     },
+    /// No scheme is called so, or not with so many numbers.
+    #[error("scheme `{word}`: {problem}")]
+    Word {
+        /// What was asked for.
+        word: String,
+        /// What is wrong with it, and what there is.
+        problem: String,
+    },
+    /// A table of a scheme that is none.
+    #[error("the table of the scheme {name} cannot be used: {problem}")]
+    Table {
+        /// Name of the scheme.
+        name: &'static str,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A scheme that is stable for small steps only, and a larger one.
+    #[error(
+        "step {step:?} is too large for {scheme}, which is stable for steps of at most \
+         {stable:.6e} here: the largest frequency is {frequency:.6e} ({what} is stiffest \
+         for its mass); take smaller steps, or an implicit scheme"
+    )]
+    StepTooLarge {
+        /// Name of the scheme.
+        scheme: &'static str,
+        /// The step asked for.
+        step: f64,
+        /// The largest stable one.
+        stable: f64,
+        /// Largest frequency ω of K and M at the start.
+        frequency: f64,
+        /// The coordinate with the largest stiffness for its mass.
+        what: String,
+    },
+    /// An explicit scheme, and coordinates without mass.
+    #[error(
+        "{scheme} needs mass in every coordinate: {source}{}; give these coordinates mass, or take \
+         an implicit scheme",
+        names(mechanism)
+    )]
+    Massless {
+        /// Name of the scheme.
+        scheme: &'static str,
+        /// The solver's reason.
+        source: LinearError,
+        /// Coordinates without mass, largest component first.
+        mechanism: Vec<(String, f64)>,
+    },
     /// An option that makes no sense.
     #[error("option {name} = {value:?} is not usable: {wanted}")]
     Option {

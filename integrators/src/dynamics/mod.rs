@@ -1,5 +1,5 @@
 //! Integration in time of any [`System`](pullback_manifold::system::System): Newmark, HHT, WBZ and
-//! generalised-α by one step routine.
+//! generalised-α, composite, Runge-Kutta and explicit schemes by one step routine.
 //!
 //! A step reads as verbs: predict, evaluate, solve, correct, accept. All variables live in one
 //! vector space per chart, so the schemes apply to q directly; after an accepted step the system
@@ -8,13 +8,16 @@
 #![allow(non_snake_case)]
 
 mod error;
+mod frequency;
 mod initial;
 mod options;
 mod progress;
 mod run;
-mod scheme;
+pub mod scheme;
+mod stages;
 mod step;
 mod stops;
+mod together;
 
 pub use error::DynamicsError;
 pub use initial::start;
@@ -22,6 +25,7 @@ pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};
 pub use scheme::Scheme;
+pub(crate) use step::Stepper;
 pub use step::{Predictor, Tangent};
 
 /// A state of motion: what a scheme carries from step to step.

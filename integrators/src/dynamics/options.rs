@@ -18,7 +18,7 @@ pub struct DynamicOptions {
     pub scheme: Scheme,
     /// Newton's method inside a step.
     pub newton: NewtonOptions,
-    /// Step sizes by an estimate of the local error instead of equal ones.
+    /// Step sizes by an estimate of the local error instead of equal ones; for schemes of order 2.
     pub adaptivity: Option<Adaptivity>,
     /// Whether energies are evaluated after each step, where the system knows them.
     pub energies: bool,
@@ -77,6 +77,14 @@ pub(super) fn check<Y: System + ?Sized>(
                 wanted: positive,
             });
         }
+    }
+    if options.adaptivity.is_some() && !options.scheme.estimates_error() {
+        return Err(DynamicsError::Option {
+            name: "adaptivity",
+            value: options.scheme.order() as f64,
+            wanted: "the estimate of the local error is for schemes of order 2, and this one's is \
+                     higher; take equal steps",
+        });
     }
     let rho = options.scheme.spectral_radius();
     let multiplier = (0..system.pattern().dim()).find(|&i| system.is_multiplier(i));

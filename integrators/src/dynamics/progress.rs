@@ -111,7 +111,8 @@ pub struct StepReport<'a> {
     pub step_size: f64,
     /// Linear solutions of this step.
     pub iterations: usize,
-    /// History of the iterations; the last entry is the converged state.
+    /// History of the iterations, of one stage (substep) after the other where a scheme has several;
+    /// each ends with its converged state, which has no correction (damping 0).
     pub residuals: &'a [Iteration],
     /// Charts changed at the end of the step.
     pub chart_changes: usize,

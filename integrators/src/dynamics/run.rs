@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::frequency::check_step;
 use super::initial::{accelerate, strike};
 use super::options::check;
 use super::step::Stepper;
@@ -27,7 +28,8 @@ pub fn integrate<Y: System + ?Sized>(
     integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
 }
 
-/// As [`integrate`], with a linear solver of the caller's choice.
+/// As [`integrate`], with a linear solver of the caller's choice; stages that are solved together
+/// (Radau IIA) take a solver of their own for the larger matrix.
 ///
 /// # Errors
 /// As [`integrate`].
@@ -44,7 +46,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         .analyse(system.pattern(), Symmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
     let mut run = Run {
-        stepper: Stepper::new(system, &options.newton),
+        stepper: Stepper::new(system, options)?,
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: stops(system, progress.state.t, options.to),
@@ -135,7 +137,10 @@ impl Run<'_> {
                 });
             }
         }
-        Ok(())
+        let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
+        let Stepper { r, S, .. } = &mut self.stepper;
+        let scheme = &self.options.scheme;
+        check_step(system, solver, &progress.state, scheme, step, [r, S])
     }
 
     fn accelerate<Y: System + ?Sized>(
@@ -392,7 +397,7 @@ impl Run<'_> {
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).
     fn local_error<Y: System + ?Sized>(&self, system: &Y, state: &State, h: f64) -> f64 {
-        let factor = self.options.scheme.error_factor() * h * h;
+        let factor = self.options.scheme.error_factor().unwrap_or(0.0) * h * h;
         let scales = system.scales().coordinate;
         let new = &self.stepper.next.algorithmic;
         let change = state.algorithmic.iter().zip(new).enumerate();

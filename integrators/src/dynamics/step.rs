@@ -1,8 +1,10 @@
-//! One step of the generalised-α family: predict, evaluate, solve, correct, accept.
+//! One step of any scheme: for its stages, predict, evaluate, solve, correct.
 
 #![allow(non_snake_case)]
 
-use super::{NewtonOptions, Scheme, State};
+use super::stages::{Attempt, Group, StageState, place};
+use super::together::Together;
+use super::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use crate::statics::Iteration;
@@ -37,45 +39,66 @@ pub enum Tangent {
 const ROUNDING: f64 = 1e-13;
 
 /// Buffers of the step routine, made once per run.
-pub(super) struct Stepper {
+pub(crate) struct Stepper {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
-    dq: Vec<f64>,
-    /// Coordinates of the iterate before.
-    before: Vec<f64>,
+    /// Residuals, then corrections, of the stages that are solved together.
+    pub(super) dq: Vec<f64>,
+    /// The stages; their last is the new state.
+    pub(super) stages: Vec<StageState>,
+    pub(super) groups: Vec<Group>,
+    /// The matrix of stages that are solved together, where a scheme has them.
+    pub(super) together: Option<Together>,
     /// The state aimed at.
     pub next: State,
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    options: NewtonOptions,
+    pub(super) options: NewtonOptions,
 }
 
 impl Stepper {
-    pub(super) fn new<Y: System + ?Sized>(system: &Y, options: &NewtonOptions) -> Self {
+    pub(crate) fn new<Y: System + ?Sized>(
+        system: &Y,
+        options: &DynamicOptions,
+    ) -> Result<Self, DynamicsError> {
+        let (scheme, newton) = (&options.scheme, options.newton);
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
-        Self {
+        let next = State {
+            t: 0.0,
+            q: zeros(),
+            v: zeros(),
+            a: zeros(),
+            algorithmic: zeros(),
+        };
+        let groups = scheme.groups().map(|range| Group::new(scheme, &range));
+        let widest = scheme.groups().map(|g| g.len()).max().unwrap_or(1);
+        let together = (widest > 1).then(|| Together::new(system.pattern(), widest));
+        let stage = StageState {
+            state: next.clone(),
+            before: zeros(),
+        };
+        let count = scheme.stages().len();
+        Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
-            dq: zeros(),
-            before: zeros(),
-            next: State {
-                t: 0.0,
-                q: zeros(),
-                v: zeros(),
-                a: zeros(),
-                algorithmic: zeros(),
-            },
-            history: Vec::with_capacity(options.max_iterations.min(100) + 1),
+            dq: vec![0.0; widest * n],
+            stages: vec![stage; count],
+            groups: groups.collect(),
+            together: together
+                .transpose()
+                .map_err(|source| DynamicsError::Analysis { source })?,
+            next,
+            history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
-            options: *options,
-        }
+            options: newton,
+        })
     }
 
     /// From `state` to the time `t`; the result is in `next`, `state` is not touched.
-    pub(super) fn step<Y: System + ?Sized>(
+    pub(crate) fn step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -83,32 +106,53 @@ impl Stepper {
         state: &State,
         t: f64,
     ) -> Result<(), Failure> {
-        let rates = scheme.rates(t - state.t);
-        let weights = Weights {
-            K: 1.0,
-            C: rates[1],
-            M: rates[2],
-        };
+        let h = t - state.t;
+        let step = Attempt { scheme, state, h };
         self.history.clear();
-        self.predict(scheme, state, t);
+        for (stage, row) in self.stages.iter_mut().zip(scheme.stages()) {
+            stage.state.t = if row.c == 1.0 { t } else { state.t + row.c * h };
+        }
+        for k in 0..self.groups.len() {
+            let group = self.groups[k];
+            let earlier = self.history.len();
+            self.predict(step, &group);
+            if let Err(failure) = self.balance(system, solver, step, &group) {
+                self.history.drain(..earlier);
+                return Err(failure);
+            }
+        }
+        if let Some(last) = self.stages.last_mut() {
+            std::mem::swap(&mut self.next, &mut last.state);
+        }
+        Ok(())
+    }
+
+    /// Newton's method for the stages of a group.
+    fn balance<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        step: Attempt<'_>,
+        group: &Group,
+    ) -> Result<(), Failure> {
+        let earlier = self.history.len();
         let mut allowed = [0.0; 3];
         loop {
-            let fresh = self.history.is_empty() || self.options.tangent == Tangent::Every;
+            let first = self.history.len() == earlier;
+            let fresh = first || self.options.tangent == Tangent::Every;
             // A state that will turn out to be in balance needs no tangent.
-            let last = fresh && self.balance_expected();
-            self.evaluate(system, (fresh && !last).then_some(weights), state)?;
-            let residual = largest(system, &self.r);
-            if self.history.is_empty() {
+            let last = fresh && self.balance_expected(earlier);
+            let residual = self.evaluate(system, step, group, first, fresh && !last)?;
+            if first {
                 allowed = self.allow(system, residual);
             }
             let ratio = (0..3).map(|k| residual[k] / allowed[k]).fold(0.0, f64::max);
             // Corrections of the size of rounding errors that change nothing any more.
-            let stalled = self
-                .history
+            let stalled = self.history[earlier..]
                 .last()
                 .is_some_and(|i| i.correction <= ROUNDING && ratio > 0.1 * i.ratio);
             let converged = ratio <= 1.0 || stalled;
-            if converged || self.history.len() >= self.options.max_iterations {
+            if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {
                     Ok(())
@@ -117,13 +161,13 @@ impl Stepper {
                 };
             }
             if last {
-                self.evaluate(system, Some(weights), state)?;
+                self.evaluate(system, step, group, first, true)?;
             }
-            let correction = self.solve(system, solver, fresh)?;
-            self.correct(rates);
+            self.solve(solver, group, fresh)?;
+            let correction = self.correct(system, step, group);
             self.record(residual, ratio, correction, 1.0);
-            let first = self.history[0].ratio;
-            if !(correction.is_finite() && ratio <= 1e12 * first) {
+            let start = self.history[earlier].ratio;
+            if !(correction.is_finite() && ratio <= 1e12 * start) {
                 return Err(Failure::Diverged);
             }
         }
@@ -136,52 +180,81 @@ impl Stepper {
 
     /// Whether the next residual is below its limit if convergence goes on quadratically: errors
     /// then fall as the squares of the corrections do.
-    fn balance_expected(&self) -> bool {
-        match self.history[..] {
+    fn balance_expected(&self, earlier: usize) -> bool {
+        match self.history[earlier..] {
             [.., before, last] => last.ratio * (last.correction / before.correction).powi(2) <= 1.0,
             _ => false,
         }
     }
 
-    /// qₙ₊₁ by the predictor; aₙ₊₁, q̇ₙ₊₁ and q̈ₙ₊₁ by the scheme.
-    fn predict(&mut self, scheme: &Scheme, state: &State, t: f64) {
-        let h = t - state.t;
-        let Scheme {
-            alpha_m,
-            alpha_f,
-            beta,
-            gamma,
-            ..
-        } = *scheme;
-        self.next.t = t;
-        for i in 0..state.q.len() {
-            let (v, old) = (state.v[i], state.algorithmic[i]);
-            let free = h * v + h * h * (0.5 - beta) * old;
-            let dq = match self.options.predictor {
-                Predictor::Keep => 0.0,
-                Predictor::Velocity => h * v,
-            };
-            let new = (dq - free) / (beta * h * h);
-            self.next.q[i] = state.q[i] + dq;
-            self.next.algorithmic[i] = new;
-            self.next.v[i] = v + h * ((1.0 - gamma) * old + gamma * new);
-            self.next.a[i] =
-                ((1.0 - alpha_m) * new + alpha_m * old - alpha_f * state.a[i]) / (1.0 - alpha_f);
-        }
-    }
-
+    /// Residuals of the stages of a group, into `dq`, and their largest entries per kind; with their
+    /// tangents, where these are wanted.
     fn evaluate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
+        step: Attempt<'_>,
+        group: &Group,
+        first: bool,
+        tangent: bool,
+    ) -> Result<[f64; 3], Failure> {
+        let Attempt { scheme, state, h } = step;
+        let (done, rest) = self.stages.split_at_mut(group.start);
+        let origin = done.last().map_or(state, |stage| &stage.state);
+        if first {
+            for stage in &mut rest[..group.len()] {
+                stage.before.copy_from_slice(&origin.q);
+            }
+        }
+        let from = first.then_some(origin.t);
+        let mut residual = [0.0_f64; 3];
+        for k in group.range() {
+            if tangent {
+                let row = &scheme.stages()[k];
+                let weights = |j: usize| Weights {
+                    K: group.unit * row.q[1 + j],
+                    C: group.unit * row.v[1 + j] / h,
+                    M: if j == k {
+                        group.unit * scheme.filter()[0] / (h * h)
+                    } else {
+                        0.0
+                    },
+                };
+                // The stage's own tangent is the last: it is what a failure is explained by.
+                for j in group.range().filter(|j| *j != k).chain([k]) {
+                    self.stage(system, k, from, Some(weights(j)))?;
+                    if let (true, Some(together)) = (group.len() > 1, &mut self.together) {
+                        let block = [k - group.start, j - group.start];
+                        together.set(system.pattern(), block, &self.S);
+                    }
+                }
+            } else {
+                self.stage(system, k, from, None)?;
+            }
+            let i = k - group.start;
+            for (c, r) in self.r.iter().enumerate() {
+                let kind = system.kind(c).index();
+                residual[kind] = residual[kind].max(r.abs());
+                self.dq[place(&self.together, group, i, c)] = *r;
+            }
+        }
+        Ok(residual)
+    }
+
+    /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.
+    fn stage<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        k: usize,
+        from: Option<f64>,
         weights: Option<Weights>,
-        state: &State,
     ) -> Result<(), Failure> {
         self.evaluations += 1;
+        let StageState { state, before } = &self.stages[k];
         let at = Point {
-            t: self.next.t,
-            q: &self.next.q,
-            v: &self.next.v,
-            a: &self.next.a,
+            t: state.t,
+            q: &state.q,
+            v: &state.v,
+            a: &state.a,
         };
         let out = Evaluation {
             r: &mut self.r,
@@ -190,16 +263,9 @@ impl Stepper {
         };
         // The tangent may take its stresses from the iterate before: a slender structure's large
         // corrections leave stresses that are none.
-        if self.history.is_empty() {
-            self.before.copy_from_slice(&state.q);
-        }
         let from = Point {
-            t: if self.history.is_empty() {
-                state.t
-            } else {
-                self.next.t
-            },
-            q: &self.before,
+            t: from.unwrap_or(state.t),
+            q: before,
             ..at
         };
         match weights {
@@ -227,37 +293,29 @@ impl Stepper {
         force.map(|f| (self.options.relative * f).max(self.options.absolute))
     }
 
-    /// Solves for the correction; its size relative to the scales of the coordinates.
-    fn solve<Y: System + ?Sized>(
+    /// Solves for the corrections of a group.
+    fn solve(
         &mut self,
-        system: &Y,
         solver: &mut dyn LinearSolver,
+        group: &Group,
         fresh: bool,
-    ) -> Result<f64, Failure> {
-        if fresh {
-            self.factorisations += 1;
-            solver.factorise(&self.S).map_err(Failure::Linear)?;
-        }
-        self.dq.copy_from_slice(&self.r);
-        solver
-            .solve(Some(&self.S), &mut self.dq)
-            .map_err(Failure::Linear)?;
-        let scales = system.scales().coordinate;
-        // Multipliers are judged by the residual that they leave.
-        let judged = |(i, _): &(usize, &f64)| !system.is_multiplier(*i);
-        let size = |(i, dq): (usize, &f64)| dq.abs() / scales[system.kind(i).index()];
-        let all = self.dq.iter().enumerate().filter(judged);
-        Ok(all.map(size).fold(0.0, f64::max))
-    }
-
-    fn correct(&mut self, [a, v, q_ddot]: [f64; 3]) {
-        self.before.copy_from_slice(&self.next.q);
-        for (i, dq) in self.dq.iter().enumerate() {
-            self.next.q[i] += dq;
-            self.next.algorithmic[i] += a * dq;
-            self.next.v[i] += v * dq;
-            self.next.a[i] += q_ddot * dq;
-        }
+    ) -> Result<(), Failure> {
+        self.factorisations += usize::from(fresh);
+        let solved = match &mut self.together {
+            Some(together) if group.len() > 1 => {
+                let ready = if fresh { together.factorise() } else { Ok(()) };
+                ready.and_then(|()| together.solve(&mut self.dq))
+            }
+            _ => {
+                let b = &mut self.dq[..self.r.len()];
+                if fresh {
+                    solver.factorise_and_solve(&self.S, b)
+                } else {
+                    solver.solve(Some(&self.S), b)
+                }
+            }
+        };
+        solved.map_err(Failure::Linear)
     }
 
     fn record(&mut self, residual: [f64; 3], ratio: f64, correction: f64, damping: f64) {
@@ -268,14 +326,4 @@ impl Stepper {
             damping,
         });
     }
-}
-
-/// Largest entry per kind of a residual.
-fn largest<Y: System + ?Sized>(system: &Y, r: &[f64]) -> [f64; 3] {
-    let mut largest = [0.0_f64; 3];
-    for (i, r) in r.iter().enumerate() {
-        let k = system.kind(i).index();
-        largest[k] = largest[k].max(r.abs());
-    }
-    largest
 }

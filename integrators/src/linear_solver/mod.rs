@@ -163,6 +163,25 @@ pub enum LinearError {
     },
 }
 
+impl LinearError {
+    /// The same with another number for the unknown concerned.
+    pub(crate) fn renumbered(mut self, number: impl Fn(usize) -> usize) -> Self {
+        match &mut self {
+            Self::NonFinite { unknown, .. }
+            | Self::ZeroRow { unknown }
+            | Self::VanishingPivot { unknown, .. }
+            | Self::Singular { unknown, .. }
+            | Self::Growth { unknown, .. } => *unknown = number(*unknown),
+            Self::NotReady { .. }
+            | Self::Length { .. }
+            | Self::Residual { .. }
+            | Self::Fill { .. }
+            | Self::Library { .. } => {}
+        }
+        self
+    }
+}
+
 /// Refinement starts above this relative residual.
 pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
 /// A solution is rejected above this relative residual.

@@ -18,7 +18,7 @@ pub enum Event {
     },
 }
 
-/// Options of [`trace_path`].
+/// Options of [`trace_path`](super::trace_path).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcLengthOptions {
     /// Load parameter at the start.

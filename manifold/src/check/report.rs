@@ -209,6 +209,13 @@ impl Report {
         self.push(law, at, Measure::Defect { defect, allowed }, passed);
     }
 
+    /// Notes a slope that was measured elsewhere, and the one expected.
+    pub fn rate(&mut self, law: &str, at: &str, slope: f64, expected: f64) {
+        let measure = Measure::Slope { slope, expected };
+        let passed = measure.strain() <= 1.0;
+        self.push(law, at, measure, passed);
+    }
+
     /// Notes the worst of some defects and what each is allowed; which one it was.
     pub fn defects(&mut self, law: &str, at: &str, defects: &[f64], allowed: &[f64]) -> usize {
         let measures = defects.iter().zip(allowed);

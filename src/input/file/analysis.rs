@@ -1,6 +1,6 @@
 //! The analysis and what it writes.
 
-use super::DofName;
+use super::{DofName, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -180,27 +180,6 @@ pub struct Dynamic {
 
 fn one() -> usize {
     1
-}
-
-/// A scheme of the generalised-alpha family, all of order two except Newmark's with gamma > 1/2.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Scheme {
-    /// Newmark's with [beta, gamma]; [0.25, 0.5] is the trapezoidal rule.
-    Newmark([f64; 2]),
-    /// Hilber, Hughes and Taylor's with alpha in [-1/3, 0].
-    Hht(f64),
-    /// Wood, Bossak and Zienkiewicz's with the spectral radius at infinity in [0, 1].
-    Wbz(f64),
-    /// Chung and Hulbert's with the spectral radius at infinity in [0, 1].
-    GeneralisedAlpha(f64),
-}
-
-impl Default for Scheme {
-    /// A little damping of the highest frequencies, which no step resolves.
-    fn default() -> Self {
-        Self::GeneralisedAlpha(0.9)
-    }
 }
 
 /// Adaptive step sizes.

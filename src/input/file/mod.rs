@@ -9,12 +9,13 @@ mod joint;
 mod line;
 mod load;
 mod probe;
+mod scheme;
 mod section;
 mod time;
 
 pub use analysis::{
     Adaptive, Analysis, ArcLength, Coordinate, Direction, Dynamic, DynamicNewton, NewtonSettings,
-    Output, Predictor, Scheme, Static, Stop, TangentRule,
+    Output, Predictor, Static, Stop, TangentRule,
 };
 pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
@@ -22,6 +23,7 @@ pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
+pub use scheme::Scheme;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
 pub use time::{Hat, Pulse, Ramp, RunUp, Sine, Time};
 

@@ -1,11 +1,11 @@
 //! Axes, tick labels and legends that all figures share.
 
-use super::{FINE, GRID, INK, PlotError, TEXT, font, width};
+use super::{FINE, GRID, INK, PALETTE, PlotError, TEXT, font, width};
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
-use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::prelude::{DrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor};
@@ -87,6 +87,55 @@ pub(super) enum Mark {
     Line(RGBColor, i32),
     Square(RGBColor),
     Dot(RGBColor),
+    /// A line with the marker of a number.
+    Marked(RGBColor, usize),
+    /// A broken line.
+    Broken(RGBColor),
+}
+
+/// Half the size of a marker, in units.
+const HALF: i32 = 4;
+
+/// Draws the marker of a number: shapes that stay apart without their colours.
+pub(super) fn marker(
+    area: &Area<'_>,
+    (x, y): (i32, i32),
+    color: RGBColor,
+    number: usize,
+) -> Result<(), PlotError> {
+    let r = HALF * FINE;
+    let fill = color.filled();
+    let stroke = color.stroke_width((2 * FINE) as u32);
+    let line = |from: (i32, i32), to: (i32, i32)| {
+        let (from, to) = ((x + from.0, y + from.1), (x + to.0, y + to.1));
+        area.draw(&PathElement::new(vec![from, to], stroke))
+    };
+    let corners = |corners: &[(i32, i32)]| {
+        let corners = corners.iter().map(|c| (x + c.0, y + c.1));
+        area.draw(&Polygon::new(corners.collect::<Vec<_>>(), fill))
+    };
+    // Where colours begin anew, shapes are shifted against them.
+    match (number + number / PALETTE.len()) % 7 {
+        0 => area.draw(&Circle::new((x, y), r, fill))?,
+        1 => area.draw(&Rectangle::new([(x - r, y - r), (x + r, y + r)], fill))?,
+        2 => corners(&[(0, -r * 5 / 4), (r * 5 / 4, r), (-r * 5 / 4, r)])?,
+        3 => corners(&[
+            (0, -r * 3 / 2),
+            (r * 3 / 2, 0),
+            (0, r * 3 / 2),
+            (-r * 3 / 2, 0),
+        ])?,
+        4 => corners(&[(0, r * 5 / 4), (r * 5 / 4, -r), (-r * 5 / 4, -r)])?,
+        5 => {
+            line((-r, -r), (r, r))?;
+            line((-r, r), (r, -r))?;
+        }
+        _ => {
+            line((-r * 5 / 4, 0), (r * 5 / 4, 0))?;
+            line((0, -r * 5 / 4), (0, r * 5 / 4))?;
+        }
+    }
+    Ok(())
 }
 
 const SAMPLE: i32 = 26;
@@ -141,6 +190,24 @@ pub(super) fn legend(
                 color.filled(),
             ))?,
             Mark::Dot(color) => area.draw(&Circle::new(middle, r * 3 / 4, color.filled()))?,
+            Mark::Marked(color, number) => {
+                let ends = vec![(x, y), (x + SAMPLE * FINE, y)];
+                area.draw(&PathElement::new(
+                    ends,
+                    color.stroke_width((3 * FINE / 2) as u32),
+                ))?;
+                marker(area, middle, color, number)?;
+            }
+            Mark::Broken(color) => {
+                for k in 0..2 {
+                    let from = x + k * 15 * FINE;
+                    let ends = vec![(from, y), (from + 9 * FINE, y)];
+                    area.draw(&PathElement::new(
+                        ends,
+                        color.stroke_width((3 * FINE / 2) as u32),
+                    ))?;
+                }
+            }
         }
         area.draw_text(text, &style, (x + (SAMPLE + 6) * FINE, y))?;
     }

@@ -2,9 +2,13 @@
 
 mod axes;
 mod curves;
+mod graph;
+mod scale;
 mod shape;
 
 pub use curves::{Curve, Panel, panels};
+pub use graph::{Graph, graphs};
+pub use scale::Division;
 pub use shape::{Shapes, deformed};
 
 use plotters::drawing::DrawingAreaErrorKind;

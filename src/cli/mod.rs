@@ -1,5 +1,8 @@
 //! The program `pullback`, and programs like it with joints of their own.
 
+mod compare;
+mod spectrum;
+
 use crate::input::Registry;
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
@@ -63,6 +66,21 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Compares schemes of time integration on a model file, at several step sizes: errors against
+    /// a reference solution, observed orders, cost, drift of what the motion keeps.
+    ///
+    /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures.
+    /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
+    /// is no reference; 2: the model or an argument is refused, or the results cannot be written;
+    /// 130: interrupted.
+    Compare(compare::Arguments),
+    /// Shows what schemes of time integration do to vibrations over Ω = ω h: spectral radius,
+    /// algorithmic damping ratio, period elongation, overshoot of the first step; by the steps that
+    /// runs make, beside the closed forms of theory.
+    ///
+    /// Prints a table; with --out it writes spectrum.json, spectrum.csv and figures too. Exit code
+    /// 0: complete; 2: an argument is refused, or the files cannot be written.
+    Spectrum(spectrum::Arguments),
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
@@ -87,6 +105,8 @@ pub fn main(registry: &Registry) -> ExitCode {
 
 /// Does what a command line says, the program's name first; the exit code.
 pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let command_line = compare::quoted(&arguments);
     let command = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments.command,
         Err(error) => {
@@ -103,6 +123,8 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
             quiet,
         } => run_model(registry, &model, out, resume, quiet),
         Command::Check { model, seed, json } => check(registry, &model, seed, json),
+        Command::Compare(asked) => compare::compare(registry, asked, &command_line),
+        Command::Spectrum(asked) => spectrum::spectrum(asked, &command_line),
         Command::Schema => print_schema(registry),
         Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
     }

@@ -1,0 +1,168 @@
+//! The largest frequency of K and M, and the step that it leaves to schemes with a limit.
+
+#![allow(non_snake_case)]
+
+use super::{DynamicsError, Scheme, State};
+use crate::failure::mechanism;
+use crate::linear_solver::{LinearError, LinearSolver};
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+/// Lanczos steps at most.
+const MOST: usize = 120;
+/// Relative change of the largest Ritz value, over a few steps, at which it has converged.
+const SETTLED: f64 = 1e-9;
+
+/// Refuses a step beyond the limit of the scheme, from the largest frequency at this state. That
+/// frequency is approached from below, to six digits or so; where the motion stiffens the system later on
+/// it is not asked again, and the audit of energies must tell.
+pub(super) fn check_step<Y: System + ?Sized>(
+    system: &mut Y,
+    solver: &mut dyn LinearSolver,
+    state: &State,
+    scheme: &Scheme,
+    step: f64,
+    [r, S]: [&mut [f64]; 2],
+) -> Result<(), DynamicsError> {
+    let Some(limit) = scheme.claims().limit else {
+        return Ok(());
+    };
+    let t = state.t;
+    let at = Point {
+        t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    };
+    let mut tangent = |weights, S: &mut [f64]| {
+        let out = Evaluation::with_tangent(r, weights, S);
+        system
+            .evaluate(at, out)
+            .map_err(|source| DynamicsError::System { t, source })
+    };
+    let mut K = vec![0.0; S.len()];
+    tangent(Weights::STATIC, &mut K)?;
+    tangent(Weights::MASS, S)?;
+    let massless = |system: &Y, source| DynamicsError::Massless {
+        scheme: scheme.name,
+        source,
+        mechanism: mechanism(system, S),
+    };
+    let found = solver
+        .factorise(S)
+        .and_then(|()| largest(system, solver, [&K, S]));
+    let square = found.map_err(|source| massless(system, source))?;
+    let frequency = square.max(0.0).sqrt();
+    if step * frequency <= limit {
+        return Ok(());
+    }
+    let (K, M) = (diagonal(system, &K), diagonal(system, S));
+    let stiffest = (0..K.len()).max_by(|&i, &j| (K[i] / M[i]).total_cmp(&(K[j] / M[j])));
+    Err(DynamicsError::StepTooLarge {
+        scheme: scheme.name,
+        step,
+        stable: limit / frequency,
+        frequency,
+        what: stiffest.map_or_else(String::new, |i| system.name(i)),
+    })
+}
+
+/// The largest ω² of K x = ω² M x by Lanczos' method with M⁻¹K in the scalar product of M, which
+/// is factorised.
+fn largest<Y: System + ?Sized>(
+    system: &Y,
+    solver: &mut dyn LinearSolver,
+    [K, M]: [&[f64]; 2],
+) -> Result<f64, LinearError> {
+    let pattern = system.pattern();
+    let n = pattern.dim();
+    let times = |A: &[f64], x: &[f64], y: &mut [f64]| {
+        y.fill(0.0);
+        pattern.multiply_add(1.0, A, x, y);
+    };
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    // A start with a part of every mode: waves of all lengths, in no order.
+    let mut x: Vec<f64> = (0..n).map(|i| 1.0 + (1.7 * (i * i) as f64).sin()).collect();
+    let (mut before, mut y, mut Mx) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let (mut alphas, mut betas) = (Vec::new(), Vec::new());
+    let (mut found, mut beta) = (0.0_f64, 0.0);
+    for step in 0..MOST.min(n) {
+        times(M, &x, &mut Mx);
+        let size = dot(&x, &Mx).abs().sqrt();
+        if size <= f64::EPSILON * beta || size == 0.0 {
+            break;
+        }
+        if step > 0 {
+            betas.push(size);
+        }
+        beta = size;
+        x.iter_mut().for_each(|x| *x /= size);
+        times(K, &x, &mut y);
+        alphas.push(dot(&x, &y));
+        solver.solve(Some(M), &mut y)?;
+        let alpha = alphas[step];
+        for i in 0..n {
+            let back = if step > 0 { beta * before[i] } else { 0.0 };
+            y[i] -= alpha * x[i] + back;
+        }
+        std::mem::swap(&mut before, &mut x);
+        std::mem::swap(&mut x, &mut y);
+        if step % 4 == 3 || step + 1 == MOST.min(n) {
+            let value = top(&alphas, &betas);
+            let settled = (value - found).abs() <= SETTLED * value.abs();
+            found = value;
+            if settled {
+                break;
+            }
+        }
+    }
+    Ok(found.max(top(&alphas, &betas)))
+}
+
+fn diagonal<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<f64> {
+    let pattern = system.pattern();
+    let mut out = Vec::with_capacity(pattern.dim());
+    for node in 0..pattern.blocks() {
+        let (size, first) = (pattern.size(node), pattern.find(node, node));
+        out.extend((0..size).map(|k| first.map_or(0.0, |f| values[f + k * (size + 1)])));
+    }
+    out
+}
+
+/// The largest eigenvalue of a symmetric tridiagonal matrix, by bisection with Sturm's count.
+fn top(alphas: &[f64], betas: &[f64]) -> f64 {
+    let beta = |i: usize| betas.get(i).copied().unwrap_or(0.0).abs();
+    let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
+    let bounds = alphas
+        .iter()
+        .enumerate()
+        .map(|(i, a)| (a - radius(i), a + radius(i)));
+    let (mut low, mut high) = bounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| {
+        (l.min(a), h.max(b))
+    });
+    if low > high {
+        return 0.0;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        // A positive pivot of A − middle is an eigenvalue above it.
+        let (mut pivot, mut above) = (1.0_f64, false);
+        for (i, alpha) in alphas.iter().enumerate() {
+            let off = if i > 0 {
+                beta(i - 1).powi(2) / pivot
+            } else {
+                0.0
+            };
+            pivot = alpha - middle - off;
+            if pivot == 0.0 {
+                pivot = -f64::MIN_POSITIVE;
+            }
+            above |= pivot > 0.0;
+        }
+        if above {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,94 @@
+//! The list of schemes, and their words.
+
+use super::{Scheme, bathe, central_difference, generalised_alpha, radau};
+use crate::dynamics::DynamicsError;
+use num_complex::Complex;
+use std::str::FromStr;
+
+/// The value R(z) of a scheme's stability function.
+pub type Stability = fn(&Scheme, Complex<f64>) -> Complex<f64>;
+
+/// Schemes that differ in numbers, by the word that makes them: `word`, or `word:number` ...
+#[derive(Clone, Copy, Debug)]
+pub struct Family {
+    /// The word on command lines and in model files.
+    pub word: &'static str,
+    /// Another one, written in full.
+    pub long: &'static str,
+    /// How it is used, with the ranges of its numbers.
+    pub usage: &'static str,
+    /// The stability function R(z) of a Runge-Kutta method, z = λh for ẏ = λy, from where it is
+    /// published; the generalised-α family has its characteristic polynomial instead.
+    pub stability: Option<Stability>,
+    /// The scheme with these numbers; `None` when there are too many or too few of them.
+    pub make: fn(&[f64]) -> Option<Result<Scheme, DynamicsError>>,
+}
+
+/// All schemes of the library. A new one is its own file and its line here.
+pub static SCHEMES: [Family; 7] = [
+    generalised_alpha::NEWMARK,
+    generalised_alpha::HHT,
+    generalised_alpha::WBZ,
+    generalised_alpha::CHUNG_HULBERT,
+    bathe::BATHE,
+    radau::RADAU,
+    central_difference::CENTRAL_DIFFERENCE,
+];
+
+impl Scheme {
+    /// Its line in the list; `None` for a scheme from elsewhere.
+    pub fn family(&self) -> Option<&'static Family> {
+        SCHEMES.iter().find(|family| family.word == self.word)
+    }
+
+    /// The scheme of a word of [`SCHEMES`] (either one) with these numbers.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Word`] for a word or a number of numbers that no scheme has,
+    /// [`DynamicsError::Parameter`] for a number outside its range.
+    pub fn named(word: &str, numbers: &[f64]) -> Result<Self, DynamicsError> {
+        let refuse = |problem: String| DynamicsError::Word {
+            word: word.to_owned(),
+            problem,
+        };
+        let family = SCHEMES.iter().find(|f| f.word == word || f.long == word);
+        let Some(family) = family else {
+            let known: Vec<&str> = SCHEMES.iter().map(|f| f.usage).collect();
+            let text = format!(
+                "no scheme is called so; there are\n  {}",
+                known.join("\n  ")
+            );
+            return Err(refuse(text));
+        };
+        let made = (family.make)(numbers);
+        made.unwrap_or_else(|| {
+            let given = match numbers.len() {
+                1 => "one number is".to_owned(),
+                n => format!("{n} numbers are"),
+            };
+            Err(refuse(format!(
+                "{given} given; it is used as {}",
+                family.usage
+            )))
+        })
+    }
+}
+
+impl FromStr for Scheme {
+    type Err = DynamicsError;
+
+    /// `word`, `word:number` or `word:number:number`, see [`SCHEMES`].
+    fn from_str(text: &str) -> Result<Self, DynamicsError> {
+        let mut parts = text.trim().split(':');
+        let word = parts.next().unwrap_or_default();
+        let mut numbers = Vec::new();
+        for part in parts {
+            let number = part.trim().parse().map_err(|_| DynamicsError::Word {
+                word: text.to_owned(),
+                problem: format!("`{part}` is no number"),
+            });
+            numbers.push(number?);
+        }
+        Self::named(word, &numbers)
+    }
+}

@@ -1,0 +1,325 @@
+//! Time integration schemes: tables of one step routine.
+//!
+//! A step of size h has stages at the times tₙ + cᵢ h, in each of which equilibrium holds,
+//! r(tᵢ, qᵢ, q̇ᵢ, q̈ᵢ) = 0. A stage's coordinates and velocities are those at tₙ and weighted
+//! accelerations y, y₀ the old one and yⱼ those of the stages:
+//!
+//! ```text
+//! qᵢ = qₙ + cᵢ h q̇ₙ + h² Σ Qᵢⱼ yⱼ,      q̇ᵢ = q̇ₙ + h Σ Vᵢⱼ yⱼ
+//! ```
+//!
+//! The last stage is the new state. Stages that need each other's accelerations are solved
+//! together, all others one after the other; a stage whose coordinates do not need its own
+//! acceleration is explicit. So Newmark's scheme, composite schemes, Runge-Kutta methods and the
+//! central difference are tables ([`Stage`]), and runs, retries, statistics, checkpoints and changes
+//! of chart know nothing of them.
+
+#![allow(non_snake_case)]
+
+mod bathe;
+mod central_difference;
+mod generalised_alpha;
+mod list;
+mod radau;
+
+pub use generalised_alpha::Coefficients;
+pub use list::{Family, SCHEMES, Stability};
+
+use super::DynamicsError;
+use std::fmt;
+use std::ops::Range;
+
+/// Stages that a step may have.
+pub const STAGES: usize = 3;
+
+/// A stage of a step: the row of a table. See the [module](self).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stage {
+    /// Its place c in the step, 1 at the end.
+    pub c: f64,
+    /// Weights Q of h² y in the coordinates: of the old acceleration, then of those of the stages.
+    pub q: [f64; 1 + STAGES],
+    /// Weights V of h y in the velocities, in the same order.
+    pub v: [f64; 1 + STAGES],
+}
+
+impl Stage {
+    /// The stages of a Runge-Kutta method for (q, q̇)˙ = (q̇, q̈): the weights of its table for the
+    /// velocities, their product with themselves for the coordinates. A first stage at the beginning
+    /// of the step is the old acceleration, and no row: it is the first column, which is zero
+    /// for methods without one. The method ends in its last stage (stiffly accurate).
+    pub fn runge_kutta<const S: usize>(c: [f64; S], A: [[f64; 1 + STAGES]; S]) -> [Self; S] {
+        std::array::from_fn(|i| {
+            let mut q = [0.0; 1 + STAGES];
+            for (weight, row) in A[i][1..].iter().zip(&A) {
+                for (q, a) in q.iter_mut().zip(row) {
+                    *q += weight * a;
+                }
+            }
+            let (c, v) = (c[i], A[i]);
+            Self { c, q, v }
+        })
+    }
+}
+
+/// What a scheme is said to do; the conformance kit ([`check::scheme`](crate::check::scheme))
+/// measures it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Claims {
+    /// Order of accuracy of coordinates and velocities.
+    pub order: usize,
+    /// Largest Ω = ω h at which undamped vibrations do not grow; `None` for a scheme that is
+    /// stable at every step size.
+    pub limit: Option<f64>,
+    /// Whether a step back with −h undoes a step with h.
+    pub symmetric: bool,
+}
+
+/// A time integration scheme: a table of stages with the generalised-α method's filter of
+/// accelerations,
+///
+/// ```text
+/// (1−α_m) yₙ₊₁ + α_m yₙ = (1−α_f) q̈ₙ₊₁ + α_f q̈ₙ                  [M04] ch. 5, Arnold & Brüls 2007
+/// ```
+///
+/// y = q̈ for all others. Made by its constructors, by [`Scheme::new`] from a table, or from a word
+/// such as `ga:0.8` ([`SCHEMES`] has all of them):
+///
+/// ```
+/// # use pullback_integrators::dynamics::Scheme;
+/// let scheme: Scheme = "hht:-0.1".parse()?;
+/// assert_eq!(scheme, Scheme::hht(-0.1)?);
+/// assert_eq!(scheme.to_string(), "hht:-0.1");
+/// assert!("ga:1.5".parse::<Scheme>().is_err());
+/// # Ok::<(), pullback_integrators::dynamics::DynamicsError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Name for output.
+    pub name: &'static str,
+    word: &'static str,
+    arguments: [Option<f64>; 2],
+    claims: Claims,
+    alpha_m: f64,
+    alpha_f: f64,
+    stages: [Stage; STAGES],
+    count: usize,
+}
+
+impl Default for Scheme {
+    /// The trapezoidal rule: Newmark(1/4, 1/2).
+    fn default() -> Self {
+        Self::trapezoidal()
+    }
+}
+
+impl Scheme {
+    /// A scheme by its table, y = q̈.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Table`] for a table that is none: no stages or too many, weights that are
+    /// not finite or belong to no stage, the name of another scheme, an end that is not at c = 1, stages that cannot be solved
+    /// for their accelerations.
+    pub fn new(
+        name: &'static str,
+        stages: &[Stage],
+        claims: Claims,
+    ) -> Result<Self, DynamicsError> {
+        let scheme = Self::table(name, name, stages, claims);
+        match scheme.problem(stages.len()) {
+            None => Ok(scheme),
+            Some(problem) => Err(DynamicsError::Table { name, problem }),
+        }
+    }
+
+    fn problem(&self, count: usize) -> Option<&'static str> {
+        let rows = self.stages();
+        let numbers = || rows.iter().flat_map(|s| s.q.iter().chain(&s.v));
+        let beyond = |w: &[f64; 1 + STAGES]| w[1 + self.count..].iter().any(|w| *w != 0.0);
+        if count == 0 || count > STAGES {
+            Some("it has no stages, or more than `STAGES`")
+        } else if !numbers()
+            .chain(rows.iter().map(|s| &s.c))
+            .all(|w| w.is_finite())
+        {
+            Some("a number in it is not finite")
+        } else if SCHEMES
+            .iter()
+            .any(|f| [f.word, f.long].contains(&self.word))
+        {
+            Some("a scheme of the list has this name")
+        } else if rows.iter().any(|s| beyond(&s.q) || beyond(&s.v)) {
+            Some("a weight belongs to a stage that it does not have")
+        } else if rows.iter().any(|s| !(s.c > 0.0 && s.c <= 1.0)) || rows[count - 1].c != 1.0 {
+            Some("its stages must lie within the step (0 < c <= 1), the last one at c = 1")
+        } else if self
+            .groups()
+            .any(|g| g.len() > 1 && inverse(rows, &g).is_none())
+        {
+            Some("the weights of stages that depend on each other are singular")
+        } else {
+            None
+        }
+    }
+
+    fn table(name: &'static str, word: &'static str, stages: &[Stage], claims: Claims) -> Self {
+        let count = stages.len().min(STAGES);
+        let mut all = [Stage::default(); STAGES];
+        all[..count].copy_from_slice(&stages[..count]);
+        Self {
+            name,
+            word,
+            arguments: [None; 2],
+            claims,
+            alpha_m: 0.0,
+            alpha_f: 0.0,
+            stages: all,
+            count,
+        }
+    }
+
+    /// The rows of its table.
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages[..self.count]
+    }
+
+    /// What it is said to do.
+    pub fn claims(&self) -> Claims {
+        self.claims
+    }
+
+    /// Order of accuracy.
+    pub fn order(&self) -> usize {
+        self.claims.order
+    }
+
+    /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
+    /// and accelerations of coordinates that are held in place (by infinite stiffness, or by
+    /// multipliers) changes in a step. Infinite for an explicit scheme, which holds nothing.
+    pub fn spectral_radius(&self) -> f64 {
+        // With q held, (h q̇, h² y) is multiplied by a matrix, and q̈ by −α_f/(1−α_f) besides.
+        let mut columns = [[0.0; 2]; 2];
+        for (k, column) in columns.iter_mut().enumerate() {
+            let v = if k == 0 { 1.0 } else { 0.0 };
+            let mut y = [0.0; 1 + STAGES];
+            y[0] = 1.0 - v;
+            let sum = |w: &[f64; 1 + STAGES], y: &[f64; 1 + STAGES]| -> f64 {
+                w.iter().zip(y).map(|(w, y)| w * y).sum()
+            };
+            for group in self.groups() {
+                let Some(inverse) = inverse(self.stages(), &group) else {
+                    return f64::INFINITY;
+                };
+                let known = y;
+                for (i, row) in inverse.iter().enumerate().take(group.len()) {
+                    let parts = self.stages[group.clone()].iter().zip(row);
+                    y[1 + group.start + i] = parts
+                        .map(|(stage, x)| -x * (stage.c * v + sum(&stage.q, &known)))
+                        .sum();
+                }
+            }
+            let last = self.count - 1;
+            *column = [v + sum(&self.stages[last].v, &y), y[self.count]];
+        }
+        let [[a, b], [c, d]] = columns;
+        let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+        let discriminant = half * half - determinant;
+        let largest = if discriminant > 0.0 {
+            half.abs() + discriminant.sqrt()
+        } else {
+            determinant.abs().sqrt()
+        };
+        largest.max((self.alpha_f / (1.0 - self.alpha_f)).abs())
+    }
+
+    /// Whether its local error can be estimated, as adaptive steps want it: it is of order 1 or 2.
+    pub fn estimates_error(&self) -> bool {
+        self.error_factor().is_some()
+    }
+
+    /// Stages that are solved together, from the first to the last.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let mut start = 0;
+        std::iter::from_fn(move || {
+            let from = start;
+            if from == self.count {
+                return None;
+            }
+            start += 1;
+            let mut k = from;
+            while k < start {
+                let Stage { q, v, .. } = self.stages[k];
+                let needed = (0..self.count)
+                    .rev()
+                    .find(|j| q[1 + j] != 0.0 || v[1 + j] != 0.0);
+                start = start.max(needed.map_or(0, |j| j + 1));
+                k += 1;
+            }
+            Some(from..start)
+        })
+    }
+
+    /// Weights of y, yₙ and q̈ₙ in the acceleration of a stage.
+    pub(super) fn filter(&self) -> [f64; 3] {
+        let f = 1.0 - self.alpha_f;
+        [
+            (1.0 - self.alpha_m) / f,
+            self.alpha_m / f,
+            -self.alpha_f / f,
+        ]
+    }
+
+    /// Factor of h²(yₙ₊₁ − yₙ) in the local error of qₙ₊₁: β − 1/6 for Newmark (Zienkiewicz & Xie
+    /// 1991); y of the generalised-α method belongs to a time later by (α_m − α_f) h. `None` where
+    /// it vanishes: the scheme is of a higher order, and this no estimate of its error.
+    pub(super) fn error_factor(&self) -> Option<f64> {
+        let end = self.stages()[self.count - 1];
+        let late = self.alpha_m - self.alpha_f;
+        let mut factor = end.q[0] * late - 1.0 / 6.0;
+        for (weight, stage) in end.q[1..].iter().zip(self.stages()) {
+            factor += weight * (stage.c + late);
+        }
+        (factor.abs() > 1e-12).then_some(factor.abs())
+    }
+}
+
+/// The inverse of the weights of the accelerations of a group of stages in its coordinates; `None`
+/// where they are singular, as those of an explicit stage are.
+pub(super) fn inverse(stages: &[Stage], group: &Range<usize>) -> Option<[[f64; STAGES]; STAGES]> {
+    let n = group.len();
+    let (mut A, mut X) = ([[0.0; STAGES]; STAGES], [[0.0; STAGES]; STAGES]);
+    for (i, stage) in stages[group.clone()].iter().enumerate() {
+        A[i][..n].copy_from_slice(&stage.q[1 + group.start..1 + group.end]);
+        X[i][i] = 1.0;
+    }
+    // Gauss-Jordan elimination with row interchanges.
+    for k in 0..n {
+        let size = |i: &usize| A[*i][k].abs();
+        let best = (k..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
+        A.swap(k, best);
+        X.swap(k, best);
+        if A[k][k].abs() < 1e-12 {
+            return None;
+        }
+        let pivot = 1.0 / A[k][k];
+        A[k] = A[k].map(|a| a * pivot);
+        X[k] = X[k].map(|x| x * pivot);
+        for i in (0..n).filter(|i| *i != k) {
+            let factor = A[i][k];
+            for c in 0..n {
+                A[i][c] -= factor * A[k][c];
+                X[i][c] -= factor * X[k][c];
+            }
+        }
+    }
+    Some(X)
+}
+
+impl fmt::Display for Scheme {
+    /// The word that makes it, such as `ga:0.8`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word)?;
+        let arguments = self.arguments.iter().flatten();
+        arguments.into_iter().try_for_each(|x| write!(f, ":{x}"))
+    }
+}

@@ -1,0 +1,166 @@
+//! What the table of a scheme says of its stages: where Newton's method begins, and what a correction
+//! does.
+
+#![allow(non_snake_case)]
+
+use super::scheme::{STAGES, inverse};
+use super::step::{Predictor, Stepper};
+use super::together::Together;
+use super::{Scheme, State};
+use pullback_manifold::system::System;
+use std::ops::Range;
+
+#[derive(Clone)]
+pub(super) struct StageState {
+    pub state: State,
+    /// Coordinates of the iterate before.
+    pub before: Vec<f64>,
+}
+
+/// A step that is being made: from where, by which scheme, of what size.
+#[derive(Clone, Copy)]
+pub(super) struct Attempt<'a> {
+    pub scheme: &'a Scheme,
+    pub state: &'a State,
+    pub h: f64,
+}
+
+/// Stages that are solved together, most often one.
+#[derive(Clone, Copy)]
+pub(super) struct Group {
+    pub start: usize,
+    pub end: usize,
+    /// Inverse of the weights of their accelerations in their coordinates; none if explicit.
+    pub inverse: Option<[[f64; STAGES]; STAGES]>,
+    /// The unknowns are h² y over this: the coordinates of an implicit stage that is alone.
+    pub unit: f64,
+}
+
+impl Group {
+    pub fn new(scheme: &Scheme, range: &Range<usize>) -> Self {
+        let inverse = inverse(scheme.stages(), range);
+        let alone = inverse.filter(|_| range.len() == 1);
+        Self {
+            start: range.start,
+            end: range.end,
+            inverse,
+            unit: alone.map_or(1.0, |inverse| inverse[0][0]),
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.end - self.start
+    }
+
+    pub fn range(&self) -> Range<usize> {
+        self.start..self.end
+    }
+}
+
+impl Stepper {
+    /// qᵢ by the predictor; yᵢ, q̇ᵢ and q̈ᵢ by the scheme. Explicit stages keep y, which gives their
+    /// qᵢ.
+    pub(super) fn predict(&mut self, step: Attempt<'_>, group: &Group) {
+        let Attempt { scheme, state, h } = step;
+        let rows = scheme.stages();
+        let filter = scheme.filter();
+        let (done, rest) = self.stages.split_at_mut(group.start);
+        let origin = done.last().map_or(state, |stage| &stage.state);
+        for c in 0..state.q.len() {
+            let y_old = state.algorithmic[c];
+            // The parts of qᵢ − qₙ and of q̇ᵢ that are known, and where qᵢ − qₙ should go.
+            let (mut known, mut aim) = ([[0.0; STAGES]; 2], [0.0; STAGES]);
+            for (i, row) in rows[group.range()].iter().enumerate() {
+                let mut sums = [row.q[0] * y_old, row.v[0] * y_old];
+                for (j, stage) in done.iter().enumerate() {
+                    let y = stage.state.algorithmic[c];
+                    sums = [sums[0] + row.q[1 + j] * y, sums[1] + row.v[1 + j] * y];
+                }
+                known[0][i] = row.c * h * state.v[c] + h * h * sums[0];
+                known[1][i] = state.v[c] + h * sums[1];
+                let way = match self.options.predictor {
+                    Predictor::Keep => 0.0,
+                    Predictor::Velocity => (rest[i].state.t - origin.t) * origin.v[c],
+                };
+                aim[i] = origin.q[c] - state.q[c] + way;
+            }
+            let mut y = [origin.algorithmic[c]; STAGES];
+            if let Some(inverse) = &group.inverse {
+                for (y, row) in y.iter_mut().zip(inverse) {
+                    let sum: f64 = (0..group.len())
+                        .map(|j| row[j] * (aim[j] - known[0][j]))
+                        .sum();
+                    *y = sum / (h * h);
+                }
+            }
+            for (i, row) in rows[group.range()].iter().enumerate() {
+                let stage = &mut rest[i].state;
+                let sum = |w: &[f64; 1 + STAGES]| -> f64 {
+                    (0..group.len())
+                        .map(|j| w[1 + group.start + j] * y[j])
+                        .sum()
+                };
+                stage.q[c] = state.q[c]
+                    + match group.inverse {
+                        Some(_) => aim[i],
+                        None => known[0][i] + h * h * sum(&row.q),
+                    };
+                stage.v[c] = known[1][i] + h * sum(&row.v);
+                stage.algorithmic[c] = y[i];
+                stage.a[c] = filter[0] * y[i] + filter[1] * y_old + filter[2] * state.a[c];
+            }
+        }
+    }
+
+    /// Corrects the stages of a group; the largest correction relative to the scales of the
+    /// coordinates.
+    pub(super) fn correct<Y: System + ?Sized>(
+        &mut self,
+        system: &Y,
+        step: Attempt<'_>,
+        group: &Group,
+    ) -> f64 {
+        let Attempt { scheme, h, .. } = step;
+        let scales = system.scales().coordinate;
+        let mut largest = 0.0_f64;
+        for k in group.range() {
+            let row = &scheme.stages()[k];
+            let m = scheme.filter()[0];
+            let StageState { state, before } = &mut self.stages[k];
+            before.copy_from_slice(&state.q);
+            for c in 0..state.q.len() {
+                let [dq, dv, dy] = if group.len() == 1 {
+                    let dy = group.unit * self.dq[c];
+                    [row.q[1 + k] * dy, row.v[1 + k] * dy, dy]
+                } else {
+                    let dy = |i| self.dq[place(&self.together, group, i, c)];
+                    let (mut dq, mut dv) = (0.0, 0.0);
+                    for (i, j) in group.range().enumerate() {
+                        dq += row.q[1 + j] * dy(i);
+                        dv += row.v[1 + j] * dy(i);
+                    }
+                    [dq, dv, dy(k - group.start)].map(|d| group.unit * d)
+                };
+                state.q[c] += dq;
+                state.v[c] += dv / h;
+                state.algorithmic[c] += dy / (h * h);
+                state.a[c] += m * dy / (h * h);
+                // What an explicit stage finds is h² y.
+                let size = if group.inverse.is_some() { dq } else { dy };
+                // Multipliers are judged by the residual that they leave.
+                if !system.is_multiplier(c) {
+                    largest = largest.max(size.abs() / scales[system.kind(c).index()]);
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// Where the unknown `c` of stage `i` of a group stands in `dq`.
+pub(super) fn place(together: &Option<Together>, group: &Group, i: usize, c: usize) -> usize {
+    match together {
+        Some(together) if group.len() > 1 => together.place(i, c),
+        _ => c,
+    }
+}

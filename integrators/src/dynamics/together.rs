@@ -1,0 +1,85 @@
+//! The matrix of stages that are solved together.
+
+#![allow(non_snake_case)]
+
+use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, Symmetry};
+use pullback_manifold::sparse::BlockPattern;
+
+/// The system's pattern with blocks that hold all stages of a node, the unknowns of one stage after
+/// those of another, and a solver for it.
+pub(super) struct Together {
+    /// Number of stages.
+    count: usize,
+    solver: AutoSolver,
+    S: Vec<f64>,
+    /// Place of each unknown of the system, for one stage after the other.
+    places: Vec<usize>,
+}
+
+impl Together {
+    pub(super) fn new(pattern: &BlockPattern, count: usize) -> Result<Self, LinearError> {
+        let sizes: Vec<usize> = (0..pattern.blocks())
+            .map(|i| count * pattern.size(i))
+            .collect();
+        let pairs = (0..pattern.blocks())
+            .flat_map(|j| pattern.column(j).map(move |(i, _)| [i as u32, j as u32]));
+        let all = BlockPattern::new(&sizes, pairs);
+        let mut solver = AutoSolver::new();
+        solver.analyse(&all, Symmetry::General)?;
+        let mut places = Vec::with_capacity(all.dim());
+        for stage in 0..count {
+            for node in 0..pattern.blocks() {
+                let start = all.unknowns(node).start + stage * pattern.size(node);
+                places.extend(start..start + pattern.size(node));
+            }
+        }
+        Ok(Self {
+            count,
+            solver,
+            S: vec![0.0; all.len()],
+            places,
+        })
+    }
+
+    /// Where the unknown `c` of stage `i` of the group stands.
+    pub(super) fn place(&self, i: usize, c: usize) -> usize {
+        self.places[i * self.places.len() / self.count + c]
+    }
+
+    /// Takes the derivative of the residual of stage `i` by the unknowns of stage `j`, its values in
+    /// the system's pattern.
+    pub(super) fn set(&mut self, pattern: &BlockPattern, [i, j]: [usize; 2], values: &[f64]) {
+        for column in 0..pattern.blocks() {
+            for (row, range) in pattern.column(column) {
+                let (height, width) = (pattern.size(row), pattern.size(column));
+                // Blocks are larger by count², and stand in the same order.
+                let first = range.start * self.count * self.count;
+                let block = &values[range];
+                for c in 0..width {
+                    let to = first + (j * width + c) * self.count * height + i * height;
+                    let from = &block[c * height..(c + 1) * height];
+                    self.S[to..to + height].copy_from_slice(from);
+                }
+            }
+        }
+    }
+
+    pub(super) fn factorise(&mut self) -> Result<(), LinearError> {
+        let made = self.solver.factorise(&self.S);
+        made.map_err(|error| self.explained(error))
+    }
+
+    pub(super) fn solve(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
+        let solved = self.solver.solve(Some(&self.S), b);
+        solved.map_err(|error| self.explained(error))
+    }
+
+    /// An error in numbers of the system's unknowns.
+    fn explained(&self, error: LinearError) -> LinearError {
+        let n = self.places.len() / self.count;
+        error.renumbered(|unknown| {
+            let known = self.places.iter().position(|p| *p == unknown);
+            known.map_or(unknown, |k| k % n)
+        })
+    }
+}

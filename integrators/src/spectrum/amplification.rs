@@ -1,0 +1,95 @@
+//! The amplification matrix of a scheme, by its steps.
+
+#![allow(non_snake_case)]
+
+use crate::dynamics::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper};
+use crate::failure::{Along, FailedStep, Spent, Wreck};
+use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+
+/// q̈ + ω² q = 0.
+struct Oscillator {
+    pattern: BlockPattern,
+    /// ω².
+    k: f64,
+}
+
+impl System for Oscillator {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = -self.k * at.q[0] - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.K * self.k + w.M;
+        }
+        Ok(())
+    }
+}
+
+/// The amplification matrix at Ω = ω h, by rows, of (q, h q̇/(1 + Ω), h² y/(1 + Ω²)): scaled so
+/// that its entries stay of order one. By one step of size 1 from each unit state, the step routine that
+/// all runs use; limits of the step size are not asked.
+///
+/// # Errors
+/// [`DynamicsError::Option`] unless Ω is positive and finite, or that of a step that fails.
+pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], DynamicsError> {
+    if !(Omega > 0.0 && Omega.is_finite()) {
+        return Err(DynamicsError::Option {
+            name: "Omega",
+            value: Omega,
+            wanted: "it must be positive and finite",
+        });
+    }
+    let mut system = Oscillator {
+        pattern: BlockPattern::dense(1),
+        k: Omega * Omega,
+    };
+    let options = DynamicOptions {
+        scheme: *scheme,
+        newton: NewtonOptions {
+            relative: 1e-15,
+            absolute: f64::MIN_POSITIVE,
+            ..NewtonOptions::default()
+        },
+        ..DynamicOptions::new(1.0, 1.0)
+    };
+    let mut solver = AutoSolver::new();
+    solver
+        .analyse(system.pattern(), Symmetry::General)
+        .map_err(|source| DynamicsError::Analysis { source })?;
+    let mut stepper = Stepper::new(&system, &options)?;
+    let unit = [1.0, 1.0 + Omega, 1.0 + Omega * Omega];
+    let mut A = [[0.0; 3]; 3];
+    for (j, size) in unit.into_iter().enumerate() {
+        let entry = |i: usize| if i == j { size } else { 0.0 };
+        let state = State {
+            t: 0.0,
+            q: vec![entry(0)],
+            v: vec![entry(1)],
+            // The true acceleration is that of the equation of motion.
+            a: vec![-system.k * entry(0)],
+            algorithmic: vec![entry(2)],
+        };
+        if let Err(failure) = stepper.step(&mut system, &mut solver, scheme, &state, 1.0) {
+            let wreck = Wreck {
+                failure,
+                r: &stepper.r,
+                S: &stepper.S,
+                history: &stepper.history,
+            };
+            let spent = Spent::default();
+            let step = FailedStep::new(&system, wreck, Along::Time, [0.0, 1.0], 0, 0, spent);
+            return Err(DynamicsError::Step(Box::new(step)));
+        }
+        let State {
+            q, v, algorithmic, ..
+        } = &stepper.next;
+        for (i, end) in [q[0], v[0], algorithmic[0]].into_iter().enumerate() {
+            A[i][j] = end / unit[i];
+        }
+    }
+    Ok(A)
+}

@@ -1,0 +1,87 @@
+//! Characteristic polynomials: of a matrix, in closed form, and their roots.
+
+#![allow(non_snake_case)]
+
+use crate::dynamics::Scheme;
+use crate::dynamics::scheme::Coefficients;
+use num_complex::Complex;
+
+/// The coefficients p of det(λ − A) = λ³ + p₁ λ² + p₂ λ + p₃.
+pub fn characteristic(A: [[f64; 3]; 3]) -> [f64; 3] {
+    let minor = |i: usize, j: usize| A[i][i] * A[j][j] - A[i][j] * A[j][i];
+    let determinant = A[0][0] * minor(1, 2) - A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0])
+        + A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]);
+    [
+        -(A[0][0] + A[1][1] + A[2][2]),
+        minor(0, 1) + minor(0, 2) + minor(1, 2),
+        -determinant,
+    ]
+}
+
+/// The characteristic polynomial λ³ + p₁ λ² + p₂ λ + p₃ of theory at Ω: for the generalised-α family
+/// from its coefficients (Chung & Hulbert 1993, with all four of them free), for Runge-Kutta methods
+/// λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R. `None` for a scheme that is neither.
+pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
+    let W = Omega * Omega;
+    if let Some(coefficients) = scheme.coefficients() {
+        let Coefficients {
+            alpha_m: m,
+            alpha_f: f,
+            beta: b,
+            gamma: g,
+        } = coefficients;
+        let p0 = 1.0 - m + b * (1.0 - f) * W;
+        let p = [
+            3.0 * m - 2.0 + W * (3.0 * f * b - f * g - 0.5 * f - 2.0 * b + g + 0.5),
+            1.0 - 3.0 * m + W * (-3.0 * f * b + 2.0 * f * g + b - g + 0.5),
+            m + W * (f * b - f * g + 0.5 * f),
+        ];
+        return Some(p.map(|p| p / p0));
+    }
+    let stability = scheme.family()?.stability?;
+    let R = stability(scheme, Complex::new(0.0, Omega));
+    Some([-2.0 * R.re, R.norm_sqr(), 0.0])
+}
+
+/// The roots of λ³ + p₁ λ² + p₂ λ + p₃: a real one, then two real ones or a pair, the one with
+/// positive imaginary part first.
+pub fn roots([p1, p2, p3]: [f64; 3]) -> [Complex<f64>; 3] {
+    let value = |x: f64| ((x + p1) * x + p2) * x + p3;
+    // A real root, by bisection down to neighbouring numbers.
+    let bound = 1.0 + p1.abs().max(p2.abs()).max(p3.abs());
+    let (mut low, mut high) = (-bound, bound);
+    if value(0.0) > 0.0 {
+        high = 0.0;
+    } else {
+        low = 0.0;
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if !(middle > low && middle < high) {
+            break;
+        }
+        if value(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let real = if value(low).abs() <= value(high).abs() {
+        low
+    } else {
+        high
+    };
+    // What is left, λ² − 2 b λ + c.
+    let b = -0.5 * (p1 + real);
+    let c = p2 + real * (p1 + real);
+    let square = b * b - c;
+    let rest = if square < 0.0 {
+        let im = (-square).sqrt();
+        [Complex::new(b, im), Complex::new(b, -im)]
+    } else {
+        let far = b + square.sqrt().copysign(b);
+        let near = if far == 0.0 { 0.0 } else { c / far };
+        [Complex::new(far, 0.0), Complex::new(near, 0.0)]
+    };
+    [Complex::new(real, 0.0), rest[0], rest[1]]
+}

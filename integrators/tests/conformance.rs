@@ -1,0 +1,114 @@
+//! Every scheme of the list does what it claims, and the kit tells where one does not.
+
+use pullback_integrators::check;
+use pullback_integrators::dynamics::Scheme;
+use pullback_integrators::dynamics::scheme::{Claims, SCHEMES, Stage};
+
+#[test]
+fn every_scheme_of_the_list_does_what_it_claims() {
+    let words = [
+        "newmark",
+        "newmark:0.3025:0.6",
+        "newmark:0.5:0.5",
+        "hht:-0.1",
+        "hht:0.5",
+        "wbz:0.8",
+        "wbz:0",
+        "ga:0.8",
+        "ga:0",
+        "ga:1",
+        "bathe",
+        "bathe:0.5",
+        "bathe:0.3",
+        "radau",
+        "central-difference",
+    ];
+    for word in words {
+        check::scheme(&word.parse().unwrap()).assert();
+    }
+    for family in &SCHEMES {
+        let shown = words
+            .iter()
+            .any(|word| word.split(':').next() == Some(family.word));
+        assert!(shown, "{}", family.word);
+    }
+}
+
+/// Laws that a table fails with these claims.
+fn failures(stages: &[Stage], claims: Claims) -> Vec<String> {
+    let scheme = Scheme::new("trial", stages, claims).unwrap();
+    let report = check::scheme(&scheme);
+    let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
+    laws.dedup();
+    laws
+}
+
+fn second(limit: Option<f64>, symmetric: bool) -> Claims {
+    Claims {
+        order: 2,
+        limit,
+        symmetric,
+    }
+}
+
+fn newmark(beta: f64, gamma: f64) -> Stage {
+    Stage {
+        c: 1.0,
+        q: [0.5 - beta, beta, 0.0, 0.0],
+        v: [1.0 - gamma, gamma, 0.0, 0.0],
+    }
+}
+
+/// TR-BDF2 with γ = 1/2, its last row (1/3, 1/3, 1/3).
+fn composite(second: f64, c: f64) -> [Stage; 2] {
+    let third = 1.0 / 3.0;
+    let rows = [[0.25, 0.25, 0.0, 0.0], [third, second, third, 0.0]];
+    Stage::runge_kutta([c, 1.0], rows)
+}
+
+#[test]
+fn a_right_table_by_hand_passes() {
+    assert!(failures(&composite(1.0 / 3.0, 0.5), second(None, false)).is_empty());
+    assert!(failures(&[newmark(0.25, 0.5)], second(None, true)).is_empty());
+}
+
+#[test]
+fn wrong_schemes_are_caught_by_the_law_they_break() {
+    let all = |laws: &[&str]| laws.iter().map(|l| l.to_string()).collect::<Vec<_>>();
+    // A weight that is off by one per cent.
+    let off = failures(&composite(1.01 / 3.0, 0.5), second(None, false));
+    assert!(
+        off.contains(&"order".to_owned()) && off.contains(&"exactness".to_owned()),
+        "{off:?}"
+    );
+    // Loads are asked at the wrong time; nothing that does not depend on time sees it.
+    let late = failures(&composite(1.0 / 3.0, 0.6), second(None, false));
+    assert!(late.contains(&"order".to_owned()), "{late:?}");
+    assert!(!late.contains(&"stability".to_owned()), "{late:?}");
+    // Damping of the first order that claims the second.
+    let damped = failures(&[newmark(0.3025, 0.6)], second(None, false));
+    assert_eq!(damped, all(&["order", "order under changes of chart"]));
+    // Explicit, but claimed to be stable.
+    let explicit = failures(&[newmark(0.0, 0.5)], second(None, true));
+    assert_eq!(explicit, all(&["stability"]));
+    // A limit that is too large, and one that is too small.
+    assert_eq!(
+        failures(&[newmark(0.0, 0.5)], second(Some(2.1), true)),
+        all(&["stability"])
+    );
+    let timid = failures(&[newmark(0.0, 0.5)], second(Some(1.9), true));
+    assert_eq!(timid, all(&["limit of stability"]));
+    // Dissipative, but claimed to be reversible.
+    let reversed = failures(&composite(1.0 / 3.0, 0.5), second(None, true));
+    assert_eq!(reversed, all(&["time reversal"]));
+    // A third order that is none.
+    let third = Claims {
+        order: 3,
+        ..second(None, false)
+    };
+    let bold = failures(&[newmark(0.25, 0.5)], third);
+    assert_eq!(
+        bold,
+        all(&["order", "order under changes of chart", "exactness"])
+    );
+}

@@ -1,0 +1,207 @@
+//! The explicit central difference: its stable step, and waves.
+
+#![allow(non_snake_case)]
+
+use pullback_integrators::dynamics::{
+    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, integrate, start,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Energies, Evaluation, Point, System, SystemError};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// Masses on a line between walls, springs of stiffness k between them.
+struct Chain {
+    pattern: BlockPattern,
+    k: f64,
+    m: Vec<f64>,
+    evaluations: usize,
+}
+
+impl Chain {
+    fn new(n: usize, k: f64, m: f64) -> Self {
+        let pairs = (1..n as u32).map(|i| [i - 1, i]);
+        Self {
+            pattern: BlockPattern::new(&vec![1; n], pairs),
+            k,
+            m: vec![m; n],
+            evaluations: 0,
+        }
+    }
+
+    /// ω of its mode j, the largest for j = n: 2 √(k/m) sin(jπ/(2(n + 1))).
+    fn frequency(&self, j: usize) -> f64 {
+        let n = self.m.len();
+        2.0 * (self.k / self.m[0]).sqrt() * (0.5 * PI * j as f64 / (n + 1) as f64).sin()
+    }
+
+    fn mode(&self, j: usize) -> Vec<f64> {
+        let n = self.m.len();
+        let wave = |i: usize| (PI * (j * (i + 1)) as f64 / (n + 1) as f64).sin();
+        (0..n).map(wave).collect()
+    }
+}
+
+impl System for Chain {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        self.evaluations += 1;
+        let n = self.m.len();
+        let q = |i: usize| at.q.get(i).copied().unwrap_or(0.0);
+        for i in 0..n {
+            let left = if i == 0 { 0.0 } else { q(i - 1) };
+            out.r[i] = self.k * (left - 2.0 * q(i) + q(i + 1)) - self.m[i] * at.a[i];
+        }
+        if let Some((w, S)) = out.S {
+            S.fill(0.0);
+            for i in 0..n {
+                S[self.pattern.find(i, i).unwrap()] = w.K * 2.0 * self.k + w.M * self.m[i];
+                if i > 0 {
+                    S[self.pattern.find(i, i - 1).unwrap()] = -w.K * self.k;
+                    S[self.pattern.find(i - 1, i).unwrap()] = -w.K * self.k;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let n = self.m.len();
+        let q = |i: usize| at.q.get(i).copied().unwrap_or(0.0);
+        let stretch = |i: usize| if i == 0 { q(0) } else { q(i) - q(i - 1) };
+        let stored = (0..=n).map(|i| 0.5 * self.k * stretch(i).powi(2)).sum();
+        let kinetic = (0..n).map(|i| 0.5 * self.m[i] * at.v[i].powi(2)).sum();
+        Ok(Some(Energies {
+            kinetic,
+            stored,
+            ..Energies::default()
+        }))
+    }
+
+    fn name(&self, i: usize) -> String {
+        format!("mass {i}")
+    }
+}
+
+fn run(chain: &mut Chain, q: &[f64], options: &DynamicOptions) -> Result<Progress, DynamicsError> {
+    let mut progress = Progress::new(start(chain, 0.0, q, &[])?);
+    integrate(chain, &mut progress, options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })?;
+    Ok(progress)
+}
+
+fn explicit(to: f64, h: f64) -> DynamicOptions {
+    DynamicOptions {
+        scheme: Scheme::central_difference(),
+        ..DynamicOptions::new(to, h)
+    }
+}
+
+#[test]
+fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
+    for (n, k, m) in [
+        (1, 3.0, 2.0),
+        (2, 1.0, 1.0),
+        (30, 50.0, 0.2),
+        (400, 1e6, 1e-3),
+    ] {
+        let mut chain = Chain::new(n, k, m);
+        let exact = chain.frequency(n);
+        let q = chain.mode(1);
+        let h = 2.0 / exact;
+        let error = run(&mut chain, &q, &explicit(100.0 * h, 1.001 * h)).unwrap_err();
+        let DynamicsError::StepTooLarge {
+            stable, frequency, ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        // Upper modes of long chains lie as close as 1 to n²: what is found is among them.
+        assert!(
+            (frequency / exact - 1.0).abs() < 1e-5,
+            "{n}: {frequency} {exact}"
+        );
+        assert!((stable / h - 1.0).abs() < 1e-5, "{n}: {stable} {h}");
+        assert!(run(&mut chain, &q, &explicit(10.0 * h, 0.999 * h)).is_ok());
+    }
+    // One light mass in a chain sets the step, and is named.
+    let mut chain = Chain::new(10, 50.0, 1.0);
+    chain.m[6] = 1e-4;
+    let error = run(&mut chain, &[], &explicit(1.0, 0.1))
+        .unwrap_err()
+        .to_string();
+    for text in [
+        "step 0.1 is too large for central difference",
+        // ω² = 2 k/m and 50 by the neighbours, 2 (k/√m)² m/(2 k).
+        "stable for steps of at most 1.99995",
+        "mass 6 is stiffest for its mass",
+        "take smaller steps, or an implicit scheme",
+    ] {
+        assert!(error.contains(text), "{error}");
+    }
+    // Adaptive steps may grow up to max_step.
+    let adaptive = DynamicOptions {
+        adaptivity: Some(Adaptivity {
+            tolerance: 1e-3,
+            max_step: 1.0,
+        }),
+        ..explicit(1.0, 1e-3)
+    };
+    let error = run(&mut Chain::new(3, 10.0, 1.0), &[], &adaptive).unwrap_err();
+    assert!(
+        error.to_string().contains("step 1.0 is too large"),
+        "{error}"
+    );
+}
+
+#[test]
+fn coordinates_without_mass_are_refused_by_name() {
+    let mut chain = Chain::new(5, 10.0, 1.0);
+    chain.m[3] = 0.0;
+    let error = run(&mut chain, &[], &explicit(1.0, 0.01))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("central difference needs mass in every coordinate"),
+        "{error}"
+    );
+    assert!(error.contains("mass 3"), "{error}");
+}
+
+#[test]
+fn a_mode_keeps_its_amplitude_and_has_the_frequency_of_the_scheme() {
+    // q = mode cos(ω̄ t) with sin(ω̄ h/2) = ω h/2 solves the difference equations exactly.
+    let mut chain = Chain::new(20, 100.0, 1.0);
+    let (h, steps) = (0.08, 500);
+    let to = h * steps as f64;
+    for j in [1, 7, 20] {
+        let mode = chain.mode(j);
+        let bar = 2.0 / h * (0.5 * h * chain.frequency(j)).asin();
+        chain.evaluations = 0;
+        let progress = run(&mut chain, &mode, &explicit(to, h)).unwrap();
+        for (q, mode) in progress.state.q.iter().zip(&mode) {
+            assert!((q - mode * (bar * to).cos()).abs() < 1e-9, "{j}");
+        }
+        // A residual with the mass matrix, and one that shows the balance.
+        assert!(chain.evaluations <= 2 * steps + 5, "{}", chain.evaluations);
+        assert_eq!(progress.summary.iterations, steps);
+    }
+}
+
+#[test]
+fn schemes_of_order_three_are_refused_adaptive_steps() {
+    let options = DynamicOptions {
+        scheme: Scheme::radau(),
+        adaptivity: Some(Adaptivity {
+            tolerance: 1e-3,
+            max_step: 1.0,
+        }),
+        ..DynamicOptions::new(1.0, 0.1)
+    };
+    let error = run(&mut Chain::new(3, 10.0, 1.0), &[], &options).unwrap_err();
+    assert!(error.to_string().contains("schemes of order 2"), "{error}");
+}

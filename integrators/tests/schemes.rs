@@ -1,0 +1,139 @@
+//! Words, tables and limits of the schemes.
+
+use pullback_integrators::dynamics::Scheme;
+use pullback_integrators::dynamics::scheme::{Claims, SCHEMES, Stage};
+
+#[test]
+fn words_make_schemes_and_schemes_say_their_words() {
+    for (word, scheme) in [
+        ("newmark", Scheme::default()),
+        ("newmark:0.3025:0.6", Scheme::newmark(0.3025, 0.6).unwrap()),
+        ("hht:-0.1", Scheme::hht(-0.1).unwrap()),
+        ("hht:0", Scheme::hht(0.0).unwrap()),
+        ("wbz:0.8", Scheme::wbz(0.8).unwrap()),
+        ("ga:0.8", Scheme::chung_hulbert(0.8).unwrap()),
+        ("bathe:0.5", Scheme::bathe(0.5).unwrap()),
+        ("radau", Scheme::radau()),
+        ("central-difference", Scheme::central_difference()),
+    ] {
+        assert_eq!(word.parse::<Scheme>().unwrap(), scheme);
+        assert_eq!(scheme.to_string(), word);
+    }
+    // 2 − √2 is where both substeps have the same tangent.
+    let bathe: Scheme = "bathe".parse().unwrap();
+    assert_eq!(bathe.to_string(), "bathe");
+    assert!((bathe.stages()[0].c - (2.0 - 2.0_f64.sqrt())).abs() < 1e-15);
+    let long: Scheme = "generalised-alpha:1".parse().unwrap();
+    assert_eq!(long, Scheme::chung_hulbert(1.0).unwrap());
+    // HHT by its spectral radius (1 + α)/(1 − α): 0.8 is α = −1/9, 1/2 the smallest.
+    let by_radius: Scheme = "hht:0.8".parse().unwrap();
+    let alpha_f = by_radius.coefficients().unwrap().alpha_f;
+    assert!((alpha_f - 1.0 / 9.0).abs() < 1e-15);
+    assert!("hht:0.5".parse::<Scheme>().is_ok());
+}
+
+#[test]
+fn words_that_make_none_are_refused_with_what_there_is() {
+    for (word, texts) in [
+        (
+            "",
+            &["no scheme is called so", "ga:RHO", "bathe (gamma"][..],
+        ),
+        ("Newmark", &["scheme `Newmark`: no scheme is called so"]),
+        (
+            "ga",
+            &[
+                "0 numbers are given",
+                "ga:RHO with the spectral radius in [0, 1]",
+            ],
+        ),
+        (
+            "ga:1.5",
+            &["rho of Chung-Hulbert = 1.5 is outside its range [0.000000, 1.000000]"],
+        ),
+        ("ga:nan", &["rho of Chung-Hulbert = NaN"]),
+        (
+            "hht:-0.4",
+            &["alpha of HHT = -0.4 is outside its range [-0.333333, 0.000000]"],
+        ),
+        (
+            "hht:0.3",
+            &[
+                "rho of HHT (or alpha, which is not positive) = 0.3 is outside its range [0.500000, 1.000000]",
+            ],
+        ),
+        ("hht:-0.1:2", &["2 numbers are given", "hht:ALPHA"]),
+        ("wbz:x", &["scheme `wbz:x`: `x` is no number"]),
+        (
+            "bathe:1",
+            &["gamma of Bathe = 1.0 is outside its range [0.010000, 0.990000]"],
+        ),
+        ("radau:2", &["one number is given; it is used as radau"]),
+    ] {
+        let error = word.parse::<Scheme>().unwrap_err().to_string();
+        for text in texts {
+            assert!(error.contains(text), "{word}: {error}");
+        }
+    }
+    for family in SCHEMES {
+        assert!(family.usage.starts_with(family.word), "{}", family.usage);
+    }
+}
+
+#[test]
+fn tables_that_are_none_are_refused() {
+    let claims = Claims {
+        order: 1,
+        limit: None,
+        symmetric: false,
+    };
+    let good = Stage {
+        c: 1.0,
+        q: [0.0, 1.0, 0.0, 0.0],
+        v: [0.0, 1.0, 0.0, 0.0],
+    };
+    assert!(Scheme::new("Euler", &[good], claims).is_ok());
+    let q = [0.0, 1.0, 1.0, 0.0];
+    for (stages, text) in [
+        (&[][..], "no stages"),
+        (&[good; 4], "more than `STAGES`"),
+        (&[Stage { c: 0.5, ..good }], "the last one at c = 1"),
+        (
+            &[Stage {
+                c: f64::NAN,
+                ..good
+            }],
+            "not finite",
+        ),
+        (&[Stage { q, ..good }], "a stage that it does not have"),
+        (&[Stage { q, ..good }; 2], "singular"),
+    ] {
+        let error = Scheme::new("trial", stages, claims)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(text), "{error}");
+    }
+    let error = Scheme::new("bathe", &[good], claims).unwrap_err();
+    assert!(error.to_string().contains("has this name"), "{error}");
+}
+
+#[test]
+fn spectral_radii_at_infinity_are_those_of_the_schemes() {
+    for (word, radius) in [
+        ("newmark", 1.0),
+        ("hht:0.8", 0.8),
+        ("wbz:0.3", 0.3),
+        ("ga:0.6", 0.6),
+        ("ga:0", 0.0),
+        ("bathe", 0.0),
+        ("radau", 0.0),
+        ("central-difference", f64::INFINITY),
+    ] {
+        let found = word.parse::<Scheme>().unwrap().spectral_radius();
+        // A double root is known to the square root of rounding errors.
+        assert!(
+            found == radius || (found - radius).abs() < 1e-7,
+            "{word}: {found}"
+        );
+    }
+}

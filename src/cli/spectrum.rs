@@ -1,0 +1,42 @@
+//! `pullback spectrum`.
+
+use super::{REFUSED, print};
+use crate::spectrum::{self, SpectrumError};
+use std::path::PathBuf;
+
+/// What a command line asks of spectra.
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
+    /// all there are.
+    #[arg(long, value_delimiter = ',', default_values = spectrum::SCHEMES)]
+    schemes: Vec<String>,
+    /// Smallest Ω of the files.
+    #[arg(long, default_value_t = 0.01, allow_hyphen_values = true)]
+    from: f64,
+    /// Largest Ω of the files.
+    #[arg(long, default_value_t = 1000.0, allow_hyphen_values = true)]
+    to: f64,
+    /// Directory of the files.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// Prints the table and writes the files; the exit code.
+pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
+    let done = || -> Result<String, SpectrumError> {
+        let all = spectrum::all(&asked.schemes, [asked.from, asked.to])?;
+        let table = spectrum::table(&all)?;
+        if let Some(directory) = &asked.out {
+            spectrum::write(&all, Some(command), directory)?;
+        }
+        Ok(table)
+    };
+    match done() {
+        Ok(table) => print(&table),
+        Err(error) => {
+            eprintln!("error: {error}");
+            REFUSED
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Why a comparison cannot be made.
+
+use crate::input::InputError;
+use crate::output::OutputError;
+use pullback_integrators::dynamics::DynamicsError;
+
+/// Why a comparison cannot be made. A scheme that fails at a step is none of these: it is a row
+/// with the reason.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// The model file is refused.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The model is not in motion.
+    #[error(
+        "the analysis of this model is not dynamic: give it [analysis.dynamic] with `to` and `step`"
+    )]
+    Static,
+    /// No scheme at all.
+    #[error("no scheme to compare: name one at least, such as `newmark`")]
+    NoScheme,
+    /// A scheme twice.
+    #[error("scheme `{name}` is asked for twice: name it once")]
+    SchemeTwice {
+        /// Its name.
+        name: String,
+    },
+    /// A reference that is not accurate, or not stable, enough to be one.
+    #[error(
+        "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
+    )]
+    Reference {
+        /// Its name.
+        name: String,
+    },
+    /// Fewer than two step sizes.
+    #[error("an order takes two step sizes at least, {found} given: name them from large to small")]
+    FewSteps {
+        /// How many were given.
+        found: usize,
+    },
+    /// A step size that is none.
+    #[error("step size {value} is not usable: it must be positive and finite")]
+    Step {
+        /// Its value.
+        value: f64,
+    },
+    /// Step sizes in another order than from large to small.
+    #[error("step sizes must decrease, and {after} comes after {before}")]
+    Order {
+        /// A step size.
+        before: f64,
+        /// The next one.
+        after: f64,
+    },
+    /// A step size larger than the whole motion.
+    #[error("step size {value} is larger than the duration {to} of the motion: take smaller ones")]
+    Long {
+        /// Its value.
+        value: f64,
+        /// The duration.
+        to: f64,
+    },
+    /// More steps than anybody would wait for.
+    #[error("step size {value} makes more than {most:e} steps: take larger ones")]
+    Many {
+        /// Its value.
+        value: f64,
+        /// Most steps.
+        most: f64,
+    },
+    /// Two step sizes that come to the same number of steps.
+    #[error(
+        "step sizes {before} and {after} both come to {count} equal steps: take sizes further apart"
+    )]
+    Close {
+        /// A step size.
+        before: f64,
+        /// The next one.
+        after: f64,
+        /// Number of steps.
+        count: usize,
+    },
+    /// There is no such scheme, or the motion cannot begin.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}

@@ -1,0 +1,251 @@
+//! Figures of a comparison: convergence, work and precision, drift, iterations.
+
+use super::{Comparison, Quantity, Row};
+use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
+
+/// What the legend says of broken lines.
+const LEVEL: &str = "error of the reference (estimate)";
+
+/// A figure with its file name and what it shows.
+pub(super) struct Figure {
+    pub name: &'static str,
+    pub caption: String,
+    pub svg: String,
+}
+
+/// All figures that there is something to draw in.
+pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
+    let mut out = Vec::new();
+    let mut add = |name, caption: &str, drawn: Vec<Graph>| -> Result<(), PlotError> {
+        if drawn
+            .iter()
+            .any(|g| g.curves.iter().any(|c| !c.points.is_empty()))
+        {
+            out.push(Figure {
+                name,
+                caption: caption.to_owned(),
+                svg: graphs(comparison.title.as_deref(), LEVEL, &drawn)?,
+            });
+        }
+        Ok(())
+    };
+    add(
+        "convergence.svg",
+        "Root mean square error over the step size, at all common times and frame nodes. Triangles \
+         have the orders of theory. Where no broken line stands, the error of the reference is \
+         smaller than a hundredth of all errors shown.",
+        convergence(comparison),
+    )?;
+    add(
+        "work.svg",
+        "Error over what it costs: evaluations of the model, and wall-clock time.",
+        work(comparison),
+    )?;
+    add(
+        "drift.svg",
+        "What the motion keeps, and the schemes do not: the change since the start at common times, \
+         with the largest and the smallest step size.",
+        drift(comparison),
+    )?;
+    add(
+        "iterations.svg",
+        "Linear solutions per step.",
+        iterations(comparison),
+    )?;
+    Ok(out)
+}
+
+/// One curve per scheme in its colour; a point per row for which there is one.
+fn curves(comparison: &Comparison, point: &dyn Fn(&Row) -> Option<(f64, f64)>) -> Vec<Curve> {
+    let schemes = comparison.orders.iter().enumerate();
+    let curve = schemes.map(|(k, scheme)| {
+        let points = comparison.of(&scheme.scheme).filter_map(point);
+        Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
+    });
+    curve.collect()
+}
+
+/// The quantities in which there is anything but round-off to be seen.
+fn shown(comparison: &Comparison) -> Vec<Quantity> {
+    let visible = |q: &Quantity| {
+        let level = comparison
+            .reference
+            .as_ref()
+            .map_or(0.0, |r| r.error.of(*q));
+        let errors = comparison.rows.iter().filter_map(|row| row.error);
+        errors.map(|e| e.of(*q)).any(|e| e > level && e.is_finite())
+    };
+    Quantity::ALL.into_iter().filter(visible).collect()
+}
+
+fn error(row: &Row, quantity: Quantity) -> Option<f64> {
+    row.error
+        .filter(|_| row.is_regular())
+        .map(|e| e.of(quantity))
+}
+
+/// How far below all errors, as a factor, the error of the reference is drawn.
+const FAR: f64 = 1e-2;
+
+/// The error of the reference where it is near the errors that are drawn.
+fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
+    let level = comparison.reference.as_ref()?.error.of(quantity);
+    let errors = comparison
+        .rows
+        .iter()
+        .filter_map(|row| error(row, quantity));
+    let least = errors.filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min);
+    (level > FAR * least).then_some(level)
+}
+
+fn slopes(comparison: &Comparison) -> Vec<f64> {
+    let mut slopes: Vec<usize> = comparison.orders.iter().map(|o| o.theory).collect();
+    slopes.sort_unstable();
+    slopes.dedup();
+    slopes.into_iter().rev().map(|p| p as f64).collect()
+}
+
+fn convergence(comparison: &Comparison) -> Vec<Graph> {
+    let graph = |quantity: Quantity| Graph {
+        description: [
+            "step size h".to_owned(),
+            format!("error of {}", quantity.name()),
+        ],
+        division: [Division::Logarithmic; 2],
+        curves: curves(comparison, &|row| Some((row.step, error(row, quantity)?))),
+        marked: true,
+        slopes: slopes(comparison),
+        level: level(comparison, quantity),
+    };
+    shown(comparison).into_iter().map(graph).collect()
+}
+
+/// What a run costs, where that is known.
+type Cost<'a> = dyn Fn(&Row) -> Option<f64> + 'a;
+
+/// What the motion keeps, at a common time of a run.
+type Kept = dyn Fn(&Row, usize) -> f64;
+
+fn work(comparison: &Comparison) -> Vec<Graph> {
+    let alone = comparison
+        .rows
+        .iter()
+        .any(|row| row.seconds_alone.is_some());
+    let time = match (alone, comparison.threads) {
+        (true, _) => "time / s".to_owned(),
+        (false, 1) => "time with audits / s".to_owned(),
+        (false, n) => format!("time with audits, {n} runs side by side / s"),
+    };
+    let seconds = |row: &Row| match alone {
+        true => row.seconds_alone,
+        false => Some(row.seconds),
+    };
+    let evaluations = |row: &Row| Some(row.counts.evaluations as f64);
+    let costs: [(&str, &Cost); 2] = [
+        ("evaluations of the model", &evaluations),
+        (&time, &seconds),
+    ];
+    let quantities = shown(comparison).into_iter().take(2);
+    let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
+    let graph = |(quantity, (cost, of)): (Quantity, (&str, &Cost))| Graph {
+        description: [cost.to_owned(), format!("error of {}", quantity.name())],
+        division: [Division::Logarithmic; 2],
+        curves: curves(comparison, &|row| Some((of(row)?, error(row, quantity)?))),
+        marked: true,
+        slopes: Vec::new(),
+        level: level(comparison, quantity),
+    };
+    pairs.map(graph).collect()
+}
+
+fn drift(comparison: &Comparison) -> Vec<Graph> {
+    let Some(reference) = &comparison.reference else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    let momentum = |k: usize, i: usize| move |row: &Row, j: usize| row.samples[j].momenta[k][i];
+    let mut kept: Vec<(String, Box<Kept>)> = Vec::new();
+    if reference.kept.energy {
+        kept.push((
+            "|change of energy|".to_owned(),
+            Box::new(|row, j| row.samples[j].energy),
+        ));
+    }
+    let vectors = [
+        (0, "momentum", reference.kept.momentum),
+        (1, "angular momentum", reference.kept.angular_momentum),
+    ];
+    for (k, name, keeps) in vectors {
+        // The worst of the components speaks for all.
+        let largest = |i: &usize| {
+            let value = momentum(k, *i);
+            let change = |row: &Row| {
+                let changes = (0..row.samples.len()).map(|j| (value(row, j) - value(row, 0)).abs());
+                changes.fold(0.0, f64::max)
+            };
+            comparison.rows.iter().map(change).fold(0.0, f64::max)
+        };
+        let worst = (0..3).filter(|&i| keeps[i]);
+        let worst = worst.max_by(|a, b| largest(a).total_cmp(&largest(b)));
+        if let Some(i) = worst.filter(|i| largest(i) > 0.0) {
+            let description = format!("|change of {name}|, component {}", i + 1);
+            kept.push((description, Box::new(momentum(k, i))));
+        }
+    }
+    for (name, value) in &kept {
+        for finest in [false, true] {
+            let steps = comparison.rows.iter().map(|row| row.step);
+            let step = match finest {
+                false => steps.fold(0.0, f64::max),
+                true => steps.fold(f64::INFINITY, f64::min),
+            };
+            let schemes = comparison.orders.iter().enumerate();
+            let curves = schemes.flat_map(|(k, scheme)| {
+                let rows = comparison
+                    .of(&scheme.scheme)
+                    .filter(move |r| r.step == step);
+                rows.map(move |row| {
+                    let change = |j: usize| (value(row, j) - value(row, 0)).abs();
+                    let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
+                    Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
+                })
+            });
+            out.push(Graph {
+                description: [format!("time t,  h = {}", rounded(step)), name.clone()],
+                division: [Division::Linear, Division::Logarithmic],
+                curves: curves.collect(),
+                marked: false,
+                slopes: Vec::new(),
+                level: None,
+            });
+        }
+    }
+    out
+}
+
+/// A step size to three digits.
+fn rounded(h: f64) -> String {
+    let text = format!("{h:.2e}");
+    let number: f64 = text.parse().unwrap_or(h);
+    match (1e-4..1e4).contains(&number) {
+        true => number.to_string(),
+        false => text.replace('-', "−"),
+    }
+}
+
+fn iterations(comparison: &Comparison) -> Vec<Graph> {
+    let regular = |row: &Row| row.failure.is_none() && row.counts.steps > 0;
+    vec![Graph {
+        description: [
+            "step size h".to_owned(),
+            "linear solutions per step".to_owned(),
+        ],
+        division: [Division::Logarithmic, Division::Linear],
+        curves: curves(comparison, &|row| {
+            regular(row).then(|| (row.step, row.iterations_per_step()))
+        }),
+        marked: true,
+        slopes: Vec::new(),
+        level: None,
+    }]
+}

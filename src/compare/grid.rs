@@ -1,0 +1,127 @@
+//! Step sizes as numbers of equal steps, and the times at which all runs meet.
+
+use super::CompareError;
+
+/// Common times at most: enough to see a motion, and little to keep.
+const MOST_TIMES: usize = 128;
+/// Common times below which step sizes are rounded by more than a little.
+const FEW_TIMES: usize = 4;
+/// By how much numbers of steps are rounded up, as a part of them.
+const LITTLE: f64 = 0.01;
+const MUCH: f64 = 0.25;
+/// More steps than a user would wait for; the reference makes eight times as many.
+const MOST_STEPS: f64 = 1e8;
+
+/// The times of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// The duration.
+    pub to: f64,
+    /// Number of steps for each step size, ascending.
+    pub counts: Vec<usize>,
+    /// Number of common times, equally spaced, the last one the end; it divides every count.
+    pub times: usize,
+}
+
+impl Grid {
+    /// Checks step sizes, from large to small.
+    ///
+    /// A step size becomes the number of equal steps that are at most so large; for the sake of
+    /// common times these numbers are rounded up a little, or more where there would be too few.
+    pub fn new(to: f64, steps: &[f64]) -> Result<Self, CompareError> {
+        for &value in steps {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(CompareError::Step { value });
+            }
+            if value > to * (1.0 + 1e-9) {
+                return Err(CompareError::Long { value, to });
+            }
+            if to / value > MOST_STEPS {
+                let most = MOST_STEPS;
+                return Err(CompareError::Many { value, most });
+            }
+        }
+        for pair in steps.windows(2) {
+            let [before, after] = [pair[0], pair[1]];
+            if after >= before {
+                return Err(CompareError::Order { before, after });
+            }
+        }
+        if steps.len() < 2 {
+            let found = steps.len();
+            return Err(CompareError::FewSteps { found });
+        }
+        let count = |h: &f64| (to / h - 1e-6).ceil().max(1.0) as usize;
+        let counts: Vec<usize> = steps.iter().map(count).collect();
+        for (k, pair) in counts.windows(2).enumerate() {
+            if pair[0] >= pair[1] {
+                let ([before, after], count) = ([steps[k], steps[k + 1]], pair[0]);
+                return Err(CompareError::Close {
+                    before,
+                    after,
+                    count,
+                });
+            }
+        }
+        let rounded = |times: usize| -> Vec<usize> {
+            counts.iter().map(|n| n.next_multiple_of(times)).collect()
+        };
+        let close = |rounded: &[usize], part: f64| {
+            let pairs = rounded.iter().zip(&counts);
+            let mut parts = pairs.map(|(more, n)| (more - n) as f64 / *n as f64);
+            parts.all(|p| p <= part) && rounded.windows(2).all(|n| n[0] < n[1])
+        };
+        let most = |from: usize, to: usize, part: f64| {
+            let times = (from..=to).rev();
+            times.map(|m| (m, rounded(m))).find(|(_, n)| close(n, part))
+        };
+        let few = most(FEW_TIMES, MOST_TIMES, LITTLE);
+        let found = few.or_else(|| most(1, 2 * FEW_TIMES, MUCH));
+        let (times, counts) = found.unwrap_or((1, counts));
+        Ok(Self { to, counts, times })
+    }
+
+    /// Common time `k`, from 1.
+    pub fn time(&self, k: usize) -> f64 {
+        if k >= self.times {
+            self.to
+        } else {
+            self.to * (k as f64 / self.times as f64)
+        }
+    }
+
+    /// The size of so many equal steps.
+    pub fn step(&self, count: usize) -> f64 {
+        self.to / count as f64
+    }
+
+    /// Number of steps of the finest run.
+    pub fn finest(&self) -> usize {
+        self.counts.last().copied().unwrap_or(1)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_meet_at_common_times() {
+        let grid = Grid::new(1.0, &[0.1, 0.05, 0.025]).unwrap();
+        assert_eq!(
+            (grid.counts.as_slice(), grid.times),
+            (&[10, 20, 40][..], 10)
+        );
+        assert_eq!((grid.time(5), grid.time(10)), (0.5, 1.0));
+        // 187.5 steps make 188, and 94 common times cost three in a thousand of the others.
+        let grid = Grid::new(1.5, &[0.008, 0.004, 0.002]).unwrap();
+        assert_eq!(
+            (grid.counts.as_slice(), grid.times),
+            (&[188, 376, 752][..], 94)
+        );
+        // 10, 13 and 17 steps would meet at the end only.
+        let grid = Grid::new(1.0, &[0.1, 0.077, 0.06]).unwrap();
+        assert_eq!((grid.counts.as_slice(), grid.times), (&[10, 15, 20][..], 5));
+    }
+}

@@ -1,0 +1,125 @@
+//! Observed orders of convergence and their confidence.
+
+use serde::Serialize;
+
+/// An observed order: the slope of log error over log step by least squares.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// The slope.
+    pub order: f64,
+    /// Half of the 95 % confidence interval of the slope, with Student's distribution for the
+    /// scatter about the line; `None` for two points, which a line always meets.
+    pub confidence: Option<f64>,
+    /// Number of step sizes in the asymptotic range.
+    pub points: usize,
+    /// Largest and smallest of them.
+    pub steps: [f64; 2],
+}
+
+/// Errors below this many times the error of the reference are not used.
+pub const ABOVE_REFERENCE: f64 = 10.0;
+/// How far a slope between neighbours may be from the one between the two finest.
+pub const STRAIGHT: f64 = 0.2;
+
+/// Fits an order to errors at step sizes (from large to small), `None` where an error cannot be
+/// used, and to those only that are far above the `error` of the reference.
+///
+/// The asymptotic range begins with the two finest of these and goes on to larger steps as long as
+/// the slope between neighbours stays within [`STRAIGHT`] of that between the two finest.
+pub fn fit(errors: &[(f64, Option<f64>)], error: f64) -> Option<Order> {
+    let usable = errors.iter().rev().filter_map(|&(h, e)| Some((h.ln(), e?)));
+    let above = |&(_, e): &(f64, f64)| e.is_finite() && e > 0.0 && e > ABOVE_REFERENCE * error;
+    let points: Vec<(f64, f64)> = usable.filter(above).map(|(h, e)| (h, e.ln())).collect();
+    let slope = |p: &[(f64, f64)]| (p[1].1 - p[0].1) / (p[1].0 - p[0].0);
+    let slopes: Vec<f64> = points.windows(2).map(slope).collect();
+    let first = *slopes.first()?;
+    let straight = slopes.iter().take_while(|s| (*s - first).abs() <= STRAIGHT);
+    let points = &points[..=straight.count()];
+    let n = points.len() as f64;
+    let mean = |part: fn(&(f64, f64)) -> f64| points.iter().map(part).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for p in points {
+        xx += (p.0 - x).powi(2);
+        xy += (p.0 - x) * (p.1 - y);
+    }
+    let order = xy / xx;
+    let scatter = points.iter().map(|p| (p.1 - y - order * (p.0 - x)).powi(2));
+    let scatter: f64 = scatter.sum();
+    let confidence = student(points.len() - 2).map(|t| t * (scatter / (n - 2.0) / xx).sqrt());
+    Some(Order {
+        order,
+        confidence,
+        points: points.len(),
+        steps: [points[points.len() - 1].0.exp(), points[0].0.exp()],
+    })
+}
+
+/// Student's t for a two-sided interval of 95 % with so many degrees of freedom (tables; beyond ten
+/// the expansion about the normal distribution, good to three digits).
+fn student(freedom: usize) -> Option<f64> {
+    const T: [f64; 10] = [
+        12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+    ];
+    match freedom {
+        0 => None,
+        n @ 1..=10 => Some(T[n - 1]),
+        n => {
+            let (z, n) = (1.959_964_f64, n as f64);
+            let first = (z.powi(3) + z) / 4.0;
+            let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
+            let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;
+            Some(z + first / n + second / (n * n) + third / (n * n * n))
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn errors(error: impl Fn(f64) -> f64) -> Vec<(f64, Option<f64>)> {
+        let steps = (0..6).map(|k| 0.1 / f64::from(1 << k));
+        steps.map(|h| (h, Some(error(h)))).collect()
+    }
+
+    #[test]
+    fn a_pure_power_gives_its_order_with_certainty() {
+        let fit = fit(&errors(|h| 3.0 * h.powi(2)), 0.0).unwrap();
+        assert!((fit.order - 2.0).abs() < 1e-12 && fit.points == 6);
+        assert!(fit.confidence.unwrap() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_not_asymptotic_or_too_near_the_reference_is_left_out() {
+        // Order 2 from 0.05 on; the three finest at the level of the reference.
+        let mut e = errors(|h| h * h + 1e-6);
+        e[0].1 = Some(1.0);
+        let fit = fit(&e, 2e-5).unwrap();
+        assert_eq!((fit.points, fit.confidence), (2, None));
+        assert_eq!(fit.steps.map(|h| (1e4 * h).round()), [500.0, 250.0]);
+        let failed = [(0.1, None), (0.05, Some(1.0)), (0.025, None)];
+        assert_eq!(super::fit(&failed, 0.0), None);
+    }
+
+    #[test]
+    fn confidence_is_that_of_a_textbook_regression() {
+        // A line of slope 2 with its middle point lifted by 0.05: slopes 1.95 and 2.05.
+        let lifted = |(x, lift): (f64, f64)| (x.exp(), Some((2.0 * x + lift).exp()));
+        let e = [(2.0, 0.0), (1.0, 0.05), (0.0, 0.0)].map(lifted);
+        let fit = fit(&e, 0.0).unwrap();
+        assert!((fit.order - 2.0).abs() < 1e-12);
+        // Residuals (−1, 2, −1)·0.05/3, their squares 0.005/3; t₁ = 12.706.
+        let expected = 12.706 * (0.005f64 / 3.0 / 2.0).sqrt();
+        assert!((fit.confidence.unwrap() - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn students_quantiles_are_those_of_the_tables() {
+        // 95 %, two-sided: 11, 20 and 30 degrees of freedom.
+        for (n, t) in [(11, 2.201), (20, 2.086), (30, 2.042)] {
+            assert!((student(n).unwrap() - t).abs() < 1e-3, "{n}");
+        }
+    }
+}

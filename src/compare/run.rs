@@ -1,0 +1,219 @@
+//! One run of a comparison, and runs side by side.
+
+use super::grid::Grid;
+use super::sample::Sample;
+use crate::input::{DynamicPlan, InputError, Job, Plan};
+use crate::solve::point;
+use pullback_integrators::dynamics::{
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Summary, integrate, start,
+};
+use pullback_manifold::system::SystemError;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Makes the model of a comparison: each run has one of its own.
+pub type Maker<'a> = dyn Fn() -> Result<Job, InputError> + Sync + 'a;
+
+/// Who looks on, from whatever thread.
+pub struct Watch<'a> {
+    /// Asked after every step; a break ends the comparison.
+    pub flow: &'a (dyn Fn() -> ControlFlow<()> + Sync),
+    /// Told of every run that has ended: how many have, out of how many, and which this was.
+    pub ended: &'a (dyn Fn(usize, usize, &str) + Sync),
+}
+
+impl Watch<'_> {
+    /// Nobody.
+    pub const NOBODY: Watch<'static> = Watch {
+        flow: &|| ControlFlow::Continue(()),
+        ended: &|_, _, _| {},
+    };
+}
+
+/// What one run is asked to do.
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    pub name: String,
+    pub scheme: Scheme,
+    pub steps: usize,
+    /// Residual relative to the forces, where it is smaller than that of the model file.
+    pub relative: f64,
+}
+
+/// What one run gave.
+#[derive(Clone, Debug)]
+pub(super) struct Ran {
+    /// The common times that it reached.
+    pub samples: Vec<Sample>,
+    pub summary: Summary,
+    /// Why it did not come to its end.
+    pub failure: Option<Failure>,
+    /// Wall-clock time of the integration.
+    pub time: Duration,
+}
+
+/// Why a run did not come to its end.
+#[derive(Debug, thiserror::Error, Clone)]
+pub(super) enum Failure {
+    #[error("interrupted")]
+    Interrupted,
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<DynamicsError> for Failure {
+    fn from(error: DynamicsError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<SystemError> for Failure {
+    fn from(error: SystemError) -> Self {
+        Self::Failed(format!("a converged state cannot be evaluated: {error}"))
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+/// The dynamic plan of a job.
+pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
+    match plan {
+        Plan::Dynamic(plan) => Some(plan),
+        _ => None,
+    }
+}
+
+fn options(task: &Task, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
+    let step = grid.step(task.steps);
+    let newton = plan.options.newton;
+    DynamicOptions {
+        scheme: task.scheme,
+        step,
+        min_step: 1e-6 * step,
+        adaptivity: None,
+        newton: NewtonOptions {
+            relative: newton.relative.min(task.relative),
+            ..newton
+        },
+        ..plan.options
+    }
+}
+
+/// Integrates from common time to common time, with a look at the model at each of them.
+pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, watch: &Watch<'_>) -> Ran {
+    let mut ran = Ran {
+        samples: Vec::with_capacity(grid.times + 1),
+        summary: Summary::default(),
+        failure: None,
+        time: Duration::ZERO,
+    };
+    ran.failure = advance(make, task, grid, watch, &mut ran).err();
+    ran
+}
+
+fn advance(
+    make: &Maker<'_>,
+    task: &Task,
+    grid: &Grid,
+    watch: &Watch<'_>,
+    ran: &mut Ran,
+) -> Result<(), Failure> {
+    let mut job = make()?;
+    let Some(plan) = dynamic(&job.plan) else {
+        return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
+    };
+    let options = options(task, grid, plan);
+    let model = &mut job.model;
+    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let clock = Instant::now();
+    for k in 0..=grid.times {
+        let to = if k == 0 { 0.0 } else { grid.time(k) };
+        let part = DynamicOptions { to, ..options };
+        let mut stopped = false;
+        let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
+            let flow = (watch.flow)();
+            stopped = flow.is_break();
+            flow
+        });
+        ran.summary = progress.summary;
+        ran.time = clock.elapsed();
+        integrated?;
+        if stopped {
+            return Err(Failure::Interrupted);
+        }
+        ran.samples.push(Sample::of(model, point(&progress))?);
+    }
+    Ok(())
+}
+
+/// Repetitions of a short run whose time is taken, and the time after which there are no more.
+const REPETITIONS: usize = 5;
+const ENOUGH: Duration = Duration::from_millis(500);
+
+/// Wall-clock time of a run with nothing but the integration, the least of some repetitions;
+/// `None` where it fails or is stopped.
+pub(super) fn clock(
+    make: &Maker<'_>,
+    task: &Task,
+    grid: &Grid,
+    watch: &Watch<'_>,
+) -> Option<Duration> {
+    let mut least: Option<Duration> = None;
+    let mut spent = Duration::ZERO;
+    for _ in 0..REPETITIONS {
+        let mut job = make().ok()?;
+        let options = DynamicOptions {
+            energies: false,
+            ..options(task, grid, dynamic(&job.plan)?)
+        };
+        let model = &mut job.model;
+        let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v).ok()?);
+        let begin = Instant::now();
+        integrate(model, &mut progress, &options, &mut |_, _| (watch.flow)()).ok()?;
+        let time = begin.elapsed();
+        if !progress.summary.finished || (watch.flow)().is_break() {
+            return None;
+        }
+        least = Some(least.map_or(time, |least| least.min(time)));
+        spent += time;
+        if spent > ENOUGH {
+            break;
+        }
+    }
+    least
+}
+
+/// Does `count` pieces of work on so many threads; results stand in the order of the pieces,
+/// whichever thread did which.
+pub(super) fn side_by_side<T: Send>(
+    count: usize,
+    threads: usize,
+    work: &(dyn Fn(usize) -> T + Sync),
+) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::with_capacity(count));
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, count.max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    if k >= count {
+                        break;
+                    }
+                    let out = work(k);
+                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+                    done.push((k, out));
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(k, _)| *k);
+    done.into_iter().map(|(_, out)| out).collect()
+}

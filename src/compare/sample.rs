@@ -1,0 +1,233 @@
+//! What runs are compared by: spatial quantities that know nothing of charts.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Vector3};
+use pullback_elements::model::{Model, NodeState};
+use pullback_manifold::so3;
+use pullback_manifold::system::{Point, SystemError};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// A quantity whose error is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Places of nodes, a length.
+    Position,
+    /// Rotations of nodes: the angle of the relative rotation, in radians.
+    Rotation,
+    /// Velocities of nodes.
+    Velocity,
+    /// Angular velocities of nodes, global components.
+    AngularVelocity,
+    /// Accelerations of nodes.
+    Acceleration,
+    /// Kinetic and stored energy, and the potential of the loads that have one.
+    Energy,
+}
+
+impl Quantity {
+    /// All of them, in the order of [`Values`].
+    pub const ALL: [Self; 6] = [
+        Self::Position,
+        Self::Rotation,
+        Self::Velocity,
+        Self::AngularVelocity,
+        Self::Acceleration,
+        Self::Energy,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Rotation => "rotation",
+            Self::Velocity => "velocity",
+            Self::AngularVelocity => "angular velocity",
+            Self::Acceleration => "acceleration",
+            Self::Energy => "energy",
+        }
+    }
+
+    /// Its name as a key of CSV and JSON.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::AngularVelocity => "angular_velocity",
+            other => other.name(),
+        }
+    }
+}
+
+/// A value per [`Quantity`]; what is not known is not a number, and null in JSON.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Values(pub [f64; 6]);
+
+impl Values {
+    /// That of a quantity.
+    pub fn of(&self, quantity: Quantity) -> f64 {
+        self.0[quantity as usize]
+    }
+}
+
+impl Serialize for Values {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for quantity in Quantity::ALL {
+            map.serialize_entry(quantity.key(), &self.of(quantity))?;
+        }
+        map.end()
+    }
+}
+
+/// A node in motion, global components; nothing here knows of charts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Place.
+    pub place: Vector3<f64>,
+    /// Rotation from the reference orientation.
+    pub R: Matrix3<f64>,
+    /// Velocity.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity.
+    pub omega: Vector3<f64>,
+    /// Acceleration.
+    pub acceleration: Vector3<f64>,
+}
+
+impl From<NodeState> for Pose {
+    fn from(node: NodeState) -> Self {
+        Self {
+            place: node.place,
+            R: node.R,
+            velocity: node.velocity,
+            omega: node.omega,
+            acceleration: node.acceleration,
+        }
+    }
+}
+
+/// The state of a model at a common time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Time.
+    pub t: f64,
+    /// All frame nodes, in the order of their definition.
+    pub nodes: Vec<Pose>,
+    /// Kinetic and stored energy, and the potential of the loads that have one.
+    pub energy: f64,
+    /// The sum of the magnitudes of these three: what round-off in the energy is measured by.
+    pub gross_energy: f64,
+    /// Linear momentum, and angular momentum about the origin, global components.
+    pub momenta: [Vector3<f64>; 2],
+}
+
+impl Sample {
+    /// Asks a model.
+    pub(super) fn of(model: &mut Model, at: Point<'_>) -> Result<Self, SystemError> {
+        let audit = model.audit(at)?;
+        let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
+        let (kinetic, stored) = (audit.energies.kinetic, audit.energies.stored);
+        Ok(Self {
+            t: at.t,
+            nodes: nodes.collect(),
+            energy: kinetic + stored + audit.load_potential,
+            gross_energy: kinetic + stored.abs() + audit.load_potential.abs(),
+            momenta: [audit.momentum.linear, audit.momentum.angular],
+        })
+    }
+}
+
+/// The angle between two rotations, exact to round-off where it is small: ‖R_a − R_b‖² is
+/// 8 sin²(θ/2).
+fn angle(a: &Pose, b: &Pose) -> f64 {
+    let half = (a.R - b.R).norm() / 8f64.sqrt();
+    2.0 * half.min(1.0).asin()
+}
+
+fn node_distances(a: &Pose, b: &Pose) -> [f64; 5] {
+    [
+        (a.place - b.place).norm(),
+        angle(a, b),
+        (a.velocity - b.velocity).norm(),
+        (a.omega - b.omega).norm(),
+        (a.acceleration - b.acceleration).norm(),
+    ]
+}
+
+/// Root mean square over common times and nodes of the distances of two runs.
+pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
+    let mut sum = [0.0; 6];
+    let mut nodes = 0;
+    for (a, b) in a.iter().zip(b) {
+        for (a, b) in a.nodes.iter().zip(&b.nodes) {
+            nodes += 1;
+            for (sum, d) in sum.iter_mut().zip(node_distances(a, b)) {
+                *sum += d * d;
+            }
+        }
+        sum[5] += (a.energy - b.energy).powi(2);
+    }
+    let times = a.len().min(b.len());
+    let mean = |k: usize| sum[k] / (if k < 5 { nodes } else { times }) as f64;
+    Values(std::array::from_fn(|k| mean(k).sqrt()))
+}
+
+/// The largest size of each quantity in a run: what its round-off is measured by.
+pub(super) fn sizes(samples: &[Sample]) -> Values {
+    let mut largest = [0.0_f64; 6];
+    for sample in samples {
+        for n in &sample.nodes {
+            let sizes = [n.place, n.velocity, n.omega, n.acceleration].map(|x| x.norm());
+            for (k, size) in [0, 2, 3, 4].into_iter().zip(sizes) {
+                largest[k] = largest[k].max(size);
+            }
+        }
+        largest[1] = 1.0;
+        largest[5] = largest[5].max(sample.gross_energy);
+    }
+    Values(largest)
+}
+
+/// Richardson's extrapolation of two runs of an order p, the second with half the step of the
+/// first: b + (b − a)/(2ᵖ − 1); for rotations this part of the relative rotation further.
+pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sample> {
+    let parts = (order as f64).exp2() - 1.0;
+    let towards = |a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts;
+    let node = |(a, b): (&Pose, &Pose)| {
+        let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
+        Pose {
+            place: towards(&a.place, &b.place),
+            R: b.R * so3::rotation(&(relative / parts)),
+            velocity: towards(&a.velocity, &b.velocity),
+            omega: towards(&a.omega, &b.omega),
+            acceleration: towards(&a.acceleration, &b.acceleration),
+        }
+    };
+    let samples = a.iter().zip(b).map(|(a, b)| Sample {
+        t: b.t,
+        nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
+        energy: b.energy + (b.energy - a.energy) / parts,
+        gross_energy: b.gross_energy,
+        momenta: [0, 1].map(|k| towards(&a.momenta[k], &b.momenta[k])),
+    });
+    samples.collect()
+}
+
+/// A run that has each quantity from the first where `pick` says so, from the second otherwise.
+pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; 6]) -> Vec<Sample> {
+    let node = |(a, b): (&Pose, &Pose)| {
+        let from = |k: usize| if pick[k] { a } else { b };
+        Pose {
+            place: from(0).place,
+            R: from(1).R,
+            velocity: from(2).velocity,
+            omega: from(3).omega,
+            acceleration: from(4).acceleration,
+        }
+    };
+    let samples = first.iter().zip(second).map(|(a, b)| Sample {
+        nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
+        energy: if pick[5] { a.energy } else { b.energy },
+        ..b.clone()
+    });
+    samples.collect()
+}

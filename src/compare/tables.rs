@@ -1,0 +1,151 @@
+//! `compare.csv`, and the tables of the page.
+
+use super::{Comparison, Drift, Order, Quantity, Row};
+use std::fmt::Write;
+
+/// Columns of `compare.csv` before and after the errors.
+const BEFORE: [&str; 4] = ["scheme", "step_asked", "step", "status"];
+const AFTER: [&str; 15] = [
+    "energy_drift",
+    "momentum_drift",
+    "angular_momentum_drift",
+    "energy_balance_defect",
+    "steps",
+    "rejected",
+    "iterations",
+    "evaluations",
+    "factorisations",
+    "chart_changes",
+    "seconds",
+    "seconds_alone",
+    "threads",
+    "regular",
+    "failure",
+];
+
+/// The whole of `compare.csv`: a row per run; what is not known is empty.
+pub(super) fn csv(comparison: &Comparison) -> String {
+    let errors = Quantity::ALL.map(|q| format!("error_{}", q.key()));
+    let head: Vec<&str> = (BEFORE.into_iter())
+        .chain(errors.iter().map(String::as_str))
+        .chain(AFTER)
+        .collect();
+    let mut out = head.join(",") + "\n";
+    for row in &comparison.rows {
+        let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
+        let c = &row.counts;
+        let Drift {
+            energy,
+            momentum,
+            angular_momentum,
+        } = row.drift;
+        let mut cells = vec![
+            row.scheme.clone(),
+            row.asked.to_string(),
+            row.step.to_string(),
+            status(row).to_owned(),
+        ];
+        cells.extend(Quantity::ALL.map(|q| optional(row.error.map(|e| e.of(q)))));
+        cells.extend(
+            [
+                energy,
+                momentum,
+                angular_momentum,
+                c.energy.map(|e| e.largest_defect),
+            ]
+            .map(optional),
+        );
+        let counts = [
+            c.steps,
+            c.rejected,
+            c.iterations,
+            c.evaluations,
+            c.factorisations,
+            c.chart_changes,
+        ];
+        cells.extend(counts.map(|n| n.to_string()));
+        cells.push(optional(Some(row.seconds)));
+        cells.push(optional(row.seconds_alone));
+        cells.push(comparison.threads.to_string());
+        cells.push(row.is_regular().to_string());
+        cells.push(quoted(row.failure.as_deref().unwrap_or_default()));
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "{}", cells.join(","));
+    }
+    out
+}
+
+/// A cell of text: one line, in quotation marks.
+fn quoted(text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let line = text.lines().map(str::trim).collect::<Vec<_>>().join(" | ");
+    format!("\"{}\"", line.replace('"', "\"\""))
+}
+
+/// How a run ended, in a word.
+pub(super) fn status(row: &Row) -> &'static str {
+    match row.failure.as_deref() {
+        None => "complete",
+        Some("interrupted") => "interrupted",
+        Some(_) => "failed",
+    }
+}
+
+/// The observed orders, for a terminal.
+pub fn summary(comparison: &Comparison) -> String {
+    let width = comparison.orders.iter().map(|o| o.scheme.chars().count());
+    let width = width.max().unwrap_or(0).max("scheme".len());
+    let mut out = format!("{:width$}  theory", "scheme");
+    for quantity in Quantity::ALL {
+        let _ = write!(out, "  {:>18}", quantity.name());
+    }
+    for scheme in &comparison.orders {
+        let _ = write!(out, "\n{:width$}  {:>6}", scheme.scheme, scheme.theory);
+        for observed in scheme.observed {
+            let text = observed.map_or("-".to_owned(), |o| format!("{} ({})", order(&o), o.points));
+            let _ = write!(out, "  {text:>18}");
+        }
+    }
+    let failed = comparison.rows.iter().filter(|row| row.failure.is_some());
+    for row in failed {
+        let reason = row.failure.as_deref().unwrap_or_default();
+        let reason = reason.lines().next().unwrap_or_default();
+        let _ = write!(out, "\n{} with h = {}: {reason}", row.scheme, row.step);
+    }
+    out
+}
+
+/// A number of three digits, as a page shows it.
+pub(super) fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    if !x.is_finite() {
+        return "–".to_owned();
+    }
+    let text = format!("{x:.2e}");
+    let (number, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    match exponent.parse::<i32>() {
+        Ok(k) if (-3..4).contains(&k) => {
+            format!("{x:.*}", (2 - k).max(0) as usize)
+        }
+        _ => format!("{number}·10<sup>{}</sup>", exponent.replace('-', "−")),
+    }
+    .replace("-", "−")
+}
+
+/// An order with its confidence.
+pub(super) fn order(order: &Order) -> String {
+    let digits = match order.confidence {
+        Some(c) if c < 0.005 => 3,
+        _ => 2,
+    };
+    let confidence = match order.confidence {
+        None => String::new(),
+        Some(c) if c < 5e-4 => " ± <0.001".to_owned(),
+        Some(c) => format!(" ± {c:.digits$}"),
+    };
+    format!("{:.digits$}{confidence}", order.order)
+}

@@ -1,0 +1,286 @@
+//! Graphs side by side on linear or logarithmic axes, one legend for all of them, and triangles
+//! that show orders of convergence.
+
+use super::axes::{self, Area, BOTTOM, LEFT, MARGIN, Mark, legend_height, legend_rows};
+use super::curves::heading;
+use super::scale::Division;
+use super::{Curve, FINE, GRID, INK, PALE, PALETTE, PlotError, TEXT, font, scaled};
+use plotters::element::PathElement;
+use plotters::prelude::{IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontTransform, ShapeStyle, WHITE};
+
+/// Curves over the same axes, marked at their points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// Descriptions of the horizontal and the vertical axis.
+    pub description: [String; 2],
+    /// How the axes are divided.
+    pub division: [Division; 2],
+    /// The curves. Those of one colour have one entry in the legend and one kind of mark.
+    pub curves: Vec<Curve>,
+    /// Whether points of all curves are marked; those of scattered ones are nothing but marked.
+    pub marked: bool,
+    /// Slopes shown by triangles under the curves; for logarithmic axes.
+    pub slopes: Vec<f64>,
+    /// A level drawn as a broken line.
+    pub level: Option<f64>,
+}
+
+/// Width and height of a graph.
+const SIZE: [i32; 2] = [520, 360];
+
+/// A figure of graphs, two in a row, as SVG text; `level` is what the legend says of levels.
+///
+/// # Errors
+/// [`PlotError`] of the drawing library.
+pub fn graphs(title: Option<&str>, level: &str, graphs: &[Graph]) -> Result<String, PlotError> {
+    let [w, h] = SIZE;
+    let columns = graphs.len().clamp(1, 2) as i32;
+    let rows = (graphs.len() as i32 + 1) / 2;
+    let entries = entries(level, graphs);
+    let room = columns * w - LEFT - 2 * MARGIN;
+    let words = legend_height(legend_rows(&entries, room));
+    let head = if title.is_some() { 34 } else { 6 };
+    let size = [columns * w, head + words + rows.max(1) * h];
+    let mut svg = String::new();
+    {
+        let fine = ((size[0] * FINE) as u32, (size[1] * FINE) as u32);
+        let root = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
+        root.fill(&WHITE)?;
+        heading(&root, title, size[0])?;
+        axes::legend(&root, [LEFT + MARGIN, head], room, &entries)?;
+        for (k, graph) in graphs.iter().enumerate() {
+            let k = k as i32;
+            let corner = (k % 2 * w * FINE, (head + words + k / 2 * h) * FINE);
+            draw(&root.clone().shrink(corner, (w * FINE, h * FINE)), graph)?;
+        }
+        root.present()?;
+    }
+    Ok(scaled(&svg, size))
+}
+
+fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
+    let mut seen = Vec::new();
+    let mut out = Vec::new();
+    for graph in graphs {
+        for (place, curve) in graph.curves.iter().enumerate() {
+            let color = curve.color.unwrap_or(place);
+            if !seen.contains(&color) {
+                seen.push(color);
+                let alike = |c: &Curve| c.scattered && c.color == Some(color);
+                let marked = graph.marked || graph.curves.iter().any(alike);
+                out.push((color, (curve.label.clone(), curve_mark(color, marked))));
+            }
+        }
+    }
+    out.sort_by_key(|(color, _)| *color);
+    let mut out: Vec<_> = out.into_iter().map(|(_, entry)| entry).collect();
+    if graphs.iter().any(|g| g.level.is_some()) {
+        out.push((level.to_owned(), Mark::Broken(PALE)));
+    }
+    out
+}
+
+fn curve_mark(color: usize, marked: bool) -> Mark {
+    let rgb = PALETTE[color % PALETTE.len()];
+    match marked {
+        true => Mark::Marked(rgb, color),
+        false => Mark::Line(rgb, 4),
+    }
+}
+
+/// Where positions are in the fine pixels of an area.
+struct Frame {
+    /// Ranges of positions.
+    x: [f64; 2],
+    y: [f64; 2],
+    /// Pixels of their ends.
+    across: [i32; 2],
+    down: [i32; 2],
+}
+
+impl Frame {
+    fn at(&self, x: f64, y: f64) -> (i32, i32) {
+        let along = |v: f64, [a, b]: [f64; 2], [from, to]: [i32; 2]| {
+            from + ((v - a) / (b - a) * f64::from(to - from)).round() as i32
+        };
+        (along(x, self.x, self.across), along(y, self.y, self.down))
+    }
+}
+
+/// A triangle of a slope: the places of its three corners, the right angle in the middle.
+type Triangle = (f64, [(f64, f64); 3]);
+
+fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
+    let [divide_x, divide_y] = graph.division;
+    let place = |&(x, y): &(f64, f64)| Some((divide_x.position(x)?, divide_y.position(y)?));
+    let curves: Vec<Vec<(f64, f64)>> = (graph.curves.iter())
+        .map(|c| c.points.iter().filter_map(place).collect())
+        .collect();
+    let level = graph.level.and_then(|y| divide_y.position(y));
+    let x = axes::range(curves.iter().flatten().map(|p| p.0));
+    let mut y = axes::range(curves.iter().flatten().map(|p| p.1).chain(level));
+    let triangles = triangles(&graph.slopes, &curves, x, y);
+    for (_, corners) in &triangles {
+        y[0] = y[0].min(corners[1].1 - 0.09 * (y[1] - y[0]));
+    }
+    let frame = Frame {
+        x,
+        y,
+        across: [(LEFT + MARGIN) * FINE, (SIZE[0] - MARGIN) * FINE],
+        down: [(SIZE[1] - BOTTOM - MARGIN) * FINE, MARGIN * FINE],
+    };
+    grid(area, graph, &frame)?;
+    if let Some(level) = level {
+        let [(from, y), (to, _)] = [x[0], x[1]].map(|x| frame.at(x, level));
+        broken(area, [from, to], y)?;
+    }
+    for (place, (curve, points)) in graph.curves.iter().zip(&curves).enumerate() {
+        let color = curve.color.unwrap_or(place);
+        let rgb = PALETTE[color % PALETTE.len()];
+        let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
+        if graph.marked || curve.scattered {
+            for &p in &points {
+                axes::marker(area, p, rgb, color)?;
+            }
+        }
+        if curve.scattered {
+            continue;
+        }
+        let width = if graph.marked { 3 * FINE / 2 } else { 2 * FINE };
+        area.draw(&PathElement::new(points, rgb.stroke_width(width as u32)))?;
+    }
+    for (slope, corners) in triangles {
+        triangle(area, slope, corners.map(|(x, y)| frame.at(x, y)))?;
+    }
+    Ok(())
+}
+
+/// Frame, ticks, grid lines and descriptions.
+fn grid(area: &Area<'_>, graph: &Graph, frame: &Frame) -> Result<(), PlotError> {
+    let ([left, right], [bottom, top]) = (frame.across, frame.down);
+    let line = |from, to, style: ShapeStyle| area.draw(&PathElement::new(vec![from, to], style));
+    let (light, ink) = (
+        GRID.stroke_width(FINE as u32),
+        INK.stroke_width(FINE as u32),
+    );
+    let (long, short) = (5 * FINE, 3 * FINE);
+    let ticks = [
+        graph.division[0].ticks(frame.x, 6),
+        graph.division[1].ticks(frame.y, 7),
+    ];
+    let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));
+    let beside = font(TEXT).pos(Pos::new(HPos::Right, VPos::Center));
+    for (x, label) in &ticks[0].labelled {
+        let x = frame.at(*x, frame.y[0]).0;
+        line((x, bottom), (x, top), light)?;
+        line((x, bottom), (x, bottom + long), ink)?;
+        area.draw_text(label, &below, (x, bottom + long + 2 * FINE))?;
+    }
+    for (y, label) in &ticks[1].labelled {
+        let y = frame.at(frame.x[0], *y).1;
+        line((left, y), (right, y), light)?;
+        line((left - long, y), (left, y), ink)?;
+        area.draw_text(label, &beside, (left - long - 2 * FINE, y))?;
+    }
+    for x in &ticks[0].small {
+        let x = frame.at(*x, frame.y[0]).0;
+        line((x, bottom), (x, bottom + short), ink)?;
+    }
+    for y in &ticks[1].small {
+        let y = frame.at(frame.x[0], *y).1;
+        line((left - short, y), (left, y), ink)?;
+    }
+    let corners = [
+        (left, bottom),
+        (right, bottom),
+        (right, top),
+        (left, top),
+        (left, bottom),
+    ];
+    area.draw(&PathElement::new(corners.to_vec(), ink))?;
+    let [across, up] = &graph.description;
+    let under = bottom + 30 * FINE;
+    area.draw_text(across, &below, ((left + right) / 2, under))?;
+    let upward = font(TEXT)
+        .transform(FontTransform::Rotate270)
+        .pos(Pos::new(HPos::Center, VPos::Top));
+    area.draw_text(up, &upward, (14 * FINE, (top + bottom) / 2))?;
+    Ok(())
+}
+
+/// A level: a broken line across the graph.
+fn broken(area: &Area<'_>, [from, to]: [i32; 2], y: i32) -> Result<(), PlotError> {
+    let style = PALE.stroke_width((3 * FINE / 2) as u32);
+    let mut x = from;
+    while x < to {
+        let end = (x + 7 * FINE).min(to);
+        area.draw(&PathElement::new(vec![(x, y), (end, y)], style))?;
+        x += 12 * FINE;
+    }
+    Ok(())
+}
+
+/// Triangles under all curves, at the right end, the first slope outermost.
+fn triangles(
+    slopes: &[f64],
+    curves: &[Vec<(f64, f64)>],
+    x: [f64; 2],
+    y: [f64; 2],
+) -> Vec<Triangle> {
+    let span = x[1] - x[0];
+    // As wide as is well seen, and not much higher than half of the graph.
+    let steepest = slopes.iter().fold(1.0_f64, |m, s| m.max(*s));
+    let width = (0.18 * span).min(0.4 * (y[1] - y[0]) / steepest);
+    if curves.iter().all(|c| c.len() < 2) || width <= 0.0 {
+        return Vec::new();
+    }
+    let mut right = x[1] - 0.12 * span;
+    let mut out = Vec::new();
+    for &slope in slopes {
+        let left = right - width;
+        // The hypotenuse keeps its distance to the lowest point of all curves beside it.
+        let heights = |at: f64| curves.iter().filter_map(move |c| height(c, at));
+        let lowest = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| {
+            let above = heights(left + part * width).fold(f64::INFINITY, f64::min);
+            above - slope * part * width
+        });
+        let bottom = lowest.into_iter().fold(f64::INFINITY, f64::min) - 0.06 * (y[1] - y[0]);
+        if bottom.is_finite() {
+            let corners = [
+                (left, bottom),
+                (right, bottom),
+                (right, bottom + slope * width),
+            ];
+            out.push((slope, corners));
+        }
+        right = left - 0.1 * span;
+    }
+    out
+}
+
+/// Height of a curve at a place between its ends.
+fn height(curve: &[(f64, f64)], x: f64) -> Option<f64> {
+    let mut pairs = curve.windows(2);
+    pairs.find_map(|p| {
+        let [(a, ya), (b, yb)] = [p[0], p[1]];
+        let inside = (a.min(b)..=a.max(b)).contains(&x) && a != b;
+        inside.then(|| ya + (x - a) / (b - a) * (yb - ya))
+    })
+}
+
+fn triangle(area: &Area<'_>, slope: f64, corners: [(i32, i32); 3]) -> Result<(), PlotError> {
+    let [a, b, c] = corners;
+    let style = INK.stroke_width(FINE as u32);
+    area.draw(&PathElement::new(vec![a, b, c, a], style))?;
+    let beside = font(TEXT).pos(Pos::new(HPos::Left, VPos::Center));
+    let below = font(TEXT).pos(Pos::new(HPos::Center, VPos::Top));
+    area.draw_text(
+        &format!("{slope}"),
+        &beside,
+        (b.0 + 4 * FINE, (b.1 + c.1) / 2),
+    )?;
+    area.draw_text("1", &below, ((a.0 + b.0) / 2, b.1 + 2 * FINE))?;
+    Ok(())
+}

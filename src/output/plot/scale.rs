@@ -1,0 +1,147 @@
+//! Linear and logarithmic axes: where values lie, and at which of them there are ticks.
+
+use super::axes::tick;
+
+/// How an axis is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Division {
+    /// Equal differences are equal lengths.
+    Linear,
+    /// Equal ratios are equal lengths; values that are not positive are not drawn.
+    Logarithmic,
+}
+
+impl Division {
+    /// Where a value lies: itself, or its decimal logarithm; `None` where it cannot be drawn.
+    pub(super) fn position(self, value: f64) -> Option<f64> {
+        let position = match self {
+            Self::Linear => value,
+            Self::Logarithmic if value > 0.0 => value.log10(),
+            Self::Logarithmic => return None,
+        };
+        position.is_finite().then_some(position)
+    }
+
+    /// Ticks between two positions.
+    pub(super) fn ticks(self, range: [f64; 2], most: usize) -> Ticks {
+        match self {
+            Self::Linear => linear(range, most),
+            Self::Logarithmic => logarithmic(range, most),
+        }
+    }
+}
+
+/// The ticks of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ticks {
+    /// Positions with labels.
+    pub labelled: Vec<(f64, String)>,
+    /// Positions of small ticks without.
+    pub small: Vec<f64>,
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten.
+fn linear([low, high]: [f64; 2], most: usize) -> Ticks {
+    let size = high - low;
+    let least = size / most.max(1) as f64;
+    let decade = 10f64.powf(least.log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * decade >= least);
+    let step = factor.unwrap_or(10.0) * decade;
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    let values = (first..=last).map(|k| k as f64 * step);
+    Ticks {
+        labelled: values.map(|x| (x, tick(x, size))).collect(),
+        small: Vec::new(),
+    }
+}
+
+/// Powers of ten where there are two of them; otherwise 1, 2 and 5 times one, or every digit.
+fn logarithmic([low, high]: [f64; 2], most: usize) -> Ticks {
+    let inside = |x: &f64| (low..=high).contains(x);
+    let [from, to] = [low.floor() as i32, high.ceil() as i32];
+    let digit = |d: u8, k: i32| f64::from(d).log10() + f64::from(k);
+    let decades: Vec<i32> = (from..=to).filter(|&k| inside(&f64::from(k))).collect();
+    let all_digits = || {
+        let digits = (from..=to).flat_map(|k| (1..=9).map(move |d| (d, k)));
+        digits.filter(|&(d, k)| inside(&digit(d, k)))
+    };
+    if decades.len() < 2 {
+        let some: &[u8] = match high - low {
+            w if w < 0.4 => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+            _ => &[1, 2, 5],
+        };
+        let labelled = all_digits().filter(|(d, _)| some.contains(d));
+        let labelled = labelled.map(|(d, k)| {
+            let value = f64::from(d) * 10f64.powi(k);
+            (digit(d, k), tick(value, value))
+        });
+        return Ticks {
+            labelled: labelled.collect(),
+            small: all_digits().map(|(d, k)| digit(d, k)).collect(),
+        };
+    }
+    let stride = decades.len().div_ceil(most.max(2)) as i32;
+    let labelled = decades.iter().filter(|&&k| k.rem_euclid(stride) == 0);
+    let small = if stride == 1 {
+        all_digits().map(|(d, k)| digit(d, k)).collect()
+    } else {
+        decades.iter().map(|&k| f64::from(k)).collect()
+    };
+    Ticks {
+        labelled: labelled.map(|&k| (f64::from(k), power(k))).collect(),
+        small,
+    }
+}
+
+/// 10ᵏ in small raised digits.
+fn power(k: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = k
+        .to_string()
+        .chars()
+        .map(|c| match c.to_digit(10) {
+            Some(d) => DIGITS[d as usize],
+            None => '⁻',
+        })
+        .collect::<String>();
+    format!("10{raised}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(division: Division, range: [f64; 2]) -> Vec<String> {
+        let ticks = division.ticks(range, 6);
+        ticks.labelled.into_iter().map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn ticks_stand_at_round_numbers() {
+        assert_eq!(
+            labels(Division::Linear, [-0.1, 1.05]),
+            ["0", "0.2", "0.4", "0.6", "0.8", "1"]
+        );
+        assert_eq!(
+            labels(Division::Logarithmic, [-3.1, -0.9]),
+            ["10⁻³", "10⁻²", "10⁻¹"]
+        );
+        // 0.02 to 0.3: no two powers of ten.
+        assert_eq!(
+            labels(Division::Logarithmic, [-1.75, -0.5]),
+            ["0.02", "0.05", "0.1", "0.2"]
+        );
+        assert_eq!(
+            labels(Division::Logarithmic, [-12.5, 0.5]),
+            ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]
+        );
+    }
+
+    #[test]
+    fn what_has_no_logarithm_has_no_position() {
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Division::Logarithmic.position(value), None, "{value}");
+        }
+        assert_eq!(Division::Logarithmic.position(1e-3), Some(-3.0));
+    }
+}

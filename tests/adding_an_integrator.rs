@@ -1,0 +1,56 @@
+//! What docs/adding_an_integrator.md shows is the source, and its scheme from outside does what it
+//! claims.
+#![allow(clippy::unwrap_used)]
+
+use pullback::check;
+use pullback::integrators::dynamics::DynamicsError;
+use pullback::integrators::dynamics::scheme::{Claims, Scheme, Stage};
+
+const PAGE: &str = include_str!("../docs/adding_an_integrator.md");
+
+fn blocks(language: &str) -> Vec<&str> {
+    let parts = PAGE.split(language).skip(1);
+    parts
+        .filter_map(|part| part.split("\n```").next())
+        .collect()
+}
+
+#[test]
+fn its_code_is_the_scheme_of_the_library() {
+    let source = include_str!("../integrators/src/dynamics/scheme/bathe.rs");
+    let blocks = blocks("```rust\n");
+    assert_eq!(blocks.len(), 4);
+    assert_eq!(blocks.join("\n\n"), source.trim());
+}
+
+#[test]
+fn its_lines_stand_where_it_says() {
+    let sources = [
+        include_str!("../integrators/src/dynamics/scheme/list.rs"),
+        include_str!("../integrators/src/dynamics/scheme/mod.rs"),
+        include_str!("../integrators/tests/conformance.rs"),
+        include_str!("adding_an_integrator.rs"),
+    ];
+    let lines = blocks("```rs\n");
+    assert_eq!(lines.len(), 4);
+    for (text, source) in lines.into_iter().zip(sources) {
+        assert!(source.contains(text), "{text}");
+    }
+}
+
+/// Alexander's SDIRK of two stages (1977): order 2, L-stable, both stages with the same tangent.
+fn alexander() -> Result<Scheme, DynamicsError> {
+    let gamma = 1.0 - 0.5 * 2.0_f64.sqrt();
+    let rows = [[0.0, gamma, 0.0, 0.0], [0.0, 1.0 - gamma, gamma, 0.0]];
+    let claims = Claims {
+        order: 2,
+        limit: None,
+        symmetric: false,
+    };
+    Scheme::new("Alexander", &Stage::runge_kutta([gamma, 1.0], rows), claims)
+}
+
+#[test]
+fn a_scheme_from_outside_does_what_it_claims() {
+    check::scheme(&alexander().unwrap()).assert();
+}

@@ -1,0 +1,147 @@
+//! `pullback compare`: its files, its page, its refusals.
+#![allow(clippy::unwrap_used)]
+
+mod program_support;
+
+use program_support::{directory, files, read};
+use pullback::compare::FILES;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn compare(model: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("compare")
+        .arg(model)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A model of the examples, copied into a directory of this test.
+fn example(directory: &Path, name: &str) -> PathBuf {
+    let path = directory.join("model.toml");
+    std::fs::copy(Path::new(ROOT).join("examples/models").join(name), &path).unwrap();
+    path
+}
+
+const ASKED: [&str; 5] = [
+    "--schemes",
+    "newmark,ga:0.8",
+    "--steps",
+    "0.1,0.05,0.025",
+    "-q",
+];
+
+#[test]
+fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
+    let directory = directory("program_compare");
+    let model = example(&directory, "pendulum.toml");
+    let output = compare(&model, &ASKED);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let out = directory.join("model.compare");
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    assert_eq!(files(&out), names);
+
+    let page = read(out.join("compare.html"));
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let count = |name: &str| {
+        let tags = document
+            .descendants()
+            .filter(|n| n.tag_name().name() == name);
+        tags.count()
+    };
+    for tag in ["script", "link", "img", "iframe", "object", "image", "use"] {
+        assert_eq!(count(tag), 0, "{tag}");
+    }
+    let refers = |n: roxmltree::Node<'_, '_>| {
+        let mut names = n.attributes().map(|a| a.name());
+        names.any(|a| ["src", "href", "data", "onload", "onclick"].contains(&a))
+    };
+    assert!(!document.descendants().any(refers));
+    assert!(!page.contains("url(") && !page.contains("@import"));
+    assert_eq!(count("svg"), 4);
+    let command = document
+        .descendants()
+        .find(|n| n.attribute("class") == Some("command"));
+    let command: String = command
+        .unwrap()
+        .descendants()
+        .filter_map(|n| n.text())
+        .collect();
+    assert!(command.starts_with("pullback compare ") && command.contains(&ASKED.join(" ")));
+
+    for name in FILES.iter().filter(|name| name.ends_with(".svg")) {
+        roxmltree::Document::parse(&read(out.join(name))).unwrap();
+    }
+    let csv = read(out.join("compare.csv"));
+    let widths: Vec<usize> = csv.lines().map(|l| l.split(',').count()).collect();
+    assert_eq!(widths, vec![widths[0]; 7]);
+    let json: serde_json::Value = serde_json::from_str(&read(out.join("compare.json"))).unwrap();
+    assert_eq!(json["complete"], true);
+    let rows = json["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 6);
+    // What the tables say is the same.
+    let heads: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = heads.iter().position(|h| *h == "error_position").unwrap();
+    for (row, line) in rows.iter().zip(csv.lines().skip(1)) {
+        let cell: f64 = line.split(',').nth(column).unwrap().parse().unwrap();
+        assert_eq!(row["error"]["position"].as_f64().unwrap(), cell);
+    }
+}
+
+#[test]
+fn what_lies_in_its_directory_and_is_not_its_own_stays() {
+    let directory = directory("program_compare_again");
+    let model = example(&directory, "pendulum.toml");
+    let out = directory.join("results");
+    std::fs::create_dir(&out).unwrap();
+    for name in ["result.json", "history.csv", "compare.json", "drift.svg"] {
+        std::fs::write(out.join(name), "{}").unwrap();
+    }
+    let asked = [&ASKED[..], &["--out", out.to_str().unwrap()]].concat();
+    // A refusal changes nothing.
+    let refused = compare(
+        &model,
+        &[&asked[..], &["--reference", "newmark:0.3025:0.6"]].concat(),
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(read(out.join("drift.svg")), "{}");
+    assert!(compare(&model, &asked).status.success());
+    assert_eq!(read(out.join("result.json")), "{}");
+    assert_eq!(read(out.join("history.csv")), "{}");
+    assert_ne!(read(out.join("drift.svg")), "{}");
+}
+
+#[test]
+fn refusals_name_what_is_wrong() {
+    let directory = directory("program_compare_refusals");
+    let model = example(&directory, "pendulum.toml");
+    for (schemes, steps, word) in [
+        ("newmark,leapfog", "0.1,0.05", "leapfog"),
+        ("hht:-0.5", "0.1,0.05", "alpha of HHT = -0.5"),
+        ("newmark", "0.05,0.1", "0.1 comes after 0.05"),
+        ("newmark", "-0.1,0.05", "step size -0.1"),
+        ("newmark", "NaN,0.05", "step size NaN"),
+        ("newmark", "11,0.05", "11 is larger than the duration 10"),
+        ("newmark", "0.1", "two step sizes"),
+        ("newmark", "0.1,x", "x"),
+    ] {
+        let output = compare(&model, &["--schemes", schemes, "--steps", steps]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+    let statics = example(&directory, "cantilever.toml");
+    let output = compare(&statics, &ASKED);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("not dynamic"));
+    assert_eq!(files(&directory), ["model.toml"]);
+}

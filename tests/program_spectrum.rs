@@ -1,0 +1,100 @@
+//! `pullback spectrum`: its table, its files, what it refuses.
+#![allow(clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn spectrum(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("spectrum")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn directory() -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("spectrum");
+    std::fs::remove_dir_all(&path).ok();
+    path
+}
+
+#[test]
+fn files_say_what_theory_says() {
+    let directory = directory();
+    let out = directory.to_str().unwrap();
+    let output = spectrum(&["--out", out]);
+    assert!(output.status.success());
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("central-difference"), "{table}");
+    let read = |name: &str| std::fs::read_to_string(directory.join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
+    let command = json["command"].as_str().unwrap();
+    assert!(command.starts_with("pullback spectrum --out"), "{command}");
+    let schemes = json["schemes"].as_array().unwrap();
+    assert_eq!(schemes.len(), 7);
+    let mut lines = 1;
+    for scheme in schemes {
+        // By steps and in closed form.
+        assert!(
+            scheme["defect"].as_f64().unwrap() < 1e-12,
+            "{}",
+            scheme["scheme"]
+        );
+        lines += scheme["points"].as_array().unwrap().len();
+    }
+    let csv = read("spectrum.csv");
+    assert_eq!(csv.lines().count(), lines);
+    let columns = csv.lines().map(|line| line.split(',').count());
+    assert!(columns.into_iter().all(|count| count == 12));
+    // The trapezoidal rule: tan(ω̄h/2) = Ω/2, no damping, q₁/q₀ = (4 − Ω²)/(4 + Ω²).
+    for point in schemes[0]["points"].as_array().unwrap() {
+        let number = |key: &str| point[key].as_f64().unwrap();
+        let omega = number("Omega");
+        let elongation = omega / (2.0 * (0.5 * omega).atan()) - 1.0;
+        // Eigenvalues lie as close as 2Ω to each other, or to −1.
+        let close = 1e-14 * (1.0 / (omega * omega) + omega * omega);
+        assert!((number("elongation") - elongation).abs() < close, "{omega}");
+        assert!((number("radius") - 1.0).abs() < 1e-12);
+        let square = omega * omega;
+        assert!((number("rest_place") - (4.0 - square) / (4.0 + square)).abs() < 1e-12);
+    }
+    for figure in ["spectrum.svg", "overshoot.svg"] {
+        let text = read(figure);
+        let svg = roxmltree::Document::parse(&text).unwrap();
+        let lines = svg
+            .descendants()
+            .filter(|n| n.has_tag_name("polyline"))
+            .count();
+        assert!(lines > 14, "{figure}: {lines} lines");
+    }
+    // Nothing of an earlier call stays.
+    assert!(
+        spectrum(&["--schemes", "bathe", "--out", out])
+            .status
+            .success()
+    );
+    let json: Value = serde_json::from_str(&read("spectrum.json")).unwrap();
+    assert_eq!(json["schemes"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn what_it_refuses() {
+    for (arguments, text) in [
+        (
+            &["--schemes", "ga:2"][..],
+            "rho of Chung-Hulbert = 2.0 is outside its range",
+        ),
+        (
+            &["--schemes", "gaa"],
+            "scheme `gaa`: no scheme is called so; there are",
+        ),
+        (&["--from", "-1"], "Ω from -1 to 1000 is no range"),
+        (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),
+    ] {
+        let output = spectrum(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(text), "{said}");
+    }
+}
