@@ -66,7 +66,7 @@ pub struct Description {
 /// coordinates and the parameters p.
 ///
 /// q = 0 is the configuration at which it was made. The split of x into q and dependent coordinates
-/// is changed in the run as for [`Solved`](super::Solved); where no split is good q are coordinates
+/// is changed in the run as for [`Solved`](super::Solved), but only where it has become bad; where no split is good q are coordinates
 /// in the tangent space.
 pub struct Closed(Mutex<core::Core>);
 
