@@ -21,6 +21,7 @@ mod loops;
 mod motion;
 mod placement;
 mod query;
+mod rates;
 mod sheets;
 mod slots;
 
