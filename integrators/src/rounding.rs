@@ -1,9 +1,23 @@
-//! When a residual is nothing but rounding errors.
+//! The scales of coordinates, and when a residual is nothing but rounding errors.
 
 use pullback_manifold::system::{Scales, System};
 
+/// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
+pub(crate) const SMALL: f64 = 1e-6;
+
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
 const TERMS: f64 = 16.0;
+
+/// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual that
+/// they leave.
+pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
+    let scales = system.scales().coordinate;
+    let scale = |i: usize| match system.is_multiplier(i) {
+        true => 0.0,
+        false => 1.0 / scales[system.kind(i).index()],
+    };
+    (0..system.pattern().dim()).map(scale).collect()
+}
 
 /// Whether every residual is below what the rounding of the coordinates makes of it,
 /// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).

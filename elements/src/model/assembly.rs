@@ -50,6 +50,25 @@ pub(super) struct Workspace {
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
+    pub dead_loads: DeadLoads,
+}
+
+/// Loads that read nothing but the time, summed up: a step asks for them at one time again and again.
+#[derive(Default)]
+pub(super) struct DeadLoads {
+    /// The time of these; none when it is not known which loads are in it.
+    t: Option<f64>,
+    /// Their residual at all nodes.
+    r: Vec<f64>,
+    /// Their largest entries per kind.
+    force: [f64; 3],
+}
+
+impl DeadLoads {
+    /// Elements see their nodes in other charts than before.
+    pub(super) fn forget(&mut self) {
+        self.t = None;
+    }
 }
 
 impl Workspace {
@@ -96,6 +115,10 @@ impl Workspace {
             accelerations_asked: None,
             sheets: Sheets::default(),
             scales,
+            dead_loads: DeadLoads {
+                r: zeros(total),
+                ..DeadLoads::default()
+            },
         }
     }
 }
@@ -106,10 +129,6 @@ impl Model {
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         let statics = at.v.is_empty();
         let w = &mut self.work;
-        w.t = at.t;
-        for (&c, q) in self.coordinates.iter().zip(at.q) {
-            w.x[c] = *q;
-        }
         if !statics {
             for ((&c, v), a) in self.coordinates.iter().zip(at.v).zip(at.a) {
                 (w.v[c], w.a[c]) = (*v, *a);
@@ -119,11 +138,22 @@ impl Model {
             w.a.fill(0.0);
         }
         (w.stirred, w.moving) = (!statics, !statics);
+        self.expand_places(at.t, at.q)
+    }
+
+    /// Coordinates of all nodes. Those of prescribed and dependent ones come with their rates, which
+    /// make sense where those of the others are set.
+    fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
+        let w = &mut self.work;
+        w.t = t;
+        for (&c, q) in self.coordinates.iter().zip(q) {
+            w.x[c] = *q;
+        }
         for p in &self.prescribed {
             // In statics the velocity of a prescribed coordinate is its rate with the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
-            [w.x[c], w.v[c], w.a[c]] = p.function.at(at.t);
+            [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
             w.moving |= w.v[c] != 0.0;
         }
         for (node, turns) in &self.driven_rotations {
@@ -137,10 +167,36 @@ impl Model {
         }
         // A map may move by itself: rates of dependent nodes are read in any case.
         w.moving |= !self.dependent.is_empty();
-        self.expand_dependent(at.t)
+        self.expand_dependent(t)
     }
 
-    /// Adds all elements: residuals to the nodes, tangents into `S`.
+    /// Sets residual and scales to those of the dead loads.
+    fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
+        let w = &mut self.work;
+        if w.dead_loads.t != Some(t) {
+            w.dead_loads.forget();
+            w.dead_loads.r.fill(0.0);
+            w.scales.force = [0.0; 3];
+            for e in self.elements.iter().filter(|e| e.reads_only_time()) {
+                let local = &mut w.local;
+                local
+                    .evaluate(e, t, true, None, false, false)
+                    .map_err(|error| named(error, &e.name))?;
+                if e.load {
+                    local.measure_load(e, &self.nodes, &mut w.scales);
+                }
+                local.add_residual(e, &self.spans, &mut w.dead_loads.r);
+            }
+            w.dead_loads.force = w.scales.force;
+            w.dead_loads.t = Some(t);
+        }
+        w.r.copy_from_slice(&w.dead_loads.r);
+        w.scales.force = w.dead_loads.force;
+        Ok(())
+    }
+
+    /// Adds all elements (but for dead loads, unless rates are wanted): residuals to the nodes,
+    /// tangents into `S`.
     pub(super) fn add_elements(
         &mut self,
         t: f64,
@@ -154,9 +210,11 @@ impl Model {
             if e.overturned {
                 return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
             }
+            if !rates && e.reads_only_time() {
+                continue;
+            }
             let n = e.element.dim();
-            // A dead load that is seen as it is stored reads nothing but the time.
-            if !e.dead || e.switched != 0 {
+            if !e.reads_only_time() {
                 local.gather(e, &self.spans, &w.x);
                 local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
                 if w.has_previous {
@@ -247,9 +305,13 @@ impl System for Model {
         let Evaluation { r, mut S, r_t } = out;
         self.check_left_out()?;
         self.expand(at)?;
-        self.work.r.fill(0.0);
-        self.work.r_t.fill(0.0);
-        self.work.scales.force = [0.0; 3];
+        if rates {
+            self.work.r.fill(0.0);
+            self.work.r_t.fill(0.0);
+            self.work.scales.force = [0.0; 3];
+        } else {
+            self.begin_with_dead_loads(at.t)?;
+        }
         if let Some((_, values)) = &mut S {
             self.placement.clear_unwritten(values);
         }
@@ -277,7 +339,7 @@ impl System for Model {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.expand(previous)?;
+        self.expand_places(previous.t, previous.q)?;
         std::mem::swap(&mut self.work.x, &mut self.work.previous);
         self.work.has_previous = true;
         let outcome = self.evaluate(at, out);

@@ -212,6 +212,13 @@ struct Attached {
     first_place: usize,
 }
 
+impl Attached {
+    /// A dead load that is seen as it is stored.
+    fn reads_only_time(&self) -> bool {
+        self.dead && self.switched == 0
+    }
+}
+
 /// A coordinate that is a given function of time.
 struct Prescribed {
     coordinate: usize,

@@ -33,6 +33,8 @@ struct Place {
     /// Whether it is written here for the first time in an assembly, so that nothing has to be
     /// cleared beforehand.
     first: bool,
+    /// Whether both nodes are frames without supports: the block is full, six by six.
+    frames: bool,
 }
 
 impl Placement {
@@ -75,6 +77,10 @@ impl Placement {
                 }
             }
             let own = &self.nodes[e.first_block..];
+            let frame = |n: u32| {
+                let rows = &self.rows[nodes[n as usize].range()];
+                rows.len() == 6 && !rows.contains(&NONE)
+            };
             e.blocks = own.len();
             e.pulled = own.iter().map(|&n| nodes[n as usize].dim).sum();
             for &nj in own {
@@ -87,8 +93,11 @@ impl Placement {
                         Some(start) if !e.dead => !std::mem::replace(&mut written[start], true),
                         _ => false,
                     };
-                    let start = start.map_or(NONE, |s| s as u32);
-                    self.places.push(Place { start, first });
+                    self.places.push(Place {
+                        start: start.map_or(NONE, |s| s as u32),
+                        first,
+                        frames: frame(ni) && frame(nj),
+                    });
                 }
             }
         }
@@ -120,7 +129,9 @@ impl Placement {
                 let rows = &self.rows[spans[ni as usize].range()];
                 if place.start != NONE {
                     let (S, values) = (&S[row + column * d..], &mut values[place.start as usize..]);
-                    if place.first {
+                    if place.frames {
+                        add_frames(place.first, S, d, values);
+                    } else if place.first {
                         visit_block(rows, columns, S, d, values, |value, s| *value = s);
                     } else {
                         visit_block(rows, columns, S, d, values, |value, s| *value += s);
@@ -162,6 +173,24 @@ impl Placement {
     }
 }
 
+/// Takes the block of two frames to its values, or adds it to them; `S` has leading dimension d.
+#[inline(always)]
+fn add_frames(first: bool, S: &[f64], d: usize, values: &mut [f64]) {
+    let values = values[..36].as_chunks_mut::<6>().0;
+    for (values, S) in values.iter_mut().zip(S.chunks(d)) {
+        let Some(S) = S.first_chunk::<6>() else {
+            return;
+        };
+        if first {
+            *values = *S;
+        } else {
+            for (value, s) in values.iter_mut().zip(S) {
+                *value += s;
+            }
+        }
+    }
+}
+
 /// Takes one dense block to its values, leaving out prescribed rows and columns; `S` has leading
 /// dimension d.
 #[inline(always)]
@@ -175,17 +204,6 @@ fn visit_block(
 ) {
     let free = |rows: &[u32]| rows.iter().filter(|&&r| r != NONE).count();
     let height = free(rows);
-    if let (Ok(rows), Ok(columns)) = (<&[u32; 6]>::try_from(rows), <&[u32; 6]>::try_from(columns))
-        && free(rows) == 6
-        && free(columns) == 6
-    {
-        for (c, values) in values[..36].chunks_exact_mut(6).enumerate() {
-            for (value, s) in values.iter_mut().zip(&S[c * d..c * d + 6]) {
-                put(value, *s);
-            }
-        }
-        return;
-    }
     for (c, &column) in columns.iter().enumerate() {
         if column == NONE {
             continue;

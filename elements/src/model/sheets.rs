@@ -72,6 +72,7 @@ impl Model {
         for (e, &switched) in self.elements.iter_mut().zip(charts) {
             e.switched = switched;
         }
+        self.work.dead_loads.forget();
         self.work.sheets.given = true;
     }
 
@@ -102,6 +103,7 @@ impl Model {
             std::mem::swap(now, previous);
         }
         let known = now.is(after);
+        self.work.dead_loads.forget();
         for (k, e) in self.elements.iter_mut().enumerate() {
             e.overturned = false;
             match (*given, known) {
@@ -168,6 +170,9 @@ impl Model {
             let switched = best(e, seen, after, possible);
             changed |= switched != e.switched;
             e.switched = switched;
+        }
+        if changed {
+            self.work.dead_loads.forget();
         }
         if now.t != t {
             std::mem::swap(now, previous);

@@ -7,7 +7,6 @@ use super::scheme::{STAGES, inverse};
 use super::step::{Predictor, Stepper};
 use super::together::Together;
 use super::{Scheme, State};
-use pullback_manifold::system::System;
 use std::ops::Range;
 
 #[derive(Clone)]
@@ -66,6 +65,24 @@ impl Stepper {
         let filter = scheme.filter();
         let (done, rest) = self.stages.split_at_mut(group.start);
         let origin = done.last().map_or(state, |stage| &stage.state);
+        let velocity = self.options.predictor == Predictor::Velocity;
+        // Most schemes have one stage: what the general rule below comes to, in one pass.
+        if let ([row], [], Some(inverse), [stage]) = (rows, &*done, &group.inverse, &mut *rest) {
+            let way = if velocity { h } else { 0.0 };
+            let (given, out) = (state, &mut stage.state);
+            let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
+            let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
+            let places = out.q.iter_mut().zip(&given.q);
+            for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in places.zip(rates).zip(old) {
+                let aim = way * v_old;
+                let known = row.c * h * v_old + h * h * row.q[0] * y_old;
+                *y = inverse[0][0] * (aim - known) / (h * h);
+                *q = q_old + aim;
+                *v = v_old + h * (row.v[0] * y_old + row.v[1] * *y);
+                *a = filter[0] * *y + filter[1] * y_old + filter[2] * a_old;
+            }
+            return;
+        }
         for c in 0..state.q.len() {
             let y_old = state.algorithmic[c];
             // The parts of qᵢ − qₙ and of q̇ᵢ that are known, and where qᵢ − qₙ should go.
@@ -78,9 +95,9 @@ impl Stepper {
                 }
                 known[0][i] = row.c * h * state.v[c] + h * h * sums[0];
                 known[1][i] = state.v[c] + h * sums[1];
-                let way = match self.options.predictor {
-                    Predictor::Keep => 0.0,
-                    Predictor::Velocity => (rest[i].state.t - origin.t) * origin.v[c],
+                let way = match velocity {
+                    true => (rest[i].state.t - origin.t) * origin.v[c],
+                    false => 0.0,
                 };
                 aim[i] = origin.q[c] - state.q[c] + way;
             }
@@ -114,46 +131,71 @@ impl Stepper {
 
     /// Corrects the stages of a group; the largest correction relative to the scales of the
     /// coordinates.
-    pub(super) fn correct<Y: System + ?Sized>(
-        &mut self,
-        system: &Y,
-        step: Attempt<'_>,
-        group: &Group,
-    ) -> f64 {
+    pub(super) fn correct(&mut self, step: Attempt<'_>, group: &Group) -> f64 {
         let Attempt { scheme, h, .. } = step;
-        let scales = system.scales().coordinate;
         let mut largest = 0.0_f64;
         for k in group.range() {
             let row = &scheme.stages()[k];
-            let m = scheme.filter()[0];
             let StageState { state, before } = &mut self.stages[k];
             before.copy_from_slice(&state.q);
-            for c in 0..state.q.len() {
-                let [dq, dv, dy] = if group.len() == 1 {
-                    let dy = group.unit * self.dq[c];
-                    [row.q[1 + k] * dy, row.v[1 + k] * dy, dy]
-                } else {
-                    let dy = |i| self.dq[place(&self.together, group, i, c)];
-                    let (mut dq, mut dv) = (0.0, 0.0);
-                    for (i, j) in group.range().enumerate() {
-                        dq += row.q[1 + j] * dy(i);
-                        dv += row.v[1 + j] * dy(i);
-                    }
-                    [dq, dv, dy(k - group.start)].map(|d| group.unit * d)
-                };
-                state.q[c] += dq;
-                state.v[c] += dv / h;
-                state.algorithmic[c] += dy / (h * h);
-                state.a[c] += m * dy / (h * h);
-                // What an explicit stage finds is h² y.
-                let size = if group.inverse.is_some() { dq } else { dy };
-                // Multipliers are judged by the residual that they leave.
-                if !system.is_multiplier(c) {
-                    largest = largest.max(size.abs() / scales[system.kind(c).index()]);
+            let implicit = group.inverse.is_some();
+            let coordinates = state.q.iter_mut().zip(&mut state.v);
+            let accelerations = state.algorithmic.iter_mut().zip(&mut state.a);
+            let all = coordinates.zip(accelerations).zip(&self.inverse_scale);
+            if group.len() == 1 {
+                let by = Gains::new(scheme, group, [row.q[1 + k], row.v[1 + k], 1.0], h);
+                for ((((q, v), (y, a)), scale), d) in all.zip(&self.dq) {
+                    by.add(*d, [q, v, y, a]);
+                    // What an explicit stage finds is h² y.
+                    let size = if implicit { by.q * d } else { by.unit * d };
+                    largest = largest.max((size * scale).abs());
                 }
+                continue;
+            }
+            for (c, (((q, v), (y, a)), scale)) in all.enumerate() {
+                let before = *q;
+                for (i, j) in group.range().enumerate() {
+                    let own = f64::from(u8::from(j == k));
+                    let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
+                    let d = self.dq[place(&self.together, group, i, c)];
+                    by.add(d, [q, v, y, a]);
+                }
+                largest = largest.max(((*q - before) * scale).abs());
             }
         }
         largest
+    }
+}
+
+/// What an unknown of a group adds to the motion of one of its stages.
+struct Gains {
+    /// To h² y.
+    unit: f64,
+    q: f64,
+    v: f64,
+    y: f64,
+    a: f64,
+}
+
+impl Gains {
+    /// From the weights of the unknown's y in q, q̇ and y of the stage.
+    fn new(scheme: &Scheme, group: &Group, [q, v, y]: [f64; 3], h: f64) -> Self {
+        let unit = group.unit * y;
+        Self {
+            unit,
+            q: group.unit * q,
+            v: group.unit * v / h,
+            y: unit / (h * h),
+            a: scheme.filter()[0] * unit / (h * h),
+        }
+    }
+
+    #[inline(always)]
+    fn add(&self, d: f64, [q, v, y, a]: [&mut f64; 4]) {
+        *q += self.q * d;
+        *v += self.v * d;
+        *y += self.y * d;
+        *a += self.a * d;
     }
 }
 

@@ -7,9 +7,9 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::is_rounding;
+use crate::rounding::{SMALL, inverse_scales, is_rounding};
 use crate::statics::Iteration;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
 /// Where Newton's iteration of a step begins; velocities and accelerations follow by the scheme.
 ///
@@ -52,6 +52,11 @@ pub(crate) struct Stepper {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
+    /// What each coordinate measures.
+    kinds: Vec<Kind>,
+    /// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual
+    /// that they leave.
+    pub(super) inverse_scale: Vec<f64>,
     /// Room for the test of rounding errors.
     room: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
@@ -93,6 +98,8 @@ impl Stepper {
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
+            kinds: (0..n).map(|i| system.kind(i)).collect(),
+            inverse_scale: inverse_scales(system),
             room: [zeros(), zeros()],
             options: newton,
         })
@@ -156,7 +163,7 @@ impl Stepper {
                 ratio = ratio.max(residual / allowed.max(f64::MIN_POSITIVE));
             }
             let before = self.history[earlier..].last();
-            let stagnates = before.is_some_and(|i| ratio > 0.1 * i.ratio);
+            let stagnates = before.is_some_and(|i| i.correction < SMALL && ratio > 0.1 * i.ratio);
             let converged = ratio <= 1.0 || (stagnates && self.is_rounding(system, group));
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
@@ -170,7 +177,7 @@ impl Stepper {
                 self.evaluate(system, step, group, first, true)?;
             }
             self.solve(solver, group, fresh)?;
-            let correction = self.correct(system, step, group);
+            let correction = self.correct(step, group);
             self.record(residual, ratio, correction, 1.0);
             let start = self.history[earlier].ratio;
             if !(correction.is_finite() && ratio <= 1e12 * start) {
@@ -236,11 +243,15 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            let i = k - group.start;
+            for (r, kind) in self.r.iter().zip(&self.kinds) {
+                residual[kind.index()] = residual[kind.index()].max(r.abs());
+            }
+            if group.len() == 1 {
+                self.dq[..self.r.len()].copy_from_slice(&self.r);
+                continue;
+            }
             for (c, r) in self.r.iter().enumerate() {
-                let kind = system.kind(c).index();
-                residual[kind] = residual[kind].max(r.abs());
-                self.dq[place(&self.together, group, i, c)] = *r;
+                self.dq[place(&self.together, group, k - group.start, c)] = *r;
             }
         }
         Ok(residual)

@@ -21,7 +21,7 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
-use crate::rounding::is_rounding;
+use crate::rounding::{SMALL, inverse_scales, is_rounding};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -68,7 +68,6 @@ impl Newton {
     pub(super) fn new<Y: System + ?Sized>(system: &Y, options: &NewtonOptions) -> Self {
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
-        let scales = system.scales();
         Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
@@ -77,13 +76,7 @@ impl Newton {
             q_lambda: zeros(),
             trial: zeros(),
             simplified: zeros(),
-            // Multipliers are judged by the residual that they leave.
-            inverse_scale: (0..n)
-                .map(|i| match system.is_multiplier(i) {
-                    true => 0.0,
-                    false => 1.0 / scales.coordinate[system.kind(i).index()],
-                })
-                .collect(),
+            inverse_scale: inverse_scales(system),
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             evaluations: 0,
             factorisations: 0,
@@ -180,7 +173,8 @@ impl Newton {
 
     /// Whether the last correction left rounding errors only, which the next one cannot mend.
     fn is_rounding<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], ratio: f64) -> bool {
-        let stagnates = |i: &Iteration| i.damping > 0.0 && ratio > 0.1 * i.ratio;
+        let stagnates =
+            |i: &Iteration| i.damping > 0.0 && i.correction < SMALL && ratio > 0.1 * i.ratio;
         self.history.last().is_some_and(stagnates) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
