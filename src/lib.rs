@@ -86,6 +86,7 @@ pub mod cli;
 pub mod compare;
 pub mod gallery;
 pub mod input;
+pub mod method;
 pub mod output;
 pub mod probe;
 pub mod run;

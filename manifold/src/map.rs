@@ -119,6 +119,23 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         false
     }
 
+    /// Whether the rates of the last three coordinates θ are spins at present: Ω = T θ̇ and
+    /// Ω̇ = T θ̈ + Ṫ θ̇ (\[M04\] (50)) stand where velocities and accelerations stand. The model takes
+    /// them to θ̇ and θ̈ before it asks the map ([`so3::Spin`](crate::so3::Spin)); false by default.
+    fn spins(&self) -> bool {
+        false
+    }
+
+    /// See [`Parametrization::memory`]; nothing by default.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// See [`Parametrization::recall`].
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        memory.is_empty()
+    }
+
     /// Why q is outside of the domain, in words that follow "joint at node a: "; nothing by
     /// default.
     fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
@@ -235,6 +252,11 @@ pub trait Parametrization: Send + Sync {
         false
     }
 
+    /// See [`Map::spins`].
+    fn spins(&self) -> bool {
+        false
+    }
+
     /// See [`Map::trouble`].
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
@@ -331,6 +353,18 @@ where
 
     fn rewrites(&self) -> bool {
         self.0.rewrites()
+    }
+
+    fn spins(&self) -> bool {
+        self.0.spins()
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.0.memory()
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        self.0.recall(memory)
     }
 
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {

@@ -14,7 +14,8 @@ pub(super) struct Arguments {
     /// Model file (TOML; see docs/model_file.md) with a dynamic analysis.
     model: PathBuf,
     /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
-    /// all there are.
+    /// all there are. A prefix chooses the formulation of rotations: ul-ga:0.8 (updated
+    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (Simo & Vu-Quoc).
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
     /// Step sizes, from large to small.
@@ -89,7 +90,7 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
     let ran = asked.options().and_then(|options| {
         // Every run has a model of its own, of the file as it is now.
         let file = registry.load(model)?.file;
-        let make = || registry.job(&source, &file);
+        let make = |formulation| registry.job_in(&source, &file, formulation);
         compare::run(&make, &source, Some(command), &directory, &options, &watch)
     });
     progress.clear();

@@ -26,9 +26,9 @@
 //! step = 0.01
 //! "#;
 //! let file = input::parse("body.toml", text)?;
-//! let schemes = vec!["newmark".parse()?, "ga:0.8".parse()?];
+//! let schemes = vec!["newmark".parse()?, "lie-ga:0.8".parse()?];
 //! let options = Options::new(schemes, vec![0.04, 0.02, 0.01]);
-//! let make = || input::job("body.toml", &file);
+//! let make = |formulation| input::job_in("body.toml", &file, formulation);
 //! let comparison = compare(&make, "body.toml", &options, &Watch::NOBODY)?;
 //! for scheme in &comparison.orders {
 //!     let order = scheme.of(Quantity::Rotation).ok_or("no order")?;
@@ -58,7 +58,9 @@ pub use tables::summary;
 pub use write::{FILES, default_directory, run};
 
 use crate::solve::{Counts, begin};
+use crate::method::Method;
 use grid::Grid;
+use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{Progress, Scheme, start};
 use run::{Failure, Ran, Task, dynamic, side_by_side};
 use serde::Serialize;
@@ -69,8 +71,8 @@ use std::sync::PoisonError;
 /// What is compared.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The schemes.
-    pub schemes: Vec<Scheme>,
+    /// The schemes, each with its formulation of rotations.
+    pub schemes: Vec<Method>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
     /// Scheme of the reference; by default Radau IIA of two stages, of order 3, which damps what no
@@ -84,7 +86,7 @@ pub struct Options {
 
 impl Options {
     /// Schemes at step sizes, everything else by default.
-    pub fn new(schemes: Vec<Scheme>, steps: Vec<f64>) -> Self {
+    pub fn new(schemes: Vec<Method>, steps: Vec<f64>) -> Self {
         Self {
             schemes,
             steps,
@@ -160,6 +162,8 @@ impl Row {
 pub struct SchemeOrders {
     /// The scheme.
     pub scheme: String,
+    /// What its formulation of rotations is.
+    pub formulation: &'static str,
     /// Its order in theory.
     pub theory: usize,
     /// The order observed in each quantity, where one can be, in the order of [`Quantity::ALL`].
@@ -220,7 +224,7 @@ struct Prepared {
 }
 
 fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
-    let mut job = make()?;
+    let mut job = make(Formulation::Total)?;
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
     let grid = Grid::new(plan.options.to, &options.steps)?;
     if options.schemes.is_empty() {
@@ -278,10 +282,10 @@ fn carry_out(
         title,
     } = prepared;
     let mut tasks = reference::tasks(&reference, &grid).to_vec();
-    let own = options.schemes.iter().flat_map(|&scheme| {
+    let own = options.schemes.iter().flat_map(|&method| {
         grid.counts.iter().map(move |&steps| Task {
-            name: scheme.to_string(),
-            scheme,
+            name: method.to_string(),
+            method,
             steps,
             relative: f64::INFINITY,
         })
@@ -374,7 +378,7 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
     }
 }
 
-fn orders(schemes: &[Scheme], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
+fn orders(schemes: &[Method], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
     let observed = |name: &str, quantity: Quantity| {
         let own = rows.iter().filter(|row| row.scheme == name);
         let error = |row: &Row| {
@@ -385,10 +389,11 @@ fn orders(schemes: &[Scheme], rows: &[Row], reference: Option<&Reference>) -> Ve
         let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
         fit(&errors, reference?.error.of(quantity))
     };
-    let of = |scheme: &Scheme| {
-        let name = scheme.to_string();
+    let of = |method: &Method| {
+        let name = method.to_string();
         SchemeOrders {
-            theory: scheme.order(),
+            formulation: method.about(),
+            theory: method.scheme().order(),
             observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
             scheme: name,
         }

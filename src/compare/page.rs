@@ -183,6 +183,25 @@ fn orders(out: &mut String, c: &Comparison) {
         cells(out, false, 1, &row);
     }
     end_table(out);
+    formulations(out, c);
+}
+
+/// What the rotations are in each scheme, where they are not the same in all.
+fn formulations(out: &mut String, c: &Comparison) {
+    let first = c.orders.first().map(|o| o.formulation);
+    if c.orders.iter().all(|o| Some(o.formulation) == first) {
+        return;
+    }
+    put(out, "<p>Rotations of frames are unknowns in these formulations:</p>\n<ul>\n");
+    for scheme in &c.orders {
+        let line = format!(
+            "<li><code>{}</code>: {}</li>\n",
+            escaped(&scheme.scheme),
+            escaped(scheme.formulation)
+        );
+        put(out, &line);
+    }
+    put(out, "</ul>\n");
 }
 
 fn describe(out: &mut String, r: &Reference) {

@@ -4,6 +4,7 @@ use super::Kept;
 use super::grid::Grid;
 use super::run::{Ran, Task};
 use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
+use crate::method::Method;
 use nalgebra::Vector3;
 use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
@@ -55,7 +56,7 @@ pub struct Reference {
 pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
         name: format!("reference, {scheme}"),
-        scheme: *scheme,
+        method: Method::from(*scheme),
         steps: factor * grid.finest(),
         relative: TIGHT,
     })

@@ -4,8 +4,10 @@ use super::grid::Grid;
 use super::sample::Sample;
 use crate::input::{DynamicPlan, InputError, Job, Plan};
 use crate::solve::point;
+use crate::method::Method;
+use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Summary, integrate, start,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,
 };
 use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
@@ -13,8 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Makes the model of a comparison: each run has one of its own.
-pub type Maker<'a> = dyn Fn() -> Result<Job, InputError> + Sync + 'a;
+/// Makes the model of a comparison in a formulation of rotations: each run has one of its own.
+pub type Maker<'a> = dyn Fn(Formulation) -> Result<Job, InputError> + Sync + 'a;
 
 /// Who looks on, from whatever thread.
 pub struct Watch<'a> {
@@ -36,7 +38,7 @@ impl Watch<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     pub name: String,
-    pub scheme: Scheme,
+    pub method: Method,
     pub steps: usize,
     /// Residual relative to the forces, where it is smaller than that of the model file.
     pub relative: f64,
@@ -93,7 +95,7 @@ fn options(task: &Task, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
     let step = grid.step(task.steps);
     let newton = plan.options.newton;
     DynamicOptions {
-        scheme: task.scheme,
+        scheme: task.method.scheme(),
         step,
         min_step: 1e-6 * step,
         adaptivity: None,
@@ -124,7 +126,7 @@ fn advance(
     watch: &Watch<'_>,
     ran: &mut Ran,
 ) -> Result<(), Failure> {
-    let mut job = make()?;
+    let mut job = make(task.method.formulation())?;
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
     };
@@ -167,7 +169,7 @@ pub(super) fn clock(
     let mut least: Option<Duration> = None;
     let mut spent = Duration::ZERO;
     for _ in 0..REPETITIONS {
-        let mut job = make().ok()?;
+        let mut job = make(task.method.formulation()).ok()?;
         let options = DynamicOptions {
             energies: false,
             ..options(task, grid, dynamic(&job.plan)?)

@@ -42,6 +42,8 @@ pub(super) struct Workspace {
     pub local: Local,
     /// Accelerations of a map's coordinates, while it changes their meaning.
     pub accelerations: Vec<Vec<f64>>,
+    /// Parts C and M of a tangent, while rates are spins.
+    pub parts: [Vec<f64>; 2],
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
@@ -91,6 +93,7 @@ impl Workspace {
             operators: Operators::new(operators),
             local: Local::new(n, masters),
             accelerations: Vec::new(),
+            parts: [Vec::new(), Vec::new()],
             kept: Vec::new(),
             handed_over: false,
             accelerations_asked: None,
@@ -137,6 +140,9 @@ impl Model {
         }
         // A map may move by itself: rates of dependent nodes are read in any case.
         w.moving |= !self.dependent.is_empty();
+        if !statics {
+            self.take_spins();
+        }
         self.expand_dependent(at.t)
     }
 
@@ -214,6 +220,41 @@ impl Model {
         force[0] = f.max(m / length);
         force[1] = m.max(f * length);
     }
+
+    /// The residual and the tangent for rates of coordinates.
+    pub(super) fn assemble(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let statics = at.v.is_empty();
+        let rates = out.r_t.is_some();
+        let Evaluation { r, mut S, r_t } = out;
+        self.check_left_out()?;
+        self.expand(at)?;
+        self.work.r.fill(0.0);
+        self.work.r_t.fill(0.0);
+        self.work.scales.force = [0.0; 3];
+        if let Some((_, values)) = &mut S {
+            self.placement.clear_unwritten(values);
+        }
+        let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
+        self.add_elements(at.t, statics, borrow, rates)?;
+        self.pull_back_nodes(at.t, S, rates);
+        self.measure_reactions();
+        for (u, &c) in self.coordinates.iter().enumerate() {
+            r[u] = self.work.r[c];
+            if !r[u].is_finite() {
+                return Err(SystemError::NotFinite { what: self.name(u) });
+            }
+        }
+        if let Some(r_t) = r_t {
+            for (u, &c) in self.coordinates.iter().enumerate() {
+                r_t[u] = self.work.r_t[c];
+            }
+        }
+        Ok(())
+    }
 }
 
 pub(super) fn named(error: ElementError, name: &str) -> SystemError {
@@ -242,33 +283,11 @@ impl System for Model {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let statics = at.v.is_empty();
-        let rates = out.r_t.is_some();
-        let Evaluation { r, mut S, r_t } = out;
-        self.check_left_out()?;
-        self.expand(at)?;
-        self.work.r.fill(0.0);
-        self.work.r_t.fill(0.0);
-        self.work.scales.force = [0.0; 3];
-        if let Some((_, values)) = &mut S {
-            self.placement.clear_unwritten(values);
+        if self.spins() && !at.v.is_empty() && out.S.is_some() {
+            self.evaluate_spinning(at, out)
+        } else {
+            self.assemble(at, out)
         }
-        let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
-        self.add_elements(at.t, statics, borrow, rates)?;
-        self.pull_back_nodes(at.t, S, rates);
-        self.measure_reactions();
-        for (u, &c) in self.coordinates.iter().enumerate() {
-            r[u] = self.work.r[c];
-            if !r[u].is_finite() {
-                return Err(SystemError::NotFinite { what: self.name(u) });
-            }
-        }
-        if let Some(r_t) = r_t {
-            for (u, &c) in self.coordinates.iter().enumerate() {
-                r_t[u] = self.work.r_t[c];
-            }
-        }
-        Ok(())
     }
 
     fn evaluate_from(

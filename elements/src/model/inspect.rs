@@ -139,7 +139,7 @@ impl Model {
                     place: node.place,
                 }),
                 Form::Rotation => rotations.push(first),
-                Form::Coordinates | Form::Multipliers => {}
+                Form::Increment | Form::Coordinates | Form::Multipliers => {}
             }
             first += node.dim;
         }
@@ -360,7 +360,7 @@ impl Node {
     fn groups(&self) -> Vec<(std::ops::Range<usize>, String, Kind)> {
         let name = &self.name;
         match self.form {
-            Form::Frame => vec![
+            Form::Frame | Form::Increment => vec![
                 (0..3, format!("displacement of node {name}"), Kind::Length),
                 (3..6, format!("rotation of node {name}"), Kind::Angle),
             ],

@@ -13,6 +13,7 @@ mod closures;
 mod dependence;
 mod enforced;
 mod error;
+mod formulation;
 mod gather;
 mod inspect;
 mod line;
@@ -29,6 +30,7 @@ pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
 pub use error::ModelError;
+pub use formulation::Formulation;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
 pub use motion::{NodeState, RigidMotion};
@@ -61,6 +63,8 @@ enum Source {
 enum Form {
     /// (d, Ψ) of a frame.
     Frame,
+    /// (d, θ) behind a frame, θ since the last converged step.
+    Increment,
     /// A rotation vector alone.
     Rotation,
     /// Multipliers of equations: no coordinates, but unknowns.
@@ -123,7 +127,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Coordinates | Form::Multipliers => None,
+            Form::Increment | Form::Coordinates | Form::Multipliers => None,
         }
     }
 
@@ -141,7 +145,7 @@ impl Node {
 
     /// Name of coordinate `k` of this node.
     fn coordinate_name(&self, k: usize) -> String {
-        if self.is_frame() {
+        if matches!(self.form, Form::Frame | Form::Increment) {
             format!("node {}, {}", self.name, builder::DOF_NAMES[k])
         } else if self.dim == 1 {
             self.name.clone()
@@ -226,6 +230,8 @@ pub struct Model {
     spans: Vec<Span>,
     /// Nodes that follow others, masters first.
     dependent: Vec<u32>,
+    /// Frames by increments whose rates may be spins.
+    spinning: Vec<u32>,
     /// How loops are closed.
     reports: Vec<loops::Report>,
     elements: Vec<Attached>,

@@ -23,18 +23,29 @@ use std::f64::consts::{PI, TAU};
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
 /// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles.
+///
+/// Made by [`Increment::spinning`] its rates are spins from the first converged state on
+/// ([`Map::spins`]), Ω and Ω̇ in place of θ̇ and θ̈: what a scheme of the generalised-α family adds up
+/// then are the updates of the Lie-group method of Brüls, Cardona & Arnold 2012,
+///
+/// ```text
+/// Rₙ₊₁ = Rₙ R(h Ωₙ + h²[(½−β) aₙ + β aₙ₊₁]),   Ωₙ₊₁ = Ωₙ + h[(1−γ) aₙ + γ aₙ₊₁]
+/// ```
+///
+/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the sheet of Ψ in use.
     turn: Quaternion<f64>,
+    /// Whether rates are spins once the chart is centred, and whether it has been.
+    spinning: bool,
+    centred: bool,
 }
 
 impl Default for Increment {
     /// From the reference orientation.
     fn default() -> Self {
-        Self {
-            turn: so3::quaternion(&Vector3::zeros()),
-        }
+        Self::from(&Vector3::zeros())
     }
 }
 
@@ -43,6 +54,16 @@ impl Increment {
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
             turn: so3::quaternion(Psi),
+            spinning: false,
+            centred: false,
+        }
+    }
+
+    /// From the reference orientation, with spins for rates.
+    pub fn spinning() -> Self {
+        Self {
+            spinning: true,
+            ..Self::default()
         }
     }
 
@@ -94,6 +115,29 @@ impl Map<6, 6> for Increment {
         true
     }
 
+    fn spins(&self) -> bool {
+        self.spinning && self.centred
+    }
+
+    /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
+    fn memory(&self) -> Vec<f64> {
+        let Quaternion { w, v } = self.turn;
+        vec![w, v.x, v.y, v.z, f64::from(u8::from(self.centred))]
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        let &[w, x, y, z, centred] = memory else {
+            return false;
+        };
+        let v = Vector3::new(x, y, z);
+        let unit = (w * w + v.norm_squared() - 1.0).abs() < 1e-9;
+        if unit {
+            self.turn = Quaternion { w, v };
+            self.centred = centred != 0.0;
+        }
+        unit
+    }
+
     fn rewrite(
         &mut self,
         _t: f64,
@@ -101,6 +145,8 @@ impl Map<6, 6> for Increment {
         v: &SVector<f64, 6>,
     ) -> Option<Rewritten<6>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
+        let spins = self.spins();
+        self.centred = true;
         if theta == Vector3::zeros() {
             return None;
         }
@@ -110,7 +156,6 @@ impl Map<6, 6> for Increment {
             w: turned.w * scale,
             v: turned.v * scale,
         };
-        let T = so3::tangent(&theta);
         let mut new = Rewritten {
             q: *q,
             v: *v,
@@ -118,6 +163,10 @@ impl Map<6, 6> for Increment {
             c: SVector::zeros(),
         };
         new.q.fixed_rows_mut::<3>(3).fill(0.0);
+        if spins {
+            return Some(new);
+        }
+        let T = so3::tangent(&theta);
         new.v.fixed_rows_mut::<3>(3).copy_from(&(T * theta_dot));
         new.B.fixed_view_mut::<3, 3>(3, 3).copy_from(&T);
         let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
