@@ -50,6 +50,7 @@ mod tables;
 mod write;
 
 pub use error::CompareError;
+use order::orders;
 pub use order::{ABOVE_REFERENCE, Order, STRAIGHT, fit};
 pub use reference::Reference;
 pub use run::{Maker, Watch};
@@ -57,8 +58,8 @@ pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
 pub use write::{FILES, default_directory, run};
 
-use crate::solve::{Counts, begin};
 use crate::method::Method;
+use crate::solve::{Counts, begin};
 use grid::Grid;
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{Progress, Scheme, start};
@@ -236,6 +237,10 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
             return Err(CompareError::SchemeTwice { name });
         }
     }
+    for method in &options.schemes {
+        // A formulation that the model does not take is refused before anything runs.
+        make(method.formulation())?;
+    }
     let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
     let reference = options.reference.unwrap_or_else(Scheme::radau);
     if !usable(&reference) {
@@ -376,27 +381,4 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
         seconds_alone: None,
         samples: ran.samples,
     }
-}
-
-fn orders(schemes: &[Method], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
-    let observed = |name: &str, quantity: Quantity| {
-        let own = rows.iter().filter(|row| row.scheme == name);
-        let error = |row: &Row| {
-            row.error
-                .filter(|_| row.is_regular())
-                .map(|e| e.of(quantity))
-        };
-        let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
-        fit(&errors, reference?.error.of(quantity))
-    };
-    let of = |method: &Method| {
-        let name = method.to_string();
-        SchemeOrders {
-            formulation: method.about(),
-            theory: method.scheme().order(),
-            observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
-            scheme: name,
-        }
-    };
-    schemes.iter().map(of).collect()
 }

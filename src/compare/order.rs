@@ -1,5 +1,7 @@
 //! Observed orders of convergence and their confidence.
 
+use super::{Quantity, Reference, Row, SchemeOrders};
+use crate::method::Method;
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -72,6 +74,34 @@ fn student(freedom: usize) -> Option<f64> {
             Some(z + first / n + second / (n * n) + third / (n * n * n))
         }
     }
+}
+
+/// The observed orders of all schemes.
+pub(super) fn orders(
+    schemes: &[Method],
+    rows: &[Row],
+    reference: Option<&Reference>,
+) -> Vec<SchemeOrders> {
+    let observed = |name: &str, quantity: Quantity| {
+        let own = rows.iter().filter(|row| row.scheme == name);
+        let error = |row: &Row| {
+            row.error
+                .filter(|_| row.is_regular())
+                .map(|e| e.of(quantity))
+        };
+        let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
+        fit(&errors, reference?.error.of(quantity))
+    };
+    let of = |method: &Method| {
+        let name = method.to_string();
+        SchemeOrders {
+            formulation: method.about(),
+            theory: method.scheme().order(),
+            observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
+            scheme: name,
+        }
+    };
+    schemes.iter().map(of).collect()
 }
 
 #[cfg(test)]

@@ -192,7 +192,10 @@ fn formulations(out: &mut String, c: &Comparison) {
     if c.orders.iter().all(|o| Some(o.formulation) == first) {
         return;
     }
-    put(out, "<p>Rotations of frames are unknowns in these formulations:</p>\n<ul>\n");
+    put(
+        out,
+        "<p>Rotations of frames are unknowns in these formulations:</p>\n<ul>\n",
+    );
     for scheme in &c.orders {
         let line = format!(
             "<li><code>{}</code>: {}</li>\n",

@@ -3,8 +3,8 @@
 use super::grid::Grid;
 use super::sample::Sample;
 use crate::input::{DynamicPlan, InputError, Job, Plan};
-use crate::solve::point;
 use crate::method::Method;
+use crate::solve::point;
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,

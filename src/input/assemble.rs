@@ -185,7 +185,8 @@ pub(super) fn assemble(
         Analysis::Dynamic(d) => d.scheme.method().ok().map(|m| m.formulation()),
         _ => None,
     };
-    builder.formulate(formulation.or(own).unwrap_or_default());
+    let formulation = formulation.or(own).unwrap_or_default();
+    builder.formulate(formulation);
     let mut nodes = add_nodes(source, &mut builder, &file)?;
     check_names(source, &file)?;
     let parts = parts::make(source, registry, &mut builder, &mut nodes, &made, &file)?;
@@ -232,6 +233,15 @@ pub(super) fn assemble(
             Ok(model)
         })
         .map_err(|error| locate(source, &file, error))?;
+    if formulation != Formulation::Total && model.increments() == 0 {
+        let message = "no rotation in this model is free as a whole, so that all formulations of \
+                       rotations are the same: take the scheme without the prefix"
+            .to_owned();
+        return Err(source.value(
+            &["analysis", "dynamic", "scheme"],
+            Problem::Scheme { message },
+        ));
+    }
     let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
     if !dynamic && !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));

@@ -107,7 +107,7 @@ impl ModelBuilder {
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
         let spinning = match formulation {
-            Formulation::LieGroup => formulation::frames(&nodes).collect(),
+            Formulation::LieGroup => formulation::turning(&nodes).collect(),
             Formulation::Total | Formulation::Updated => Vec::new(),
         };
         let mut model = Model {

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::assembly::Workspace;
-use super::builder::{FRAME_KINDS, ModelBuilder, NodeId};
+use super::builder::{ModelBuilder, NodeId};
 use super::dependence::Dependence;
 use super::{Form, Model, NONE, Node, Source};
 use crate::time::TimeFunction;
@@ -15,8 +15,9 @@ use std::ops::Range;
 
 /// How the rotations of frames are unknowns of a motion.
 ///
-/// It holds for frames with coordinates of their own whose whole rotation is free; rotations that
-/// are driven or held in part, and those that joints release, stay total. Places, velocities,
+/// It holds for rotations that are free as a whole: those of frames with coordinates of their own, and
+/// those that spherical joints release. Rotations that are driven or held in part, or are unknowns of
+/// a loop, stay total, and angles are angles. Places, velocities,
 /// forces and energies of a state are the same in all of them: only what a time
 /// integration scheme adds up is different.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -57,19 +58,22 @@ pub(super) fn apply(
         Formulation::LieGroup => Increment::spinning(),
     };
     for n in 0..nodes.len() {
-        let held = |p: &(NodeId, usize, _)| p.0.0 as usize == n && p.1 >= 3;
-        if !nodes[n].is_frame() || !nodes[n].is_own() || prescribed.iter().any(|p| held(p)) {
+        let node = &nodes[n];
+        let turns = matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
+        let first = node.dim.saturating_sub(3);
+        let held = |p: &(NodeId, usize, _)| p.0.0 as usize == n && p.1 >= first;
+        if !turns || prescribed.iter().any(held) {
             continue;
         }
         let own = nodes.len() as u32;
-        let behind = Node::new(
-            nodes[n].name.clone(),
-            Form::Increment,
-            &FRAME_KINDS,
-            Source::Own,
-        );
-        nodes.push(behind);
-        let dependence = Dependence::new(map.boxed(), vec![vec![own]], FRAME_KINDS.len());
+        let boxed = if node.is_frame() {
+            Map::<6, 6>::boxed(map)
+        } else {
+            Map::<3, 3>::boxed(map)
+        };
+        let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
+        let (name, kinds) = (node.name.clone(), node.kinds.clone());
+        nodes.push(Node::new(name, Form::Increment, &kinds, Source::Own));
         nodes[n].source = Source::Mapped(Box::new(dependence));
         for p in prescribed.iter_mut().filter(|p| p.0.0 as usize == n) {
             p.0 = NodeId(own);
@@ -77,17 +81,17 @@ pub(super) fn apply(
     }
 }
 
-/// The node behind a frame by increments.
+/// The node behind a frame or a rotation by increments.
 fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
     let Source::Mapped(d) = &node.source else {
         return None;
     };
     let first = *d.masters().first()? as usize;
-    (nodes[first].form == Form::Increment && node.is_frame() && d.map.rewrites()).then_some(first)
+    (nodes[first].form == Form::Increment).then_some(first)
 }
 
-/// The frames by increments.
-pub(super) fn frames(nodes: &[Node]) -> impl Iterator<Item = u32> + '_ {
+/// The frames and rotations by increments.
+pub(super) fn turning(nodes: &[Node]) -> impl Iterator<Item = u32> + '_ {
     (0..nodes.len() as u32).filter(|&n| behind(nodes, &nodes[n as usize]).is_some())
 }
 
@@ -110,6 +114,11 @@ impl Model {
             },
             _ => Matrix3::identity(),
         }
+    }
+
+    /// Number of rotations that are unknowns by increments ([`Formulation`]).
+    pub fn increments(&self) -> usize {
+        turning(&self.nodes).count()
     }
 
     /// Whether rates of any coordinates are spins at present.
@@ -164,10 +173,11 @@ impl Model {
         if kept.len() < count {
             kept.resize_with(count, Vec::new);
         }
+        let range = self.spans[own].range();
         for a in &mut kept[..count] {
-            a.resize(FRAME_KINDS.len(), 0.0);
+            a.resize(range.len(), 0.0);
         }
-        for (i, c) in self.spans[own].range().enumerate() {
+        for (i, c) in range.enumerate() {
             let u = self.unknowns[c] as usize;
             if self.unknowns[c] == NONE {
                 let p = self.prescribed.iter().find(|p| p.coordinate == c);

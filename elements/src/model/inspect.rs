@@ -360,12 +360,12 @@ impl Node {
     fn groups(&self) -> Vec<(std::ops::Range<usize>, String, Kind)> {
         let name = &self.name;
         match self.form {
-            Form::Frame | Form::Increment => vec![
+            Form::Frame => vec![
                 (0..3, format!("displacement of node {name}"), Kind::Length),
                 (3..6, format!("rotation of node {name}"), Kind::Angle),
             ],
             Form::Rotation => vec![(0..3, name.clone(), Kind::Angle)],
-            Form::Coordinates | Form::Multipliers => (0..self.dim)
+            Form::Increment | Form::Coordinates | Form::Multipliers => (0..self.dim)
                 .map(|k| (k..k + 1, self.coordinate_name(k), self.kinds[k]))
                 .collect(),
         }

@@ -63,7 +63,7 @@ enum Source {
 enum Form {
     /// (d, Ψ) of a frame.
     Frame,
-    /// (d, θ) behind a frame, θ since the last converged step.
+    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
     Increment,
     /// A rotation vector alone.
     Rotation,
@@ -145,7 +145,7 @@ impl Node {
 
     /// Name of coordinate `k` of this node.
     fn coordinate_name(&self, k: usize) -> String {
-        if matches!(self.form, Form::Frame | Form::Increment) {
+        if self.is_frame() || (self.form == Form::Increment && self.dim == builder::FRAME) {
             format!("node {}, {}", self.name, builder::DOF_NAMES[k])
         } else if self.dim == 1 {
             self.name.clone()

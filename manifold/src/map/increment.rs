@@ -22,7 +22,8 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles.
+/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles; or of three, for a
+/// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
 /// Made by [`Increment::spinning`] its rates are spins from the first converged state on
 /// ([`Map::spins`]), Ω and Ω̇ in place of θ̇ and θ̈: what a scheme of the generalised-α family adds up
@@ -68,7 +69,7 @@ impl Increment {
     }
 
     /// The quaternion of Rₙ R(θ).
-    fn turned<S: Scalar>(&self, q: &SVector<S, 6>) -> Quaternion<S> {
+    fn turned<S: Scalar, const D: usize>(&self, q: &SVector<S, D>) -> Quaternion<S> {
         let Quaternion { w, v } = self.turn;
         let turn = Quaternion {
             w: S::constant(w),
@@ -78,18 +79,20 @@ impl Increment {
     }
 }
 
-fn theta<S: Scalar>(q: &SVector<S, 6>) -> Vector3<S> {
-    Vector3::new(q[3], q[4], q[5])
+fn theta<S: Scalar, const D: usize>(q: &SVector<S, D>) -> Vector3<S> {
+    Vector3::new(q[D - 3], q[D - 2], q[D - 1])
 }
 
-impl Map<6, 6> for Increment {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
+impl<const D: usize> Map<D, D> for Increment {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, D>) -> SVector<S, D> {
         let Psi = so3::log_quaternion(&self.turned(q));
-        SVector::from([q[0], q[1], q[2], Psi.x, Psi.y, Psi.z])
+        let mut x = *q;
+        x.fixed_rows_mut::<3>(D - 3).copy_from(&Psi);
+        x
     }
 
     /// θ stays below half a turn, and Ψ inside its chart.
-    fn margin(&self, _t: f64, q: &SVector<f64, 6>) -> f64 {
+    fn margin(&self, _t: f64, q: &SVector<f64, D>) -> f64 {
         let Psi = so3::log_quaternion(&self.turned(q)).norm();
         (PI - theta(q).norm()).min(TAU - Psi)
     }
@@ -100,7 +103,7 @@ impl Map<6, 6> for Increment {
     }
 
     /// The sheet on which ψ ≤ π.
-    fn change_charts(&mut self, _t: f64, q: &SVector<f64, 6>) -> ChartChanges {
+    fn change_charts(&mut self, _t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let beyond = self.turned(q).w < 0.0;
         if beyond {
             self.turn = self.turn.opposite();
@@ -141,11 +144,11 @@ impl Map<6, 6> for Increment {
     fn rewrite(
         &mut self,
         _t: f64,
-        q: &SVector<f64, 6>,
-        v: &SVector<f64, 6>,
-    ) -> Option<Rewritten<6>> {
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+    ) -> Option<Rewritten<D>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
-        let spins = self.spins();
+        let spins = self.spinning && self.centred;
         self.centred = true;
         if theta == Vector3::zeros() {
             return None;
@@ -162,15 +165,15 @@ impl Map<6, 6> for Increment {
             B: nalgebra::SMatrix::identity(),
             c: SVector::zeros(),
         };
-        new.q.fixed_rows_mut::<3>(3).fill(0.0);
+        new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
         if spins {
             return Some(new);
         }
         let T = so3::tangent(&theta);
-        new.v.fixed_rows_mut::<3>(3).copy_from(&(T * theta_dot));
-        new.B.fixed_view_mut::<3, 3>(3, 3).copy_from(&T);
+        new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(T * theta_dot));
+        new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&T);
         let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
-        new.c.fixed_rows_mut::<3>(3).copy_from(&c);
+        new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
         Some(new)
     }
 }

@@ -43,9 +43,8 @@ impl Spin {
         let of = |numbers| A_varied(numbers, &self.theta_dot, &self.theta_ddot, theta, &c);
         let first = Matrix3::from_diagonal_element(C) - C1(&self.theta_dot, theta, &c) * K;
         let first = T_inverse * first;
-        let second = Matrix3::from_diagonal_element(M)
-            - of([K, 0.0, 0.0])
-            - of([0.0, 1.0, 0.0]) * first;
+        let second =
+            Matrix3::from_diagonal_element(M) - of([K, 0.0, 0.0]) - of([0.0, 1.0, 0.0]) * first;
         [first, T_inverse * second]
     }
 }

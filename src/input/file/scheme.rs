@@ -1,8 +1,8 @@
 //! The scheme of a dynamic analysis, by the words of the list of schemes.
 
-use pullback_integrators::dynamics::scheme::{Family, SCHEMES};
 use crate::method::{Method, PREFIXES};
 use pullback_integrators::dynamics::DynamicsError;
+use pullback_integrators::dynamics::scheme::{Family, SCHEMES};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
