@@ -101,8 +101,8 @@ fn a_four_bar_linkage_of_bodies_and_joints() {
             run.progress.summary.steps,
             run.notes
         );
-        let changed = run.notes.iter().any(|(t, _)| *t > 0.01 * to);
-        assert!(changed, "no change: {:?}", run.notes);
+        // One coordinate is good all the way round: it is kept, though others are better at times.
+        assert_eq!(run.notes.len(), 1, "{:?}", run.notes);
         assert!(run.residual < 1e-13, "{:e}", run.residual);
     }
     let errors: Vec<Vec<f64>> = runs

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{SVector, Vector2};
-use pullback_manifold::implicit::closed::{Description, Unknown};
+use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
 use pullback_manifold::implicit::{Choice, Closed, Implicit, ImplicitError, Solved};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
 use pullback_manifold::scalar::Scalar;
@@ -49,7 +49,13 @@ fn about(starts: &[Option<f64>], equations: usize) -> Description {
     Description {
         unknowns: starts.iter().enumerate().map(unknown).collect(),
         rotations: Vec::new(),
-        equations: (0..equations).map(|i| format!("h{i}")).collect(),
+        equations: (0..equations)
+            .map(|i| Equation {
+                name: format!("h{i}"),
+                size: 1.0,
+            })
+            .collect(),
+        parameters: Vec::new(),
     }
 }
 

@@ -197,6 +197,8 @@ pub struct Comparison {
     pub times: usize,
     /// Number of unknowns.
     pub unknowns: usize,
+    /// Whether a loop is closed by multipliers or a penalty.
+    pub enforced: bool,
     /// Runs at a time.
     pub threads: usize,
     /// The reference.
@@ -221,6 +223,7 @@ struct Prepared {
     grid: Grid,
     reference: Scheme,
     unknowns: usize,
+    enforced: bool,
     title: Option<String>,
 }
 
@@ -248,12 +251,13 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
         return Err(CompareError::Reference { name });
     }
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    let unknowns = start.q.len();
+    let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
     begin(&mut job.model, &plan.options, &mut Progress::new(start))?;
     Ok(Prepared {
         grid,
         reference,
         unknowns,
+        enforced,
         title: job.title,
     })
 }
@@ -284,6 +288,7 @@ fn carry_out(
         grid,
         reference,
         unknowns,
+        enforced,
         title,
     } = prepared;
     let mut tasks = reference::tasks(&reference, &grid).to_vec();
@@ -328,6 +333,7 @@ fn carry_out(
         to: grid.to,
         times: grid.times,
         unknowns,
+        enforced,
         threads,
         orders: orders(&options.schemes, &rows, judged.as_ref()),
         reference_failure: failure.map(|f| format!("{reference}: {f}")),

@@ -266,13 +266,21 @@ fn errors(out: &mut String, c: &Comparison) {
         .collect();
     let caption = format!(
         "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
-         angle of the relative rotation in radians.",
-        c.times
+         angle of the relative rotation in radians. Where the error is below that of the reference \
+         itself, that stands instead.{}",
+        c.times,
+        changed_steps(c)
     );
     table(out, &caption, &columns, 1);
     for (k, row) in c.rows.iter().enumerate() {
         let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
-        let error = |q| row.error.map_or("–".to_owned(), |e| short(e.of(q)));
+        // An error below that of the reference is only known to be no larger than that.
+        let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
+        let error = |q| match row.error.map(|e| e.of(q)) {
+            None => "–".to_owned(),
+            Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
+            Some(error) => short(error),
+        };
         line.extend(Quantity::ALL.map(error));
         cells(out, first(c, k), 1, &line);
     }
@@ -281,6 +289,26 @@ fn errors(out: &mut String, c: &Comparison) {
 
 fn step(row: &Row) -> String {
     exact(row.step)
+}
+
+/// Which step sizes were made of those asked for, where they are others.
+fn changed_steps(c: &Comparison) -> String {
+    let mut made: Vec<String> = Vec::new();
+    for row in &c.rows {
+        if (row.step - row.asked).abs() > 1e-9 * row.asked {
+            let pair = format!("{} for {}", exact(row.step), exact(row.asked));
+            if !made.contains(&pair) {
+                made.push(pair);
+            }
+        }
+    }
+    if made.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Steps end at kinks of the functions of time and at common times: h is {}.",
+        made.join(", ")
+    )
 }
 
 /// A step size with all its digits where they are few.
@@ -345,14 +373,15 @@ fn cost(out: &mut String, c: &Comparison) {
 
 fn drift(out: &mut String, c: &Comparison) {
     let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
-    put(
-        out,
-        &format!(
-            "<p>{} Constraints are maps x = φ(t, q): they hold at every step whatever the scheme, and \
-             there is no drift of theirs to report.</p>",
-            keeps(&kept)
-        ),
-    );
+    let constraints = if c.enforced {
+        "Loops closed by multipliers hold their equations at every step to the tolerance of the solver, \
+         those closed by a penalty to its compliance; rates of both are not enforced, and their drift \
+         is not measured here."
+    } else {
+        "Constraints are maps x = φ(t, q): they hold at every step whatever the scheme, and there is no \
+         drift of theirs to report."
+    };
+    put(out, &format!("<p>{} {constraints}</p>", keeps(&kept)));
     let columns = [
         "scheme",
         "h",

@@ -331,10 +331,33 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
         ModelError::Apart { joint, .. }
         | ModelError::LooseLoop { joint, .. }
+        | ModelError::OwnMaster { joint, .. }
+        | ModelError::Rigid { joint, .. }
         | ModelError::Unclosed { joint, .. } => joint.clone(),
-        ModelError::Loop { joints, .. } => {
+        ModelError::Loop { joints, .. }
+        | ModelError::AllDriven { joints, .. }
+        | ModelError::LockedLoop { joints } => {
             let first = joints.split(", ").next();
             first.unwrap_or_default().to_owned()
+        }
+        ModelError::PrescribedSlave { coordinate, .. } => {
+            // What asks for it: a drive of the joint, or a support of the node.
+            let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
+            let name = name.split(", ").next().unwrap_or_default().to_owned();
+            let driven = |j: &super::file::Joint| {
+                let of = name.strip_prefix(&j.name);
+                of.is_some_and(|r| r.is_empty() || r.starts_with(' ')) && j.acts().driven.is_some()
+            };
+            let path = match file.joints.iter().position(driven) {
+                Some(k) => Some(["joints".to_owned(), k.to_string(), "driven".to_owned()]),
+                None => (file.supports.iter().position(|s| s.node == name))
+                    .map(|k| ["supports".to_owned(), k.to_string(), "node".to_owned()]),
+            };
+            if let Some(path) = path {
+                let path = path.each_ref().map(String::as_str);
+                return source.value(&path, Problem::Model(error));
+            }
+            name
         }
         _ => String::new(),
     };

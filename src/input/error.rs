@@ -167,10 +167,14 @@ pub enum Problem {
     #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
     #[error(
-        "the initial rates of the joints contradict each other: their loops leave a difference of \
-         {left:.3e}"
+        "the initial rates of {of} contradict each other: their loops leave a difference of {left:.3e}"
     )]
-    LoopRates { left: f64 },
+    LoopRates { of: String, left: f64 },
+    #[error(
+        "the initial velocities contradict the loop closed by joint {joint}: its parts cannot move \
+         like that"
+    )]
+    LoopMotion { joint: String },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]
@@ -296,6 +300,9 @@ impl Problem {
             Self::Jump => "use a ramp, hat, table, sine or run-up",
             Self::LoopRates { .. } => {
                 "give as many rates as the loops leave free, the others follow"
+            }
+            Self::LoopMotion { .. } => {
+                "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"
             }
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",

@@ -6,7 +6,7 @@ use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::model::{Model, NodeId, RigidMotion};
 use pullback_manifold::so3;
-use pullback_manifold::system::System;
+use pullback_manifold::system::{Point, System};
 use std::f64::consts::TAU;
 
 /// Coordinates and velocities at the start.
@@ -59,6 +59,18 @@ pub(super) fn start(
         };
         chosen.push((node, line));
     }
+    // Rates in loops: what is asked for, by whom, and where the first of them stands.
+    let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
+    let whole = |path: &[&str]| {
+        path.iter()
+            .map(|p| (*p).to_owned())
+            .collect::<Vec<String>>()
+    };
+    // Rates of joints decide where the motion of the whole does not fit them.
+    let chosen_rates = file
+        .joints
+        .iter()
+        .any(|j| j.all_acts().any(|(_, a)| a.rate.is_some()));
     for (k, (initial, (node, chosen))) in file.initial.iter().zip(chosen).enumerate() {
         let index = k.to_string();
         let path = |key: &'static str| ["initial", index.as_str(), key];
@@ -86,6 +98,29 @@ pub(super) fn start(
                 (None, None) => Vector3::zeros(),
             },
         };
+        if let Some(free) = node
+            .map(|n| model.free_rotation_of(n))
+            .filter(|&n| model.in_loop(n))
+        {
+            // A rotation that a spherical joint has released in a loop.
+            let a = vec![0.0; v.len()];
+            let at = Point {
+                t: 0.0,
+                q: &q,
+                v: &v,
+                a: &a,
+            };
+            let psi = match model.configure(at) {
+                Ok(()) => Vector3::from_fn(|k, _| model.coordinate(free, k).map_or(0.0, |x| x[0])),
+                // The analysis says so.
+                Err(_) => Vector3::zeros(),
+            };
+            let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
+            spins.extend((0..3).map(|k| (free, k, rate[k])));
+            names.push(initial.node.clone().unwrap_or_default());
+            first.get_or_insert(whole(&["initial", &index]));
+            continue;
+        }
         let before = v.clone();
         model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
         if let Some(node) = node {
@@ -96,9 +131,14 @@ pub(super) fn start(
             keep(model, node, &before, &mut v, [goes, turns.is_some()]);
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
-        model.fit_rates(&q, &mut v, chosen.as_deref(), &motion).ok();
+        let fitted = model.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
+        let against = fitted.unwrap_or_default();
+        if let (Some(joint), false) = (against.first(), chosen_rates) {
+            let joint = joint.clone();
+            return Err(source.value(&["initial", &index], Problem::LoopMotion { joint }));
+        }
     }
-    let mut rates = Vec::new();
+    let mut rates = spins;
     let (mut held, mut most) = (Vec::new(), 0.0_f64);
     for (k, joint) in file.joints.iter().enumerate() {
         let index = k.to_string();
@@ -123,14 +163,17 @@ pub(super) fn start(
                 };
                 if let (true, "rate", Some(u)) = (set, key, model.unknown_at(node, 0)) {
                     held.push(u);
+                    names.push(name.clone());
                     most = most.max(given.abs());
                 }
-                if !set && geared {
+                if !set && geared && !model.in_loop(node) {
                     let joint = name.clone();
                     return Err(source.value(&at, Problem::Geared { joint, key }));
                 }
                 if !set && key == "rate" && !model.is_own(node) {
                     rates.push((node, 0, given));
+                    names.push(name.clone());
+                    first.get_or_insert(whole(&at));
                 }
             }
         }
@@ -142,7 +185,10 @@ pub(super) fn start(
             .fit_coordinate_rates(&q, &mut v, &rates)
             .unwrap_or(0.0);
         if left > 1e-9 * most {
-            return Err(InputError::whole(Problem::LoopRates { left }));
+            let path = first.unwrap_or_default();
+            let path: Vec<&str> = path.iter().map(String::as_str).collect();
+            let of = names.join(", ");
+            return Err(source.value(&path, Problem::LoopRates { of, left }));
         }
     }
     let left = model
@@ -150,7 +196,8 @@ pub(super) fn start(
         .map_err(|error| locate(source, file, error))?;
     if most > 0.0 && left > 1e-9 {
         let left = left * most;
-        return Err(InputError::whole(Problem::LoopRates { left }));
+        let of = names.join(", ");
+        return Err(InputError::whole(Problem::LoopRates { of, left }));
     }
     Ok(Start { q, v })
 }
@@ -204,16 +251,18 @@ fn hangs<'a>(
     node: NodeId,
     initial: &Initial,
 ) -> Result<(), InputError> {
-    let turns = model.is_own(model.free_rotation_of(node));
+    let rotation = model.free_rotation_of(node);
+    let turns = model.is_own(rotation);
+    let spins = turns || model.in_loop(rotation);
     for (key, given, own) in [
         ("displacement", initial.displacement, model.is_own(node)),
         ("velocity", initial.velocity, model.is_own(node)),
         ("rotation", initial.rotation, turns),
-        ("angular_velocity", initial.angular_velocity, turns),
+        ("angular_velocity", initial.angular_velocity, spins),
         (
             "body_angular_velocity",
             initial.body_angular_velocity,
-            turns,
+            spins,
         ),
     ] {
         if given.is_some() && !own {

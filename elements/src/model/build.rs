@@ -73,7 +73,13 @@ impl ModelBuilder {
             }
         }
         if coordinates.is_empty() {
-            return Err(ModelError::NothingFree);
+            let locked = |r: &&loops::Report| !r.closures.is_empty();
+            return Err(match reports.iter().find(locked) {
+                Some(r) => ModelError::LockedLoop {
+                    joints: nodes[r.closures[0].0 as usize].name.clone(),
+                },
+                None => ModelError::NothingFree,
+            });
         }
 
         // The pattern has room for whatever an element or a joint may come to depend on.

@@ -115,10 +115,31 @@ pub enum ModelError {
     },
     #[error(
         "joint {joint} closes a loop that ends at {node}, which is neither held nor carries the \
-         other end. Name {node} as the child of a joint instead, so that it hangs there; a node \
-         that is held in part may hang on a prismatic, cylindrical or planar joint instead"
+         other end. Hold {node} in all six coordinates, or let it be free and the child of a joint, \
+         so that it hangs there; a node that is held in part may hang on a prismatic, cylindrical \
+         or planar joint instead. Loops over slides and flexible parts close by `Closure`"
     )]
     LooseLoop { joint: String, node: String },
+    #[error(
+        "joint {joint}: its child {child} is the frame that it hangs on; a joint goes from one frame \
+         to another one"
+    )]
+    OwnMaster { joint: String, child: String },
+    #[error(
+        "joint {joint} and its child {child} are {gap:.3e} apart and turned by {turn:.3e}, and no \
+         joint between them can move: draw both as one, or release something along the loop"
+    )]
+    Rigid {
+        joint: String,
+        child: String,
+        gap: f64,
+        turn: f64,
+    },
+    #[error(
+        "the loop closed by joint {joints} has no freedom left: all of its coordinates ({driven}) \
+         are driven; leave one of them to follow from the others"
+    )]
+    AllDriven { joints: String, driven: String },
     #[error("the loop closed by joint {joints}: {source}")]
     Loop {
         joints: String,
@@ -144,6 +165,12 @@ pub enum ModelError {
          as a rigid body ({motion}); add supports that prevent this"
     )]
     Unsupported { node: String, motion: String },
+    #[error(
+        "the loop closed by joint {joints} has no freedom left, and nothing else in the model has \
+         one: nothing can move. Release something along the loop, or see whether axes and places \
+         are given with all their digits"
+    )]
+    LockedLoop { joints: String },
     #[error(
         "all coordinates are prescribed; there is nothing to solve for: leave one free, if need be \
          that of a body or spring of its own"

@@ -22,6 +22,7 @@ mod loops;
 mod motion;
 mod placement;
 mod query;
+mod rates;
 mod sheets;
 mod slots;
 

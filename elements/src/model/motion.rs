@@ -6,9 +6,8 @@ use super::builder::NodeId;
 use super::gather::collect;
 use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
-use pullback_manifold::system::{Point, SystemError};
 
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,124 +194,6 @@ impl Model {
                 put(first, &rate);
             }
         }
-    }
-
-    /// Fits the rates of the coordinates that joints release, in `v`, so that the frames that hang
-    /// on them (those among `nodes`, all of them if it is `None`) move with a rigid motion as
-    /// closely as they can: joint by joint from the root, by least squares.
-    ///
-    /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
-    pub fn fit_rates(
-        &mut self,
-        q: &[f64],
-        v: &mut [f64],
-        nodes: Option<&[NodeId]>,
-        motion: &RigidMotion,
-    ) -> Result<(), SystemError> {
-        let a = vec![0.0; v.len()];
-        for n in self.dependent.clone() {
-            let node = &self.nodes[n as usize];
-            let Source::Mapped(d) = &node.source else {
-                continue;
-            };
-            let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
-            if !chosen || !node.is_frame() {
-                continue;
-            }
-            let released = |&&m: &&u32| self.nodes[m as usize].form == Form::Coordinates;
-            let unknowns: Vec<usize> = (d.masters().iter().filter(released))
-                .flat_map(|&m| self.nodes[m as usize].range())
-                .filter(|&c| self.unknowns[c] != NONE)
-                .map(|c| self.unknowns[c] as usize)
-                .collect();
-            if unknowns.is_empty() {
-                continue;
-            }
-            let mut rates = |v: &[f64]| -> Result<Vector6<f64>, SystemError> {
-                self.expand(Point {
-                    t: 0.0,
-                    q,
-                    v,
-                    a: &a,
-                })?;
-                let own = self.nodes[n as usize].range();
-                Ok(Vector6::from_column_slice(&self.work.v[own]))
-            };
-            let now = rates(v)?;
-            let mut columns = DMatrix::zeros(6, unknowns.len());
-            for (k, &u) in unknowns.iter().enumerate() {
-                v[u] += 1.0;
-                columns.set_column(k, &(rates(v)? - now));
-                v[u] -= 1.0;
-            }
-            let state = self.node_state(NodeId(n));
-            let place = motion.velocity + motion.omega.cross(&(state.place - motion.about));
-            let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
-            let wanted = Vector6::new(place.x, place.y, place.z, turn.x, turn.y, turn.z);
-            let missing = DVector::from_column_slice((wanted - now).as_slice());
-            if let Ok(more) = columns.svd(true, true).solve(&missing, 1e-9) {
-                for (&u, more) in unknowns.iter().zip(more.iter()) {
-                    v[u] += more;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
-    /// follow from others, and all of them together are changed as little as possible. How far off
-    /// the worst remains: zero to rounding where the loops allow the rates.
-    ///
-    /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
-    pub fn fit_coordinate_rates(
-        &mut self,
-        q: &[f64],
-        v: &mut [f64],
-        rates: &[(NodeId, usize, f64)],
-    ) -> Result<f64, SystemError> {
-        let a = vec![0.0; v.len()];
-        let mut unknowns: Vec<usize> = Vec::new();
-        for (n, ..) in rates {
-            let own = match &self.nodes[n.0 as usize].source {
-                Source::Own => std::slice::from_ref(&n.0),
-                Source::Mapped(d) => &d.ancestors[..],
-            };
-            for c in own.iter().flat_map(|&m| self.nodes[m as usize].range()) {
-                if self.unknowns[c] != NONE {
-                    unknowns.push(self.unknowns[c] as usize);
-                }
-            }
-        }
-        unknowns.sort_unstable();
-        unknowns.dedup();
-        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
-            let t = 0.0;
-            self.expand(Point { t, q, v, a: &a })?;
-            let rate =
-                |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];
-            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
-        };
-        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
-        let missing = wanted - now(v)?;
-        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
-        let start = now(v)?;
-        for (k, &u) in unknowns.iter().enumerate() {
-            v[u] += 1.0;
-            columns.set_column(k, &(now(v)? - &start));
-            v[u] -= 1.0;
-        }
-        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
-            Ok(more) if !unknowns.is_empty() => {
-                for (&u, more) in unknowns.iter().zip(more.iter()) {
-                    v[u] += more;
-                }
-                missing - columns * more
-            }
-            _ => missing,
-        };
-        Ok(left.amax())
     }
 
     /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation

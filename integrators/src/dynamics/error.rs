@@ -81,7 +81,7 @@ pub enum DynamicsError {
     #[error(
         "the scheme {scheme} has the spectral radius {rho:.6} at infinite frequencies: it does not \
          damp the oscillations that constraints enforced by multipliers ({multiplier}) bring in \
-         (index 3; Arnold & Bruels 2007). Choose generalised-alpha, HHT or WBZ with a radius below \
+         (index 3; Arnold & Brüls 2007). Choose generalised-alpha, HHT or WBZ with a radius below \
          1, such as generalised-alpha 0.8, or close the loop by a map"
     )]
     Undamped {

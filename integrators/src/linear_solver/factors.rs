@@ -2,8 +2,9 @@
 
 use pullback_manifold::sparse::BlockPattern;
 
-use super::symbolic::{Link, Load, Panel, Symbolic};
-use super::{LinearError, Symmetry, first_non_finite, kernels, max_abs, rounding_level, scaling};
+use super::solution::forward;
+use super::symbolic::{Load, Symbolic};
+use super::{LinearError, Symmetry, kernels, rounding_level, scaling};
 
 /// Pivots this much larger than the entries of the scaled matrix are called growth.
 const GROWTH_LIMIT: f64 = 1e8;
@@ -25,7 +26,7 @@ pub(super) struct Factors {
     pub rhs: Vec<f64>,
     pub x: Vec<f64>,
     /// `x` with its scales undone.
-    unscaled: Vec<f64>,
+    pub unscaled: Vec<f64>,
     pub residual: Vec<f64>,
 }
 
@@ -179,148 +180,6 @@ impl Factors {
             });
         self.norm = largest.sqrt();
         Ok(())
-    }
-
-    /// Scaled right-hand side in elimination order.
-    pub fn gather(&mut self, b: &[f64]) {
-        for panel in &self.symbolic.panels {
-            let range = panel.first..panel.first + panel.size;
-            let b = &b[panel.unknown..panel.unknown + panel.size];
-            for ((y, b), s) in self.rhs[range.clone()]
-                .iter_mut()
-                .zip(b)
-                .zip(&self.scales[range])
-            {
-                *y = b * s;
-            }
-        }
-        self.residual.copy_from_slice(&self.rhs);
-    }
-
-    /// Solution with its scales undone, in the order of the matrix.
-    pub fn scatter(&self, b: &mut [f64]) {
-        for panel in &self.symbolic.panels {
-            let range = panel.first..panel.first + panel.size;
-            let b = &mut b[panel.unknown..panel.unknown + panel.size];
-            for ((b, x), s) in b
-                .iter_mut()
-                .zip(&self.x[range.clone()])
-                .zip(&self.scales[range])
-            {
-                *b = x * s;
-            }
-        }
-    }
-
-    /// Solves for the vector in `residual`, which is destroyed; into `x`, or added to it.
-    pub fn substitute(&mut self, add: bool) {
-        let symbolic = &self.symbolic;
-        let mut links = 0;
-        for (k, panel) in symbolic.panels.iter().enumerate() {
-            let own = &symbolic.links[links..panel.links];
-            let (swaps, swapped) = (&self.swaps, self.swapped[k]);
-            let y = &mut self.residual;
-            forward(symbolic, k, own, &self.factors, swaps, swapped, y);
-            links = panel.links;
-        }
-        self.substitute_back(add);
-    }
-
-    /// The second half: what has been through the lower factor goes through the upper one.
-    pub fn substitute_back(&mut self, add: bool) {
-        let symbolic = &self.symbolic;
-        let y = &mut self.residual;
-        for k in (0..symbolic.panels.len()).rev() {
-            let panel = &symbolic.panels[k];
-            let n = panel.size;
-            let (left, right) = y.split_at_mut(panel.first + n);
-            let own = &mut left[panel.first..];
-            for link in &symbolic.links[symbolic.links_of(k)] {
-                let later = &right[link.first - panel.first - n..];
-                let ut = &self.factors[link.start + link.size * n..];
-                kernels::subtract_transposed(link.size, n, ut, later, own);
-            }
-            kernels::solve_upper(n, &self.factors[panel.start..], own);
-        }
-        if add {
-            for (x, y) in self.x.iter_mut().zip(&self.residual) {
-                *x += y;
-            }
-        } else {
-            self.x.copy_from_slice(&self.residual);
-        }
-    }
-
-    /// Computes `residual = rhs - A x` for the matrix with these values, and its relative size.
-    pub fn relative_residual(&mut self, values: &[f64], b: &[f64]) -> Result<f64, LinearError> {
-        let symbolic = &self.symbolic;
-        let (r, x) = (&mut self.residual, &mut self.unscaled);
-        // Scales are powers of two: dividing by them and multiplying again leaves no trace.
-        for (i, s) in self.scales.iter().enumerate() {
-            r[i] = self.rhs[i] / s;
-            x[i] = self.x[i] * s;
-        }
-        for load in &symbolic.loads {
-            let (row, column) = (&symbolic.panels[load.row], &symbolic.panels[load.column]);
-            let (m, n) = (row.size, column.size);
-            let lower = &values[load.lower..];
-            kernels::subtract(m, n, lower, &x[column.first..], &mut r[row.first..]);
-            if load.row != load.column {
-                let (x, y) = (&x[row.first..], &mut r[column.first..]);
-                match symbolic.symmetry {
-                    Symmetry::Symmetric => kernels::subtract_transposed(m, n, lower, x, y),
-                    Symmetry::General => kernels::subtract(n, m, &values[load.upper..], x, y),
-                }
-            }
-        }
-        for (r, s) in r.iter_mut().zip(&self.scales) {
-            *r *= s;
-        }
-        let (r, x, rhs) = (max_abs(r), max_abs(&self.x), max_abs(&self.rhs));
-        let size = self.norm * x + rhs;
-        if r <= f64::MAX && size <= f64::MAX {
-            return Ok(if r == 0.0 { 0.0 } else { r / size });
-        }
-        if let Some(unknown) = first_non_finite(b) {
-            return Err(LinearError::NonFinite {
-                what: "right-hand side",
-                unknown,
-            });
-        }
-        let x = &self.x;
-        let bad =
-            |p: &Panel| first_non_finite(&x[p.first..p.first + p.size]).map(|i| p.unknown + i);
-        Err(LinearError::NonFinite {
-            what: "solution",
-            unknown: symbolic.panels.iter().find_map(bad).unwrap_or(0),
-        })
-    }
-}
-
-/// Takes the unknowns of panel `k` through the lower factor, and their share off later ones.
-#[inline(always)]
-fn forward(
-    symbolic: &Symbolic,
-    k: usize,
-    links: &[Link],
-    factors: &[f64],
-    swaps: &[u32],
-    swapped: bool,
-    y: &mut [f64],
-) {
-    let panel = &symbolic.panels[k];
-    let n = panel.size;
-    let (left, right) = y.split_at_mut(panel.first + n);
-    let own = &mut left[panel.first..];
-    if swapped {
-        for (i, &row) in swaps[panel.first..panel.first + n].iter().enumerate() {
-            own.swap(i, row as usize);
-        }
-    }
-    kernels::solve_lower(n, &factors[panel.start..], own);
-    for link in links {
-        let later = &mut right[link.first - panel.first - n..];
-        kernels::subtract(link.size, n, &factors[link.start..], own, later);
     }
 }
 

@@ -31,6 +31,7 @@ mod kernels;
 mod null_vector;
 mod ordering;
 pub mod scaling;
+mod solution;
 mod symbolic;
 
 pub use auto::{AutoSolver, Chosen};

@@ -197,7 +197,7 @@ pub fn kinematics(
     for (w, b) in work.iter_mut().zip(B.chunks_exact(f.len())) {
         *w += b.iter().zip(&f).map(|(b, f)| (b * f).abs()).sum::<f64>();
     }
-    for (column, m) in K.chunks_exact(q.len()).zip(&magnitudes) {
+    for (column, m) in K.chunks_exact(q.len().max(1)).zip(&magnitudes) {
         work.iter_mut()
             .zip(column)
             .for_each(|(w, k)| *w += k.abs() * m);

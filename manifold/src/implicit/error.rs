@@ -71,7 +71,10 @@ pub enum ImplicitError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Trouble {
     /// Newton's method does not contract from the last converged state: q is too far from it.
-    #[error("its equations find no solution near the last one; {equation} is {residual:.3e}")]
+    #[error(
+        "its equations find no solution near the last one; {equation} is {residual:.3e}: take smaller \
+         steps"
+    )]
     TooFar {
         /// The equation that is worst.
         equation: String,
@@ -91,8 +94,29 @@ pub enum Trouble {
         /// Names of the coordinates concerned.
         coordinates: String,
     },
+    /// The nearest solution lies on another branch.
+    #[error(
+        "the nearest solution of its equations is on another branch, {off:.1e} from where it should \
+         be: take smaller steps"
+    )]
+    OtherBranch {
+        /// Distance from where the slopes lead, relative to the sizes of the coordinates.
+        off: f64,
+    },
+    /// What drives the equations asks for what they do not allow.
+    #[error(
+        "{driven} cannot get there: what is driven has come to the end of what the linkage reaches"
+    )]
+    OutOfReach {
+        /// Names of the parameters.
+        driven: String,
+    },
     /// An equation that was redundant no longer follows from the others.
-    #[error("{equation} was redundant and no longer follows from the others: it is {residual:.3e}")]
+    #[error(
+        "{equation} was redundant and no longer follows from the others: it is {residual:.3e}; the \
+         parts, or the motions that drive them, do not fit together exactly enough: give places \
+         and axes with all their digits, and drive no more than is free"
+    )]
     Inconsistent {
         /// The equation.
         equation: String,

@@ -44,7 +44,8 @@ use crate::map::Map;
 use crate::scalar::Scalar;
 use nalgebra::SVector;
 
-/// Gain in the condition number of A that makes a chart change: hysteresis.
+/// Gain in the condition number of A that makes a chart change: hysteresis. [`Closed`] keeps charts that
+/// are good in themselves besides.
 pub const GAIN: f64 = 2.0;
 
 /// An implicit holonomic constraint: M equations h(t, x) = 0 for X coordinates.

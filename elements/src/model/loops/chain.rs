@@ -1,9 +1,11 @@
 //! The two chains of joints that a loop is made of.
 
+use super::set::{self, Inputs};
 use super::tree::{Read, Tree};
-use super::{Closing, Held, Inputs};
+use super::{Closing, Held};
 use crate::model::{Form, ModelError, Node, Source};
 use pullback_manifold::map::Parametrization;
+use pullback_manifold::system::Kind;
 
 /// A loop: its two frames, and where their chains meet.
 #[derive(Clone, Debug)]
@@ -106,14 +108,20 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
 
 /// Whether the equations of a loop depend on where its root is. They do not where every joint's
 /// pose turns and moves with its master, which is nearly always so.
-pub(super) fn root_matters(nodes: &[Node], chain: &Chain, root: u32, held: &Held<'_>) -> bool {
+pub(super) fn root_matters(
+    nodes: &[Node],
+    chain: &Chain,
+    root: u32,
+    held: &Held<'_>,
+    length: f64,
+) -> bool {
     if nodes[root as usize].is_own() && held.still(root as usize, 6) {
         return false;
     }
     let own = coordinates(nodes, chain);
     let nothing = Held(&[]);
     let inputs = Inputs::new(nodes, &own, &[root], &nothing);
-    let tree: Tree = super::tree(nodes, std::slice::from_ref(chain), &inputs);
+    let tree: Tree = set::tree(nodes, std::slice::from_ref(chain), &inputs);
     let at = |first: usize| inputs.nodes.iter().find(|(_, f)| *f == first);
     debug_assert!(at(0).is_some_and(|(n, _)| inputs.read(*n) == Read::Input(0)));
     let value = |y: &[f64]| {
@@ -125,6 +133,12 @@ pub(super) fn root_matters(nodes: &[Node], chain: &Chain, root: u32, held: &Held
     let far = |k: usize, s: f64| 0.4 * (1.3 * k as f64 + s).sin();
     [0.3, 1.1, 2.9].iter().any(|&s| {
         let mut y: Vec<f64> = (0..inputs.count).map(|k| far(k, s)).collect();
+        for &(n, first) in &inputs.nodes {
+            let kinds = (first..).zip(nodes[n as usize].kinds.iter());
+            for (k, _) in kinds.filter(|(_, kind)| **kind == Kind::Length) {
+                y[k] *= length;
+            }
+        }
         let there = value(&y);
         y[..6].fill(0.0);
         let here = value(&y);
@@ -132,6 +146,7 @@ pub(super) fn root_matters(nodes: &[Node], chain: &Chain, root: u32, held: &Held
         there
             .iter()
             .zip(&here)
-            .any(|(a, b)| (a - b).abs() > 1e-9 * (1.0 + b.abs()))
+            .zip([length, length, length, 1.0, 1.0, 1.0])
+            .any(|((a, b), size)| (a - b).abs() > 1e-9 * (size + b.abs()))
     })
 }

@@ -13,24 +13,32 @@
 //! Loops that share a joint coordinate are solved together.
 
 mod chain;
+mod set;
 mod tree;
 
 use super::builder::{ModelBuilder, NodeId};
 use super::closures::Closure;
 use super::dependence::Dependence;
-use super::{Form, ModelError, Node, Source};
+use super::{ModelError, Node, Source};
 use crate::joint::{Hung, Offset};
 use crate::time::TimeFunction;
 pub(super) use chain::upwards;
 use chain::{Chain, coordinates};
 use nalgebra::Vector3;
-use pullback_manifold::implicit::Closed;
-use pullback_manifold::implicit::closed::{Description, Unknown};
 use pullback_manifold::map::Map;
-use pullback_manifold::system::Kind;
+use set::close_set;
 use std::collections::{BTreeSet, HashMap};
 pub(super) use tree::Coincide;
-use tree::{Part, Read, Tree};
+
+/// What the equations of a frame at a joint are called, in the order of [`Coincide`].
+pub(super) const EQUATIONS: [&str; 6] = [
+    "the gap along e1",
+    "the gap along e2",
+    "the gap along e3",
+    "the misalignment about e1",
+    "the misalignment about e2",
+    "the misalignment about e3",
+];
 
 /// Distance of the places of two frames that are one, relative to the size of the model.
 const APART: f64 = 1e-9;
@@ -64,8 +72,9 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
-    /// When the model is built: [`ModelError::Apart`], [`ModelError::LooseLoop`],
-    /// [`ModelError::Loop`].
+    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnMaster`],
+    /// [`ModelError::LooseLoop`], [`ModelError::Loop`], [`ModelError::Rigid`],
+    /// [`ModelError::AllDriven`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
         self.close_by(frame, child, Closure::Map)
     }
@@ -122,6 +131,14 @@ pub(super) fn close(
     for &closing in closings {
         let Closing { frame, child, .. } = closing;
         let (a, b) = (&nodes[frame.0 as usize], &nodes[child.0 as usize]);
+        if let Source::Mapped(d) = &a.source
+            && d.segments.iter().flatten().any(|&m| m == child.0)
+        {
+            return Err(ModelError::OwnMaster {
+                joint: a.name.clone(),
+                child: b.name.clone(),
+            });
+        }
         let free = b.is_own() && !held.any(child.0 as usize) && !follows(nodes, frame.0, child.0);
         if !free {
             loops.push(closing);
@@ -180,210 +197,4 @@ fn connected(
         sets.push((own, before));
     }
     Ok(sets.into_iter().map(|(_, chains)| chains).collect())
-}
-
-/// The inputs of a set of loops: first the parameters, then the unknowns.
-struct Inputs {
-    /// Nodes of the parameters and of the unknowns, with their first input.
-    nodes: Vec<(u32, usize)>,
-    /// How many inputs are parameters, and how many there are.
-    parameters: usize,
-    count: usize,
-    /// How many of the nodes are parameters.
-    given: usize,
-}
-
-impl Inputs {
-    /// Sorts own coordinate nodes, and roots that matter, into parameters and unknowns.
-    fn new(nodes: &[Node], own: &[u32], roots: &[u32], held: &Held<'_>) -> Self {
-        let moves = |n: &&u32| !held.still(**n as usize, nodes[**n as usize].dim);
-        let given = |n: &&u32| roots.contains(n) || held.any(**n as usize);
-        let all = roots.iter().chain(own).filter(moves);
-        let (parameters, unknowns): (Vec<&u32>, Vec<&u32>) = all.partition(given);
-        let mut out = Self {
-            nodes: Vec::new(),
-            parameters: 0,
-            count: 0,
-            given: parameters.len(),
-        };
-        for &&n in parameters.iter().chain(&unknowns) {
-            if out.nodes.len() == out.given {
-                out.parameters = out.count;
-            }
-            out.nodes.push((n, out.count));
-            out.count += nodes[n as usize].dim;
-        }
-        if unknowns.is_empty() {
-            out.parameters = out.count;
-        }
-        out
-    }
-
-    fn read(&self, node: u32) -> Read {
-        let found = self.nodes.iter().find(|(n, _)| *n == node);
-        found.map_or(Read::Nothing, |(_, first)| Read::Input(*first))
-    }
-}
-
-/// The equations of chains as a tree of copies of their maps.
-fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
-    let mut tree = Tree::new(inputs.count);
-    let mut made: HashMap<(u32, u32), Read> = HashMap::new();
-    let mut closures = Vec::new();
-    for chain in chains {
-        let ends =
-            [chain.frame, chain.child].map(|n| add(nodes, n, chain, inputs, &mut tree, &mut made));
-        let place = |n: u32| nodes[n as usize].place;
-        let apart = place(chain.frame) - place(chain.child);
-        closures.push((Coincide { apart }, ends));
-    }
-    for (between, ends) in closures {
-        tree.close(between, ends);
-    }
-    tree
-}
-
-/// Adds the map of node n, and of those that it follows, up to the root.
-fn add(
-    nodes: &[Node],
-    n: u32,
-    chain: &Chain,
-    inputs: &Inputs,
-    tree: &mut Tree,
-    made: &mut HashMap<(u32, u32), Read>,
-) -> Read {
-    if chain.root == Some(n) {
-        return inputs.read(n);
-    }
-    let Source::Mapped(d) = &nodes[n as usize].source else {
-        return inputs.read(n);
-    };
-    let key = (n, chain.root.unwrap_or(super::NONE));
-    if let Some(&read) = made.get(&key) {
-        return read;
-    }
-    let reads = (d.masters().iter())
-        .map(|&m| {
-            let read = add(nodes, m, chain, inputs, tree, made);
-            (read, nodes[m as usize].dim)
-        })
-        .collect();
-    let read = Read::Link(tree.link(d.map.duplicate(), reads));
-    made.insert(key, read);
-    read
-}
-
-/// What the equations of a frame at a joint are called, in the order of [`Coincide`].
-pub(super) const EQUATIONS: [&str; 6] = [
-    "the gap along e1",
-    "the gap along e2",
-    "the gap along e3",
-    "the misalignment about e1",
-    "the misalignment about e2",
-    "the misalignment about e3",
-];
-
-/// Closes a set of loops: its coordinates, and what there is to say about it.
-fn close_set(
-    nodes: &mut Vec<Node>,
-    chains: &[Chain],
-    held: &Held<'_>,
-    starts: &HashMap<(NodeId, usize), f64>,
-    length: f64,
-) -> Result<Report, ModelError> {
-    let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
-    own.sort_unstable();
-    own.dedup();
-    let mut roots: Vec<u32> = Vec::new();
-    for chain in chains {
-        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, held);
-        roots.extend(chain.root.filter(matters));
-        roots.extend(chain.ends.iter().flatten());
-    }
-    roots.sort_unstable();
-    roots.dedup();
-    let inputs = Inputs::new(nodes, &own, &roots, held);
-    let (given, unknown) = inputs.nodes.split_at(inputs.given);
-    let joints: Vec<&str> = (chains.iter())
-        .map(|c| nodes[c.frame as usize].name.as_str())
-        .collect();
-    let joints = joints.join(", ");
-    let mut about = Description::default();
-    let mut kinds = Vec::new();
-    for &(n, first) in unknown {
-        let node = &nodes[n as usize];
-        if node.form == Form::Rotation {
-            about.rotations.push(first - inputs.parameters);
-        }
-        for (k, &kind) in node.kinds.iter().enumerate() {
-            kinds.push(kind);
-            about.unknowns.push(Unknown {
-                name: node.coordinate_name(k),
-                size: if kind == Kind::Length { length } else { 1.0 },
-                start: starts.get(&(NodeId(n), k)).copied(),
-            });
-        }
-    }
-    for chain in chains {
-        let name = &nodes[chain.frame as usize].name;
-        let names = EQUATIONS.iter().map(|e| format!("{e} at joint {name}"));
-        about.equations.extend(names);
-    }
-    let mut p = Vec::with_capacity(inputs.parameters);
-    for &(n, _) in given {
-        let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
-        p.extend((0..nodes[n as usize].dim).map(value));
-    }
-    let equations = Box::new(tree(nodes, chains, &inputs));
-    let map = Closed::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
-        joints: joints.clone(),
-        source,
-    })?;
-    let (count, D) = (kinds.len(), map.freedoms());
-    let first = map.independent().and_then(|k| k.first().copied());
-    let kind = first.map_or(Kind::Angle, |k| kinds[k]);
-    let mut masters: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
-    if D > 0 {
-        let name = format!("loop of {joints}");
-        nodes.push(Node::new(
-            name,
-            Form::Coordinates,
-            &vec![kind; D],
-            Source::Own,
-        ));
-        masters.insert(0, nodes.len() as u32 - 1);
-    }
-    if masters.len() > super::assembly::MAX_NODES {
-        return Err(ModelError::TooManyNodes {
-            element: format!("(loop of {joints})"),
-            found: masters.len(),
-            limit: super::assembly::MAX_NODES,
-        });
-    }
-    let all = Dependence::new(Box::new(map), vec![masters], D + p.len());
-    let source = Source::Mapped(Box::new(all));
-    let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, Form::Coordinates, &kinds, source));
-    let x = nodes.len() as u32 - 1;
-    for &(n, first) in unknown {
-        let node = &mut nodes[n as usize];
-        let part = Part {
-            of: count,
-            first: first - inputs.parameters,
-            len: node.dim,
-        };
-        let dependence = Dependence::new(Box::new(part), vec![vec![x]], count);
-        node.source = Source::Mapped(Box::new(dependence));
-    }
-    Ok(Report {
-        words: format!(
-            "{} {joints} close{} {}",
-            if chains.len() == 1 { "joint" } else { "joints" },
-            if chains.len() == 1 { "s" } else { "" },
-            if chains.len() == 1 { "a loop" } else { "loops" },
-        ),
-        map: Some(x),
-        closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
-        element: None,
-    })
 }

@@ -12,6 +12,10 @@ use std::f64::consts::PI;
 /// A split whose condition number is larger than that of the tangent space by this factor is not
 /// good.
 const POOR: f64 = 1e3;
+/// A condition number, for each unknown, up to which coordinates are good enough to be kept whatever
+/// others there are: a scheme conserves energy in one set of coordinates, and every change costs some.
+/// (The condition number of the identity is one for each unknown.)
+const BAD: f64 = 10.0;
 
 impl Core {
     /// What counts as one for each equation: the length of its row, or what it was before if that
@@ -24,11 +28,12 @@ impl Core {
             let now = squares.sum::<f64>().sqrt();
             self.sizes[i] = now.max(self.sizes[i]);
         }
-        let most = self.sizes.iter().copied();
-        let most = most.fold(f64::MIN_POSITIVE, f64::max);
-        for size in &mut self.sizes {
-            if *size <= RANK * most {
-                *size = most;
+        let about = &self.about.equations;
+        let relative = self.sizes.iter().zip(about).map(|(s, e)| s / e.size);
+        let most = relative.fold(f64::MIN_POSITIVE, f64::max);
+        for (size, equation) in self.sizes.iter_mut().zip(about) {
+            if *size <= RANK * most * equation.size {
+                *size = most * equation.size;
             }
         }
     }
@@ -159,6 +164,9 @@ impl Core {
         let turned =
             (self.about.rotations.iter()).any(|&k| super::dense::norm(&self.x()[k..k + 3]) > PI);
         if !turned && self.D == 0 {
+            return false;
+        }
+        if !turned && now <= BAD * self.X as f64 {
             return false;
         }
         if !turned {
@@ -349,7 +357,7 @@ impl Core {
         };
         let redundant: Vec<&str> = (0..self.M)
             .filter(|&i| !self.chart.used[i])
-            .map(|i| self.about.equations[i].as_str())
+            .map(|i| self.about.equations[i].name.as_str())
             .collect();
         if redundant.is_empty() {
             chart

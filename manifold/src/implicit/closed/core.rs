@@ -39,6 +39,8 @@ pub(super) struct Core {
     /// Largest length of each row of h_x so far.
     pub sizes: Vec<f64>,
     pub work: Work,
+    /// Room for the anchor while the way from it is walked in parts.
+    pub parked: Anchor,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,6 +91,8 @@ pub(super) struct Work {
     pub equations: Pivoted,
     pub columns: Pivoted,
     pub trial: Chart,
+    /// Where the next part of a way ends.
+    pub stop: Vec<f64>,
 }
 
 impl Clone for Core {
@@ -101,6 +105,7 @@ impl Clone for Core {
             anchor: self.anchor.clone(),
             sizes: self.sizes.clone(),
             work: self.work.clone(),
+            parked: self.parked.clone(),
             ..*self
         }
     }
@@ -136,6 +141,7 @@ impl Core {
             lambda: z(M),
             bend: z(N * N),
             bent: z(N.max(M) * Q),
+            stop: z(Q),
             ..Work::default()
         };
     }
@@ -203,7 +209,7 @@ impl Core {
     }
 
     /// ∂x/∂(q, p) from A⁻¹ and h_p.
-    fn operators(&mut self) {
+    pub(super) fn operators(&mut self) {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.Y[..X * D].copy_from_slice(&w.B);
@@ -226,21 +232,14 @@ impl Core {
                 Err(self.singular())
             };
         }
-        let outcome = self.search(t, q, true);
-        // Where a parameter has changed its chart it is far away, and x is where it was.
-        let outcome = match outcome {
-            Err(_) if self.p > 0 => self.search(t, q, false),
-            other => other,
-        };
-        outcome?;
-        self.operators();
+        self.follow(t, q)?;
         let w = &mut self.work;
         (w.t, w.valid) = (t, true);
         w.q.copy_from_slice(q);
         Ok(())
     }
 
-    fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
@@ -297,11 +296,23 @@ impl Core {
             }
             before = size;
         }
-        let i = largest(&self.work.h);
+        let i = self.worst();
         Err(Trouble::TooFar {
-            equation: self.about.equations[i].clone(),
+            equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
         })
+    }
+
+    /// The equation that is worst, of what counts as one for it.
+    pub(super) fn worst(&self) -> usize {
+        let off = |i: usize| (self.work.h[i] / self.about.equations[i].size).abs();
+        let mut worst = 0;
+        for i in 0..self.M {
+            if off(i) > off(worst) || off(i).is_nan() {
+                worst = i;
+            }
+        }
+        worst
     }
 
     fn check_unused(&self) -> Result<(), Trouble> {
@@ -309,7 +320,7 @@ impl Core {
             let h = self.work.h[i];
             if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
                 return Err(Trouble::Inconsistent {
-                    equation: self.about.equations[i].clone(),
+                    equation: self.about.equations[i].name.clone(),
                     residual: h,
                 });
             }
@@ -351,14 +362,4 @@ impl Core {
 
 fn norm_of(x: impl Iterator<Item = f64>) -> f64 {
     x.map(|x| x * x).sum::<f64>().sqrt()
-}
-
-pub(super) fn largest(x: &[f64]) -> usize {
-    let mut best = 0;
-    for (i, x_i) in x.iter().enumerate() {
-        if x_i.abs() > x[best].abs() || x_i.is_nan() {
-            best = i;
-        }
-    }
-    best
 }

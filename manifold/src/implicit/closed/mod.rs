@@ -22,6 +22,7 @@ mod core;
 mod dense;
 mod names;
 mod start;
+mod walk;
 
 use super::ImplicitError;
 use crate::map::{KinematicsMut, Parametrization};
@@ -39,6 +40,15 @@ pub struct Unknown {
     pub start: Option<f64>,
 }
 
+/// One of the equations h = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equation {
+    /// Name, for messages.
+    pub name: String,
+    /// What counts as one in its unit: 1 for an angle, a length of the mechanism for a gap.
+    pub size: f64,
+}
+
 /// Names and sizes of what a [`Closed`] constraint is made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
@@ -46,15 +56,17 @@ pub struct Description {
     pub unknowns: Vec<Unknown>,
     /// First of each three unknowns that are a rotation vector: they change their chart at ψ > π.
     pub rotations: Vec<usize>,
-    /// Names of the equations.
-    pub equations: Vec<String>,
+    /// The equations.
+    pub equations: Vec<Equation>,
+    /// Names of the parameters p, for messages.
+    pub parameters: Vec<String>,
 }
 
 /// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
 /// coordinates and the parameters p.
 ///
 /// q = 0 is the configuration at which it was made. The split of x into q and dependent coordinates
-/// is changed in the run as for [`Solved`](super::Solved); where no split is good q are coordinates
+/// is changed in the run as for [`Solved`](super::Solved), but only where it has become bad; where no split is good q are coordinates
 /// in the tangent space.
 pub struct Closed(Mutex<core::Core>);
 
@@ -62,8 +74,9 @@ impl Closed {
     /// Assembles the equations at time `t` and parameters `p`: `h` takes (p, x) to the residuals.
     ///
     /// The unknowns start at zero, or where [`Unknown::start`] says. If they are closed at zero,
-    /// those values are approached in steps, so that the mechanism stays on its branch; values that
-    /// do not fit together are a first guess.
+    /// those values are approached in steps, so that the mechanism stays on its branch. Of values that
+    /// do not fit together as many are kept as do, in the order of the unknowns; the others are a
+    /// first guess ([`Closed::displaced`]).
     ///
     /// # Errors
     /// [`ImplicitError`] naming the equations and coordinates concerned.
@@ -87,6 +100,19 @@ impl Closed {
     /// The configuration at q = 0.
     pub fn reference(&self) -> Vec<f64> {
         self.core().reference.clone()
+    }
+
+    /// The unknowns that do not start where [`Unknown::start`] says, as it does not fit, and where
+    /// they start instead.
+    pub fn displaced(&self) -> Vec<(usize, f64)> {
+        let core = self.core();
+        let off = |k: &usize| {
+            let u = &core.about.unknowns[*k];
+            let start = u.start.unwrap_or(core.reference[*k]);
+            (core.reference[*k] - start).abs() > super::solve::CONSISTENT * u.size
+        };
+        let all = (0..core.X).filter(off);
+        all.map(|k| (k, core.reference[k])).collect()
     }
 
     /// Number D of free coordinates q.
@@ -158,6 +184,10 @@ impl Parametrization for Closed {
 
     fn rewrites(&self) -> bool {
         self.core().D > 0
+    }
+
+    fn edge(&self) -> &'static str {
+        "the positions that its equations allow"
     }
 
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {

@@ -34,7 +34,7 @@ impl Core {
         }
         named.sort_unstable();
         let names: Vec<String> = (named.iter())
-            .map(|&i| self.about.equations[i].clone())
+            .map(|&i| self.about.equations[i].name.clone())
             .collect();
         if names.is_empty() {
             "no other equation".to_owned()
@@ -63,7 +63,7 @@ impl Core {
             .into_iter()
             .map(|i| {
                 let others = self.others(i);
-                format!("{} depends on {others}", self.about.equations[i])
+                format!("{} depends on {others}", self.about.equations[i].name)
             })
             .collect();
         let moves = |k: usize| {
@@ -74,6 +74,11 @@ impl Core {
             .filter(|&k| moves(k))
             .map(|k| self.about.unknowns[k].name.clone())
             .collect();
-        (list(&dependent), list(&moving))
+        let dependent = if dependent.is_empty() {
+            "the equations that are left say the same to first order".to_owned()
+        } else {
+            list(&dependent)
+        };
+        (dependent, list(&moving))
     }
 }

@@ -4,7 +4,7 @@ use super::super::ImplicitError;
 use super::super::chart::RANK;
 use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
 use super::Description;
-use super::core::{Anchor, Chart, Core, Work, largest};
+use super::core::{Anchor, Chart, Core, Work};
 use crate::map::Parametrization;
 
 /// Iterations at most.
@@ -38,6 +38,7 @@ impl Core {
             anchor: Anchor::default(),
             sizes: vec![0.0; M],
             work: Work::default(),
+            parked: Anchor::default(),
         };
         core.reserve();
         core.work.y[..p.len()].copy_from_slice(p);
@@ -68,6 +69,7 @@ impl Core {
             Y: vec![0.0; X * (core.D + core.p)],
         };
         core.anchor.q.extend_from_slice(p);
+        core.parked = core.anchor.clone();
         let q = core.anchor.q.clone();
         core.refresh(t, &q);
         Ok(core)
@@ -76,38 +78,58 @@ impl Core {
     /// x that satisfies the equations, from zero or the values that are asked for.
     fn close(&mut self, t: f64) -> Result<(), ImplicitError> {
         let p = self.p;
-        let wanted: Vec<Option<f64>> = self.about.unknowns.iter().map(|u| u.start).collect();
-        let held: Vec<bool> = wanted.iter().map(Option::is_some).collect();
         let free = vec![false; self.X];
+        let mut held: Vec<bool> = self
+            .about
+            .unknowns
+            .iter()
+            .map(|u| u.start.is_some())
+            .collect();
         if !held.contains(&true) {
             return self.newton(t, &free);
         }
-        if self.newton(t, &free).is_ok() && self.x().iter().all(|x| x.abs() < 1e-6) {
-            // As drawn it is closed: to the values in steps, on one branch.
-            let from = self.x().to_vec();
+        let drawn = self.newton(t, &free).is_ok() && self.x().iter().all(|x| x.abs() < 1e-6);
+        let drawn = drawn.then(|| self.x().to_vec());
+        if self.approach(t, drawn.as_deref(), &held) {
+            return Ok(());
+        }
+        // As many as close it, one after the other.
+        let asked = std::mem::replace(&mut held, free.clone());
+        for k in (0..self.X).filter(|&k| asked[k]) {
+            held[k] = true;
+            held[k] = self.approach(t, drawn.as_deref(), &held);
+        }
+        if self.approach(t, drawn.as_deref(), &held) {
+            return Ok(());
+        }
+        self.work.y[p..].fill(0.0);
+        self.newton(t, &free)
+    }
+
+    /// Closes the loop with the values that are asked for where `held` says so. Where it is closed as
+    /// it is drawn these are approached in steps, on one branch; if that fails, or is not so, they and
+    /// all other values are a first guess.
+    fn approach(&mut self, t: f64, drawn: Option<&[f64]>, held: &[bool]) -> bool {
+        let p = self.p;
+        let wanted: Vec<Option<f64>> = self.about.unknowns.iter().map(|u| u.start).collect();
+        if let Some(from) = drawn {
+            self.work.y[p..].copy_from_slice(from);
             let stage = |core: &mut Self, part: f64| {
                 for (k, wanted) in wanted.iter().enumerate() {
-                    if let Some(to) = wanted {
+                    if let Some(to) = wanted.filter(|_| held[k]) {
                         core.work.y[p + k] = from[k] + part * (to - from[k]);
                     }
                 }
-                core.newton(t, &held)
+                core.newton(t, held)
             };
             if (1..=STAGES).all(|k| stage(self, k as f64 / STAGES as f64).is_ok()) {
-                return Ok(());
+                return true;
             }
         }
-        let guess = |core: &mut Self| {
-            for (k, wanted) in wanted.iter().enumerate() {
-                core.work.y[p + k] = wanted.unwrap_or(0.0);
-            }
-        };
-        guess(self);
-        if self.newton(t, &held).is_ok() {
-            return Ok(());
+        for (k, wanted) in wanted.iter().enumerate() {
+            self.work.y[p + k] = wanted.unwrap_or(0.0);
         }
-        guess(self);
-        self.newton(t, &free)
+        self.newton(t, held).is_ok()
     }
 
     /// Newton's method with steps of least length (of unknowns over their sizes), at most 1 long,
@@ -122,7 +144,7 @@ impl Core {
                 self.work.h[i].is_finite() && (0..p + X).all(|k| J[i + k * M].is_finite())
             };
             if let Some(i) = (0..M).find(|&i| !finite(i)) {
-                let equation = self.about.equations[i].clone();
+                let equation = self.about.equations[i].name.clone();
                 return Err(ImplicitError::NotFinite { equation });
             }
             self.sizes.fill(0.0);
@@ -163,7 +185,9 @@ impl Core {
         self.linearise(t);
         self.sizes.fill(0.0);
         self.measure();
-        let wrong = |i: &usize| self.work.h[*i].abs() > CONSISTENT * self.sizes[*i].max(1.0);
+        let wrong = |i: &usize| {
+            self.work.h[*i].abs() > CONSISTENT * self.sizes[*i].max(self.about.equations[*i].size)
+        };
         match (0..self.M).find(wrong) {
             None => Ok(()),
             Some(_) => Err(self.open()),
@@ -171,9 +195,9 @@ impl Core {
     }
 
     fn open(&self) -> ImplicitError {
-        let i = largest(&self.work.h);
+        let i = self.worst();
         ImplicitError::NotAssembled {
-            equation: self.about.equations[i].clone(),
+            equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
             iterations: ITERATIONS,
         }

@@ -1,0 +1,294 @@
+//! A set of loops that share coordinates: what follows from what, and its equations.
+
+use super::chain::{self, Chain, coordinates};
+use super::tree::{Coincide, Part, Read, Tree};
+use super::{APART, EQUATIONS, Held, Report};
+use crate::model::builder::NodeId;
+use crate::model::dependence::Dependence;
+use crate::model::{Form, ModelError, NONE, Node, Source, assembly};
+use nalgebra::Vector3;
+use pullback_manifold::implicit::Closed;
+use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::system::Kind;
+use std::collections::HashMap;
+
+/// The inputs of a set of loops: first the parameters, then the unknowns.
+pub(super) struct Inputs {
+    /// Nodes of the parameters and of the unknowns, with their first input.
+    pub(super) nodes: Vec<(u32, usize)>,
+    /// How many inputs are parameters, and how many there are.
+    parameters: usize,
+    pub(super) count: usize,
+    /// How many of the nodes are parameters.
+    given: usize,
+}
+
+impl Inputs {
+    /// Sorts own coordinate nodes, and roots that matter, into parameters and unknowns.
+    pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], held: &Held<'_>) -> Self {
+        let moves = |n: &&u32| !held.still(**n as usize, nodes[**n as usize].dim);
+        let given = |n: &&u32| roots.contains(n) || held.any(**n as usize);
+        let all = roots.iter().chain(own).filter(moves);
+        let (parameters, unknowns): (Vec<&u32>, Vec<&u32>) = all.partition(given);
+        let mut out = Self {
+            nodes: Vec::new(),
+            parameters: 0,
+            count: 0,
+            given: parameters.len(),
+        };
+        for &&n in parameters.iter().chain(&unknowns) {
+            if out.nodes.len() == out.given {
+                out.parameters = out.count;
+            }
+            out.nodes.push((n, out.count));
+            out.count += nodes[n as usize].dim;
+        }
+        if unknowns.is_empty() {
+            out.parameters = out.count;
+        }
+        out
+    }
+
+    pub(super) fn read(&self, node: u32) -> Read {
+        let found = self.nodes.iter().find(|(n, _)| *n == node);
+        found.map_or(Read::Nothing, |(_, first)| Read::Input(*first))
+    }
+}
+
+/// The equations of chains as a tree of copies of their maps.
+pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
+    let mut tree = Tree::new(inputs.count);
+    let mut made: HashMap<(u32, u32), Read> = HashMap::new();
+    let mut closures = Vec::new();
+    for chain in chains {
+        let ends =
+            [chain.frame, chain.child].map(|n| add(nodes, n, chain, inputs, &mut tree, &mut made));
+        let place = |n: u32| nodes[n as usize].place;
+        let apart = place(chain.frame) - place(chain.child);
+        closures.push((Coincide { apart }, ends));
+    }
+    for (between, ends) in closures {
+        tree.close(between, ends);
+    }
+    tree
+}
+
+/// Adds the map of node n, and of those that it follows, up to the root.
+fn add(
+    nodes: &[Node],
+    n: u32,
+    chain: &Chain,
+    inputs: &Inputs,
+    tree: &mut Tree,
+    made: &mut HashMap<(u32, u32), Read>,
+) -> Read {
+    if chain.root == Some(n) {
+        return inputs.read(n);
+    }
+    let Source::Mapped(d) = &nodes[n as usize].source else {
+        return inputs.read(n);
+    };
+    let key = (n, chain.root.unwrap_or(NONE));
+    if let Some(&read) = made.get(&key) {
+        return read;
+    }
+    let reads = (d.masters().iter())
+        .map(|&m| {
+            let read = add(nodes, m, chain, inputs, tree, made);
+            (read, nodes[m as usize].dim)
+        })
+        .collect();
+    let read = Read::Link(tree.link(d.map.duplicate(), reads));
+    made.insert(key, read);
+    read
+}
+
+/// Loops in which no joint coordinate is left to follow from others: fine where the frames are one as
+/// they are drawn.
+fn nothing_follows(
+    nodes: &[Node],
+    chains: &[Chain],
+    joints: String,
+    given: &[(u32, usize)],
+    equations: &dyn Parametrization,
+    length: f64,
+) -> Result<Report, ModelError> {
+    if !given.is_empty() {
+        let names: Vec<&str> = (given.iter())
+            .map(|&(n, _)| nodes[n as usize].name.as_str())
+            .collect();
+        let driven = names.join(", ");
+        return Err(ModelError::AllDriven { joints, driven });
+    }
+    let mut h = vec![0.0; 6 * chains.len()];
+    equations.tangent(0.0, &[], &mut h, &mut []);
+    for (chain, h) in chains.iter().zip(h.chunks_exact(6)) {
+        let gap = Vector3::new(h[0], h[1], h[2]).norm();
+        let turn = Vector3::new(h[3], h[4], h[5]).norm();
+        if gap > APART * length || turn > APART {
+            let name = |n: u32| nodes[n as usize].name.clone();
+            let (joint, child) = (name(chain.frame), name(chain.child));
+            return Err(ModelError::Rigid {
+                joint,
+                child,
+                gap,
+                turn,
+            });
+        }
+    }
+    Ok(Report {
+        words: format!(
+            "{joints}: nothing can move between the frames, which are one as drawn; redundant"
+        ),
+        map: None,
+        closures: Vec::new(),
+        element: None,
+    })
+}
+
+/// What there is to say about values that coordinates should have and that do not fit together.
+fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters: usize) -> String {
+    let mut words = String::new();
+    for (k, x) in map.displaced() {
+        let of = |(n, first): &&(u32, usize)| {
+            let first = first - parameters;
+            (first..first + nodes[*n as usize].dim).contains(&k)
+        };
+        if let Some(&(n, first)) = unknown.iter().find(of) {
+            let name = nodes[n as usize].coordinate_name(k + parameters - first);
+            words += &format!("; {name} starts at {x:.6}, as its value does not close the loop");
+        }
+    }
+    words
+}
+
+/// What there is to say about frames that are one and are drawn apart.
+fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
+    let mut words = String::new();
+    for chain in chains {
+        let (a, b) = (&nodes[chain.frame as usize], &nodes[chain.child as usize]);
+        let gap = (a.place - b.place).norm();
+        if gap > APART * length {
+            words += &format!("; {} and {} were drawn {gap:.3e} apart", a.name, b.name);
+        }
+    }
+    words
+}
+
+/// Closes a set of loops: its coordinates, and what there is to say about it.
+pub(super) fn close_set(
+    nodes: &mut Vec<Node>,
+    chains: &[Chain],
+    held: &Held<'_>,
+    starts: &HashMap<(NodeId, usize), f64>,
+    length: f64,
+) -> Result<Report, ModelError> {
+    let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
+    own.sort_unstable();
+    own.dedup();
+    let mut roots: Vec<u32> = Vec::new();
+    for chain in chains {
+        let matters = |root: &u32| chain::root_matters(nodes, chain, *root, held, length);
+        roots.extend(chain.root.filter(matters));
+        roots.extend(chain.ends.iter().flatten());
+    }
+    roots.sort_unstable();
+    roots.dedup();
+    let inputs = Inputs::new(nodes, &own, &roots, held);
+    let (given, unknown) = inputs.nodes.split_at(inputs.given);
+    let joints: Vec<&str> = (chains.iter())
+        .map(|c| nodes[c.frame as usize].name.as_str())
+        .collect();
+    let joints = joints.join(", ");
+    let mut about = Description::default();
+    let mut kinds = Vec::new();
+    for &(n, first) in unknown {
+        let node = &nodes[n as usize];
+        if node.form == Form::Rotation {
+            about.rotations.push(first - inputs.parameters);
+        }
+        for (k, &kind) in node.kinds.iter().enumerate() {
+            kinds.push(kind);
+            about.unknowns.push(Unknown {
+                name: node.coordinate_name(k),
+                size: if kind == Kind::Length { length } else { 1.0 },
+                start: starts.get(&(NodeId(n), k)).copied(),
+            });
+        }
+    }
+    for chain in chains {
+        let name = &nodes[chain.frame as usize].name;
+        about.equations.extend((0..6).map(|i| Equation {
+            name: format!("{} at joint {name}", EQUATIONS[i]),
+            size: if i < 3 { length } else { 1.0 },
+        }));
+    }
+    let names = given.iter().map(|&(n, _)| nodes[n as usize].name.clone());
+    about.parameters = names.collect();
+    let mut p = Vec::with_capacity(inputs.parameters);
+    for &(n, _) in given {
+        let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
+        p.extend((0..nodes[n as usize].dim).map(value));
+    }
+    let equations = Box::new(tree(nodes, chains, &inputs));
+    if unknown.is_empty() {
+        return nothing_follows(nodes, chains, joints, given, &*equations, length);
+    }
+    let map = Closed::new(equations, about, 0.0, &p).map_err(|source| ModelError::Loop {
+        joints: joints.clone(),
+        source,
+    })?;
+    let (moved, apart) = (
+        displaced(nodes, unknown, &map, inputs.parameters),
+        drawn_apart(nodes, chains, length),
+    );
+    let (count, D) = (kinds.len(), map.freedoms());
+    let first = map.independent().and_then(|k| k.first().copied());
+    let kind = first.map_or(Kind::Angle, |k| kinds[k]);
+    let mut masters: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
+    if D > 0 {
+        let name = format!("loop of {joints}");
+        nodes.push(Node::new(
+            name,
+            Form::Coordinates,
+            &vec![kind; D],
+            Source::Own,
+        ));
+        masters.insert(0, nodes.len() as u32 - 1);
+    }
+    if masters.len() > assembly::MAX_NODES {
+        return Err(ModelError::TooManyNodes {
+            element: format!("(loop of {joints})"),
+            found: masters.len(),
+            limit: assembly::MAX_NODES,
+        });
+    }
+    let all = Dependence::new(Box::new(map), vec![masters], D + p.len());
+    let source = Source::Mapped(Box::new(all));
+    let name = format!("coordinates of {joints}");
+    nodes.push(Node::new(name, Form::Coordinates, &kinds, source));
+    let x = nodes.len() as u32 - 1;
+    for &(n, first) in unknown {
+        let node = &mut nodes[n as usize];
+        let part = Part {
+            of: count,
+            first: first - inputs.parameters,
+            len: node.dim,
+        };
+        let dependence = Dependence::new(Box::new(part), vec![vec![x]], count);
+        node.source = Source::Mapped(Box::new(dependence));
+    }
+    Ok(Report {
+        words: format!(
+            "{} {joints} close{} {}",
+            if chains.len() == 1 { "joint" } else { "joints" },
+            if chains.len() == 1 { "s" } else { "" },
+            if chains.len() == 1 { "a loop" } else { "loops" },
+        ) + &apart
+            + &moved,
+        map: Some(x),
+        closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
+        element: None,
+    })
+}

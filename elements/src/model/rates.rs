@@ -1,0 +1,211 @@
+//! Initial rates of the coordinates that joints release.
+
+#![allow(non_snake_case)]
+
+use super::builder::NodeId;
+use super::motion::RigidMotion;
+use super::{Form, Model, NONE, Source};
+use nalgebra::{DMatrix, DVector, Vector6};
+use pullback_manifold::so3;
+use pullback_manifold::system::{Point, SystemError};
+
+/// Part of a motion that may be missing because of rounding.
+const MISSING: f64 = 1e-9;
+
+impl Model {
+    /// Fits the rates of the coordinates that joints release, in `v`, so that the frames that hang
+    /// on them (those among `nodes`, all of them if it is `None`) move with a rigid motion as
+    /// closely as they can: joint by joint from the root, all joints of a loop at once, by least
+    /// squares. The closing joints of loops without driven parts which do not allow the motion.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn fit_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) -> Result<Vec<String>, SystemError> {
+        let (mut fitted, mut against) = (Vec::new(), Vec::new());
+        for n in self.dependent.clone() {
+            let released = |&&m: &&u32| self.nodes[m as usize].form == Form::Coordinates;
+            let Some(d) = self.chosen(n, nodes) else {
+                continue;
+            };
+            let masters: Vec<u32> = d.masters().iter().filter(released).copied().collect();
+            let Some(x) = masters.iter().find_map(|&m| self.loop_of(m)) else {
+                self.fit(q, v, &[n], &masters, motion)?;
+                continue;
+            };
+            if fitted.contains(&x) {
+                continue;
+            }
+            fitted.push(x);
+            let all: Vec<u32> = (self.dependent.iter().copied())
+                .filter(|&k| {
+                    let d = self.chosen(k, nodes);
+                    d.is_some_and(|d| d.masters().iter().any(|&m| self.loop_of(m) == Some(x)))
+                })
+                .collect();
+            let Source::Mapped(d) = &self.nodes[x as usize].source else {
+                continue;
+            };
+            let (own, alone) = (d.masters()[..1].to_vec(), d.masters().len() == 1);
+            let left = self.fit(q, v, &all, &own, motion)?;
+            if alone && left > MISSING {
+                let report = self.reports.iter().find(|r| r.map == Some(x));
+                let joint = report.and_then(|r| r.closures.first());
+                against.extend(joint.map(|&(n, _)| self.nodes[n as usize].name.clone()));
+            }
+        }
+        Ok(against)
+    }
+
+    /// What a frame among `nodes` follows from.
+    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::dependence::Dependence> {
+        let node = &self.nodes[n as usize];
+        let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
+        match &node.source {
+            Source::Mapped(d) if chosen && node.is_frame() => Some(d),
+            _ => None,
+        }
+    }
+
+    /// The coordinates of a loop that a coordinate belongs to.
+    fn loop_of(&self, n: u32) -> Option<u32> {
+        let Source::Mapped(d) = &self.nodes[n as usize].source else {
+            return None;
+        };
+        let &[x] = d.masters() else { return None };
+        self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
+    }
+
+    /// Whether a coordinate or a rotation that a joint has released belongs to a closed loop: it
+    /// follows from the coordinates that the loop leaves free.
+    pub fn in_loop(&self, node: NodeId) -> bool {
+        self.loop_of(node.0).is_some()
+    }
+
+    /// Fits the rates of the free coordinates of `masters` so that frames take part in a motion; what
+    /// is missing of it, relative to the whole.
+    fn fit(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        frames: &[u32],
+        masters: &[u32],
+        motion: &RigidMotion,
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let unknowns: Vec<usize> = (masters.iter())
+            .flat_map(|&m| self.nodes[m as usize].range())
+            .filter(|&c| self.unknowns[c] != NONE)
+            .map(|c| self.unknowns[c] as usize)
+            .collect();
+        if unknowns.is_empty() {
+            return Ok(0.0);
+        }
+        let unit = self.length.recip();
+        let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
+        let mut rates = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            self.expand(Point {
+                t: 0.0,
+                q,
+                v,
+                a: &a,
+            })?;
+            let mut all = Vec::with_capacity(6 * frames.len());
+            for &n in frames {
+                let own = &self.work.v[self.nodes[n as usize].range()];
+                all.extend(Vector6::from_column_slice(own).component_mul(&unit).iter());
+            }
+            Ok(DVector::from_vec(all))
+        };
+        let now = rates(v)?;
+        let mut columns = DMatrix::zeros(now.len(), unknowns.len());
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(rates(v)? - &now));
+            v[u] -= 1.0;
+        }
+        let mut wanted = DVector::zeros(now.len());
+        for (k, &n) in frames.iter().enumerate() {
+            let state = self.node_state(NodeId(n));
+            let place = motion.velocity + motion.omega.cross(&(state.place - motion.about));
+            let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
+            let both = Vector6::new(place.x, place.y, place.z, turn.x, turn.y, turn.z);
+            wanted
+                .fixed_rows_mut::<6>(6 * k)
+                .copy_from(&both.component_mul(&unit));
+        }
+        let mut missing = &wanted - &now;
+        if let Ok(more) = columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            for (&u, more) in unknowns.iter().zip(more.iter()) {
+                v[u] += more;
+            }
+            missing -= columns * more;
+        }
+        let size = wanted.amax().max(now.amax());
+        Ok(if size > 0.0 {
+            missing.amax() / size
+        } else {
+            0.0
+        })
+    }
+
+    /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
+    /// follow from others, and all of them together are changed as little as possible. How far off
+    /// the worst remains: zero to rounding where the loops allow the rates.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the point is outside a chart.
+    pub fn fit_coordinate_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        rates: &[(NodeId, usize, f64)],
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let mut unknowns: Vec<usize> = Vec::new();
+        for (n, ..) in rates {
+            let own = match &self.nodes[n.0 as usize].source {
+                Source::Own => std::slice::from_ref(&n.0),
+                Source::Mapped(d) => &d.ancestors[..],
+            };
+            for c in own.iter().flat_map(|&m| self.nodes[m as usize].range()) {
+                if self.unknowns[c] != NONE {
+                    unknowns.push(self.unknowns[c] as usize);
+                }
+            }
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            let t = 0.0;
+            self.expand(Point { t, q, v, a: &a })?;
+            let rate =
+                |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];
+            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
+        };
+        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
+        let missing = wanted - now(v)?;
+        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
+        let start = now(v)?;
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(now(v)? - &start));
+            v[u] -= 1.0;
+        }
+        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            Ok(more) if !unknowns.is_empty() => {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more;
+                }
+                missing - columns * more
+            }
+            _ => missing,
+        };
+        Ok(left.amax())
+    }
+}

@@ -1,0 +1,100 @@
+//! The way from the last converged state to another one, on one branch of solutions.
+
+use super::super::Trouble;
+use super::core::Core;
+use std::f64::consts::PI;
+
+/// Parts into which a step is divided at most.
+const PARTS: usize = 64;
+/// What a step of x may differ from the mean of its slopes at both ends: relative to the step, and
+/// in sizes of x.
+const BENT: [f64; 2] = [0.1, 0.02];
+
+impl Core {
+    /// x at (q, p) and its operators into the workspace. Newton's method alone may end on another
+    /// branch: what the slopes at both ends do not explain is not accepted, and the way is walked in
+    /// smaller parts.
+    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+        let Err(first) = self.part(t, q, true) else {
+            return Ok(());
+        };
+        // A parameter that has changed its chart is far away, and x is where it was.
+        let moved = (self.D..q.len()).map(|j| (q[j] - self.anchor.q[j]).powi(2));
+        if moved.sum::<f64>().sqrt() > PI && self.part(t, q, false).is_ok() {
+            return Ok(());
+        }
+        if q.iter().any(|q| !q.is_finite()) {
+            return Err(first);
+        }
+        std::mem::swap(&mut self.anchor, &mut self.parked);
+        let mut parts = 2;
+        let outcome = loop {
+            let outcome = self.walk(t, q, parts);
+            if outcome.is_ok() || parts >= PARTS {
+                break outcome;
+            }
+            parts *= 2;
+        };
+        std::mem::swap(&mut self.anchor, &mut self.parked);
+        outcome.map_err(|trouble| match trouble {
+            Trouble::Inconsistent { .. } => trouble,
+            _ if self.D == 0 && !self.about.parameters.is_empty() => Trouble::OutOfReach {
+                driven: super::super::names::list(&self.about.parameters),
+            },
+            other => other,
+        })
+    }
+
+    /// From the parked anchor in equal parts along a straight line.
+    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), Trouble> {
+        self.anchor.clone_from(&self.parked);
+        let mut next = std::mem::take(&mut self.work.stop);
+        let mut outcome = Ok(());
+        for k in 1..=parts {
+            let s = k as f64 / parts as f64;
+            next.clear();
+            let from = self.parked.q.iter();
+            next.extend(
+                from.zip(q)
+                    .map(|(a, b)| if k == parts { *b } else { a + s * (b - a) }),
+            );
+            let then = self.parked.t + s * (t - self.parked.t);
+            let then = if k == parts { t } else { then };
+            outcome = self.part(then, &next, true);
+            if outcome.is_err() {
+                break;
+            }
+            self.anchor.t = then;
+            self.anchor.q.copy_from_slice(&next);
+            self.anchor.x.copy_from_slice(&self.work.y[self.p..]);
+            self.anchor.Y.copy_from_slice(&self.work.Y);
+        }
+        self.work.stop = next;
+        outcome
+    }
+
+    /// One part of the way, by Newton's method, from where the slopes at its beginning lead.
+    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+        self.search(t, q, follow)?;
+        self.operators();
+        if !follow {
+            return Ok(());
+        }
+        let (mut step, mut off) = (0.0_f64, 0.0_f64);
+        for k in 0..self.X {
+            let slope =
+                |j: usize| 0.5 * (self.anchor.Y[k + j * self.X] + self.work.Y[k + j * self.X]);
+            let mean: f64 = (0..q.len())
+                .map(|j| slope(j) * (q[j] - self.anchor.q[j]))
+                .sum();
+            let made = self.work.y[self.p + k] - self.anchor.x[k];
+            step = step.max(mean.abs() / self.size(k));
+            off = off.max((made - mean).abs() / self.size(k));
+        }
+        if off <= BENT[0] * step + BENT[1] {
+            Ok(())
+        } else {
+            Err(Trouble::OtherBranch { off })
+        }
+    }
+}
