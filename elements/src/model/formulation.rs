@@ -198,7 +198,8 @@ impl Model {
     ///
     /// With θ̇ and θ̈ as functions of (θ, Ω, Ω̇), and δθ̇, δθ̈ along δθ = cK e, δΩ = cC e, δΩ̇ = cM e
     /// ([`Spin::varied`]), the columns of θ are cK K + C (∂θ̇/∂e) + M (∂θ̈/∂e): those for rates of
-    /// coordinates and what the derivatives differ from cC and cM.
+    /// coordinates and what the derivatives differ from cC and cM. Rows stay those of θ, so that M is
+    /// symmetric at θ = 0 only.
     pub(super) fn evaluate_spinning(
         &mut self,
         at: Point<'_>,
