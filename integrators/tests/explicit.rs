@@ -78,6 +78,7 @@ impl System for Chain {
             kinetic,
             stored,
             ..Energies::default()
+            ..Energies::default()
         }))
     }
 

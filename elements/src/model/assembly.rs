@@ -9,8 +9,8 @@ use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError,
-    Weights,
+    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System,
+    SystemError, Weights,
 };
 use std::f64::consts::TAU;
 
@@ -49,6 +49,9 @@ pub(super) struct Workspace {
     pub handed_over: bool,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     accelerations_asked: Option<f64>,
+    /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
+    /// have been looked for.
+    pub released: Vec<Vec<f64>>,
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
@@ -97,6 +100,7 @@ impl Workspace {
             kept: Vec::new(),
             handed_over: false,
             accelerations_asked: None,
+            released: Vec::new(),
             sheets: Sheets::default(),
             scales,
         }
@@ -352,6 +356,14 @@ impl System for Model {
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         self.generalised_momentum(at, p)
+    }
+
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+        self.find_symmetries(span, q, v)
+    }
+
+    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+        self.write_rigid_rates(q, motion, rates);
     }
 
     fn kept_momentum(&self, p: &mut [f64]) -> bool {

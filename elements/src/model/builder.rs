@@ -350,6 +350,7 @@ impl ModelBuilder {
             name,
             dead: element.is_dead(),
             load: element.is_load(),
+            steady: super::symmetry::is_steady(element.as_ref()),
             element,
             nodes: NodeList::new(nodes),
             frames: (0..)

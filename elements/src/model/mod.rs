@@ -25,6 +25,7 @@ mod query;
 mod rates;
 mod sheets;
 mod slots;
+mod symmetry;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
@@ -209,6 +210,8 @@ struct Attached {
     dead: bool,
     /// Whether it stands for applied loads.
     load: bool,
+    /// Whether it is a load with a potential that does not depend on time.
+    steady: bool,
     /// Number of coordinates after the pull-back to own nodes.
     pulled: usize,
     blocks: usize,
