@@ -85,6 +85,7 @@ pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod gallery;
+pub mod general;
 pub mod input;
 pub mod method;
 pub mod output;

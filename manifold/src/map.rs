@@ -155,6 +155,13 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         0
     }
 
+    /// The largest residual at φ(t, q) of the equations behind the map, each over its size; none for
+    /// a map that is a formula.
+    fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
+        let _ = (t, q);
+        None
+    }
+
     /// x and B.
     fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
         derived::tangent(self, t, q)
@@ -285,6 +292,12 @@ pub trait Parametrization: Send + Sync {
         memory.is_empty()
     }
 
+    /// See [`Map::violation`].
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        let _ = (t, q);
+        None
+    }
+
     /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
     /// there are equations; as many as there are.
     fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
@@ -377,6 +390,10 @@ where
 
     fn segment(&self) -> usize {
         self.0.segment()
+    }
+
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        self.0.violation(t, &SVector::from_column_slice(q))
     }
 
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {

@@ -15,7 +15,8 @@ pub(super) struct Arguments {
     model: PathBuf,
     /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
     /// all there are. A prefix chooses the formulation of rotations: ul-ga:0.8 (updated
-    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (Simo & Vu-Quoc).
+    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (Simo & Vu-Quoc). diffsol-bdf and diffsol-esdirk are general
+    /// solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
     /// Step sizes, from large to small.
@@ -29,6 +30,9 @@ pub(super) struct Arguments {
     /// Scheme of the reference; radau by default.
     #[arg(long)]
     reference: Option<String>,
+    /// CSV file of an exact solution in place of the reference: see docs/comparing_schemes.md.
+    #[arg(long, conflicts_with = "reference")]
+    exact: Option<PathBuf>,
     /// Directory of the results; beside the model file by default, `MODEL.compare`.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -51,6 +55,7 @@ impl Arguments {
             steps: self.steps.clone(),
             reference: self.reference.as_deref().map(str::parse).transpose()?,
             threads: self.threads,
+            exact: None,
             timed: self.timed,
         })
     }
@@ -87,10 +92,14 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
     };
     let source = model.display().to_string();
-    let ran = asked.options().and_then(|options| {
+    let ran = asked.options().and_then(|mut options| {
         // Every run has a model of its own, of the file as it is now.
         let file = registry.load(model)?.file;
         let make = |formulation| registry.job_in(&source, &file, formulation);
+        if let Some(path) = &asked.exact {
+            let (nodes, times) = compare::looked_at(&make, &options.steps)?;
+            options.exact = Some(compare::read_exact(path, &nodes, &times)?);
+        }
         compare::run(&make, &source, Some(command), &directory, &options, &watch)
     });
     progress.clear();

@@ -81,6 +81,14 @@ pub enum CompareError {
         /// Number of steps.
         count: usize,
     },
+    /// A file of exact values that cannot be used.
+    #[error("the exact solution {}: {problem}", path.display())]
+    Exact {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// There is no such scheme, or the motion cannot begin.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

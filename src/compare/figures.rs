@@ -99,7 +99,7 @@ fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
 }
 
 fn slopes(comparison: &Comparison) -> Vec<f64> {
-    let mut slopes: Vec<usize> = comparison.orders.iter().map(|o| o.theory).collect();
+    let mut slopes: Vec<usize> = comparison.orders.iter().filter_map(|o| o.theory).collect();
     slopes.sort_unstable();
     slopes.dedup();
     slopes.into_iter().rev().map(|p| p as f64).collect()

@@ -90,6 +90,12 @@ impl Grid {
         }
     }
 
+    /// All common times, the start first.
+    pub fn all_times(&self) -> Vec<f64> {
+        let later = (1..=self.times).map(|k| self.time(k));
+        std::iter::once(0.0).chain(later).collect()
+    }
+
     /// The size of so many equal steps.
     pub fn step(&self, count: usize) -> f64 {
         self.to / count as f64

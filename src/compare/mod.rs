@@ -38,7 +38,9 @@
 //! # }
 //! ```
 
+mod contender;
 mod error;
+mod exact;
 mod figures;
 mod grid;
 mod order;
@@ -49,7 +51,9 @@ mod sample;
 mod tables;
 mod write;
 
+pub use contender::Contender;
 pub use error::CompareError;
+pub use exact::{Exact, read as read_exact};
 use order::orders;
 pub use order::{ABOVE_REFERENCE, Order, STRAIGHT, fit};
 pub use reference::Reference;
@@ -58,7 +62,6 @@ pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
 pub use write::{FILES, default_directory, run};
 
-use crate::method::Method;
 use crate::solve::{Counts, begin};
 use grid::Grid;
 use pullback_elements::model::Formulation;
@@ -72,13 +75,15 @@ use std::sync::PoisonError;
 /// What is compared.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The schemes, each with its formulation of rotations.
-    pub schemes: Vec<Method>,
+    /// The schemes, each with its formulation of rotations, and general solvers.
+    pub schemes: Vec<Contender>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
     /// Scheme of the reference; by default Radau IIA of two stages, of order 3, which damps what no
     /// step resolves.
     pub reference: Option<Scheme>,
+    /// An exact solution in place of the reference.
+    pub exact: Option<Exact>,
     /// Runs at a time; as many as the machine has cores by default.
     pub threads: Option<NonZeroUsize>,
     /// Whether each run is made again alone on the machine, to take its time.
@@ -87,11 +92,12 @@ pub struct Options {
 
 impl Options {
     /// Schemes at step sizes, everything else by default.
-    pub fn new(schemes: Vec<Method>, steps: Vec<f64>) -> Self {
+    pub fn new(schemes: Vec<Contender>, steps: Vec<f64>) -> Self {
         Self {
             schemes,
             steps,
             reference: None,
+            exact: None,
             threads: None,
             timed: false,
         }
@@ -118,6 +124,8 @@ pub struct Drift {
     pub momentum: Option<f64>,
     /// Of those components of the angular momentum that are kept.
     pub angular_momentum: Option<f64>,
+    /// The largest |h| of the equations with which loops close, each over its size.
+    pub violation: Option<f64>,
 }
 
 /// One scheme at one step size.
@@ -165,8 +173,8 @@ pub struct SchemeOrders {
     pub scheme: String,
     /// What its formulation of rotations is.
     pub formulation: &'static str,
-    /// Its order in theory.
-    pub theory: usize,
+    /// Its order in theory; none for a general solver, of which h is a tolerance.
+    pub theory: Option<usize>,
     /// The order observed in each quantity, where one can be, in the order of [`Quantity::ALL`].
     pub observed: [Option<Order>; 6],
 }
@@ -223,8 +231,25 @@ struct Prepared {
     grid: Grid,
     reference: Scheme,
     unknowns: usize,
+    nodes: usize,
     enforced: bool,
     title: Option<String>,
+}
+
+/// What a comparison looks at: the names of all frame nodes, and the common times of runs with these
+/// step sizes, the start first.
+///
+/// # Errors
+/// [`CompareError`].
+pub fn looked_at(
+    make: &Maker<'_>,
+    steps: &[f64],
+) -> Result<(Vec<String>, Vec<f64>), CompareError> {
+    let job = make(Formulation::Total)?;
+    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
+    let grid = Grid::new(plan.options.to, steps)?;
+    let nodes = job.model.frames().map(|(_, name)| name.to_owned());
+    Ok((nodes.collect(), grid.all_times()))
 }
 
 fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
@@ -257,6 +282,7 @@ fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError
         grid,
         reference,
         unknowns,
+        nodes: job.model.frames().count(),
         enforced,
         title: job.title,
     })
@@ -288,14 +314,19 @@ fn carry_out(
         grid,
         reference,
         unknowns,
+        nodes,
         enforced,
         title,
     } = prepared;
-    let mut tasks = reference::tasks(&reference, &grid).to_vec();
+    let mut tasks = match options.exact {
+        Some(_) => Vec::new(),
+        None => reference::tasks(&reference, &grid).to_vec(),
+    };
+    let behind = tasks.len();
     let own = options.schemes.iter().flat_map(|&method| {
         grid.counts.iter().map(move |&steps| Task {
             name: method.to_string(),
-            method,
+            contender: method,
             steps,
             relative: f64::INFINITY,
         })
@@ -305,16 +336,17 @@ fn carry_out(
     let threads = options.threads.map_or(cores, NonZeroUsize::get);
     let threads = threads.min(tasks.len());
     let mut ran = run_all(make, &tasks, &grid, threads, watch);
-    let own = ran.split_off(3);
-    let judged = ran.iter().all(|r| r.failure.is_none());
-    let judged = judged
-        .then(|| reference::judge(&reference, &grid, &ran))
-        .flatten();
+    let own = ran.split_off(behind);
+    let judged = match &options.exact {
+        Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
+        None if ran.iter().any(|r| r.failure.is_some()) => None,
+        None => reference::judge(&reference, &grid, &ran),
+    };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
     let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
     let mut complete = !ran.iter().chain(&own).any(interrupted);
     let mut rows = Vec::with_capacity(own.len());
-    for (k, (ran, task)) in own.into_iter().zip(&tasks[3..]).enumerate() {
+    for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
         let asked = options.steps[k % options.steps.len()];
         let mut row = row(ran, task, asked, &grid, judged.as_ref());
         if options.timed && complete && row.failure.is_none() {
@@ -374,7 +406,10 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
         angular_momentum: reference::drift_of(&ran.samples, r.kept.angular_momentum, &|s| {
             s.momenta[1]
         }),
+        violation: None,
     });
+    let violations = ran.samples.iter().filter_map(|s| s.violation);
+    let violation = violations.reduce(|a, b| if b > a || b.is_nan() { b } else { a });
     Row {
         scheme: task.name.clone(),
         asked,
@@ -382,7 +417,10 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
         failure: ran.failure.as_ref().map(ToString::to_string),
         counts: Counts::of_motion(&ran.summary),
         error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
-        drift: drift.unwrap_or_default(),
+        drift: Drift {
+            violation,
+            ..drift.unwrap_or_default()
+        },
         seconds: ran.time.as_secs_f64(),
         seconds_alone: None,
         samples: ran.samples,

@@ -1,7 +1,7 @@
 //! Observed orders of convergence and their confidence.
 
 use super::{Quantity, Reference, Row, SchemeOrders};
-use crate::method::Method;
+use super::Contender;
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -78,7 +78,7 @@ fn student(freedom: usize) -> Option<f64> {
 
 /// The observed orders of all schemes.
 pub(super) fn orders(
-    schemes: &[Method],
+    schemes: &[Contender],
     rows: &[Row],
     reference: Option<&Reference>,
 ) -> Vec<SchemeOrders> {
@@ -92,11 +92,11 @@ pub(super) fn orders(
         let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
         fit(&errors, reference?.error.of(quantity))
     };
-    let of = |method: &Method| {
+    let of = |method: &Contender| {
         let name = method.to_string();
         SchemeOrders {
             formulation: method.about(),
-            theory: method.scheme().order(),
+            theory: method.order(),
             observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
             scheme: name,
         }

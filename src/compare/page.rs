@@ -2,7 +2,7 @@
 
 use super::figures::Figure;
 use super::order::{ABOVE_REFERENCE, STRAIGHT};
-use super::tables::{order, short, status};
+use super::tables::{order, short, status, theory};
 use super::{Comparison, Kept, Quantity, Reference, Row};
 use std::fmt::Write;
 
@@ -171,7 +171,7 @@ fn orders(out: &mut String, c: &Comparison) {
     );
     table(out, &caption, &columns, 1);
     for scheme in &c.orders {
-        let mut row = vec![escaped(&scheme.scheme), scheme.theory.to_string()];
+        let mut row = vec![escaped(&scheme.scheme), theory(scheme.theory).replace('-', "–")];
         row.extend(scheme.observed.map(|o| match o {
             None => "–".to_owned(),
             Some(o) => format!(
@@ -209,6 +209,17 @@ fn formulations(out: &mut String, c: &Comparison) {
 
 fn describe(out: &mut String, r: &Reference) {
     let [a, b, c] = r.steps;
+    if c == 0.0 {
+        let name = escaped(&r.scheme);
+        put(
+            out,
+            &format!(
+                "<p>Errors are those against a solution that is given: <code>{name}</code>, which knows \
+                 the quantities that have errors below.</p>"
+            ),
+        );
+        return;
+    }
     put(
         out,
         &format!(
@@ -374,12 +385,11 @@ fn cost(out: &mut String, c: &Comparison) {
 fn drift(out: &mut String, c: &Comparison) {
     let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
     let constraints = if c.enforced {
-        "Loops closed by multipliers hold their equations at every step to the tolerance of the solver, \
-         those closed by a penalty to its compliance; rates of both are not enforced, and their drift \
-         is not measured here."
+        "Loops closed by multipliers hold their equations |h| at every step to the tolerance of the \
+         solver, those closed by a penalty to its compliance; their rates are not enforced."
     } else {
-        "Constraints are maps x = φ(t, q): they hold at every step whatever the scheme, and there is no \
-         drift of theirs to report."
+        "Constraints are maps x = φ(t, q): they hold at every step whatever the scheme. Where loops are \
+         closed by their equations, |h| is what Newton's method leaves of them at a given q."
     };
     put(out, &format!("<p>{} {constraints}</p>", keeps(&kept)));
     let columns = [
@@ -388,9 +398,11 @@ fn drift(out: &mut String, c: &Comparison) {
         "energy",
         "momentum",
         "angular momentum",
+        "|h|",
         "balance of energy",
     ];
-    let caption = "Largest change since the start at common times, of what is kept; and the largest \
+    let caption = "Largest change since the start at common times, of what is kept; the largest \
+                   |h| at common times, each equation over its size; and the largest \
                    defect of the balance of energy over all steps, kinetic and stored less supplied \
                    (the work by the trapezoidal rule).";
     table(out, caption, &columns.map(str::to_owned), 1);
@@ -402,6 +414,7 @@ fn drift(out: &mut String, c: &Comparison) {
             optional(row.drift.energy),
             optional(row.drift.momentum),
             optional(row.drift.angular_momentum),
+            optional(row.drift.violation),
             optional(row.counts.energy.map(|e| e.largest_defect)),
         ];
         cells(out, first(c, k), 1, &line);

@@ -3,6 +3,7 @@
 use super::Kept;
 use super::grid::Grid;
 use super::run::{Ran, Task};
+use super::Contender;
 use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
 use crate::method::Method;
 use nalgebra::Vector3;
@@ -56,7 +57,7 @@ pub struct Reference {
 pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
         name: format!("reference, {scheme}"),
-        method: Method::from(*scheme),
+        contender: Contender::Method(Method::from(*scheme)),
         steps: factor * grid.finest(),
         relative: TIGHT,
     })
@@ -126,6 +127,24 @@ fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
     };
     Kept {
         energy: keeps(&|s| s.energy, energy),
+        momentum: momentum(0),
+        angular_momentum: momentum(1),
+    }
+}
+
+/// What an exact motion keeps, to rounding; nothing of what it does not know.
+pub(super) fn kept_by(samples: &[Sample]) -> Kept {
+    let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
+    let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {
+        let known = samples.iter().all(|s| value(s).is_finite());
+        known && drift(samples, value) <= 10.0 * ROUND_OFF * size
+    };
+    let momentum = |k: usize| {
+        let size = largest(&|s| s.momenta[k].norm());
+        [0, 1, 2].map(|i| keeps(&|s| s.momenta[k][i], size))
+    };
+    Kept {
+        energy: keeps(&|s| s.energy, largest(&|s| s.gross_energy)),
         momentum: momentum(0),
         angular_momentum: momentum(1),
     }

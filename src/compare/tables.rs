@@ -5,10 +5,11 @@ use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
 const BEFORE: [&str; 4] = ["scheme", "step_asked", "step", "status"];
-const AFTER: [&str; 15] = [
+const AFTER: [&str; 16] = [
     "energy_drift",
     "momentum_drift",
     "angular_momentum_drift",
+    "violation",
     "energy_balance_defect",
     "steps",
     "rejected",
@@ -38,6 +39,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
             energy,
             momentum,
             angular_momentum,
+            violation,
         } = row.drift;
         let mut cells = vec![
             row.scheme.clone(),
@@ -51,6 +53,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
                 energy,
                 momentum,
                 angular_momentum,
+                violation,
                 c.energy.map(|e| e.largest_defect),
             ]
             .map(optional),
@@ -102,7 +105,7 @@ pub fn summary(comparison: &Comparison) -> String {
         let _ = write!(out, "  {:>18}", quantity.name());
     }
     for scheme in &comparison.orders {
-        let _ = write!(out, "\n{:width$}  {:>6}", scheme.scheme, scheme.theory);
+        let _ = write!(out, "\n{:width$}  {:>6}", scheme.scheme, theory(scheme.theory));
         for observed in scheme.observed {
             let text = observed.map_or("-".to_owned(), |o| format!("{} ({})", order(&o), o.points));
             let _ = write!(out, "  {text:>18}");
@@ -134,6 +137,11 @@ pub(super) fn short(x: f64) -> String {
         _ => format!("{number}·10<sup>{}</sup>", exponent.replace('-', "−")),
     }
     .replace("-", "−")
+}
+
+/// An order in theory, where there is one.
+pub(super) fn theory(order: Option<usize>) -> String {
+    order.map_or("-".to_owned(), |order| order.to_string())
 }
 
 /// An order with its confidence.

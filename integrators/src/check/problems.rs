@@ -3,9 +3,7 @@
 #![allow(non_snake_case)]
 
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Point, System, SystemError,
-};
+use pullback_manifold::system::{ChartChanges, Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::{PI, TAU};
 
 /// Two masses that depend on place, coupled by springs and gyroscopic forces, with damping and a pull

@@ -38,9 +38,11 @@ const PASSES: usize = 5;
 const ROUNDING: f64 = 1e-14;
 /// Part of a field's length that may be left of it where it depends on others.
 const DEPENDENT: f64 = 1e-7;
-/// Bounds of s² − 1 in a step: where the motion nearly stands still its energy cannot be changed by
+/// Bounds of s² in a step: where the motion nearly stands still its energy cannot be changed by
 /// velocities, and what is missing is given back later.
-const BOUNDS: [f64; 2] = [-0.75, 3.0];
+const BOUNDS: [f64; 2] = [0.25, 4.0];
+/// Largest turn in a step, as a part of the motion of the step.
+const TURN: f64 = 0.1;
 
 /// A symmetry in the orthonormal basis.
 struct Direction {
@@ -62,6 +64,8 @@ pub(super) struct Keeper {
     /// Directions in use.
     rank: usize,
     evaluations: usize,
+    /// Whether the last share was not all that was needed.
+    bounded: bool,
 }
 
 impl Keeper {
@@ -82,6 +86,7 @@ impl Keeper {
             basis: (0..6).map(|_| direction()).collect(),
             rank: 0,
             evaluations: 0,
+            bounded: false,
         }
     }
 
@@ -127,7 +132,7 @@ impl Keeper {
     ) -> Result<Energies, DynamicsError> {
         let mut now = energies(system, scheme, state, t)?;
         kept.energy += 0.5 * h * (kept.power + now.power());
-        let mut stale = true;
+        let (mut stale, mut bounded) = (true, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
             let gap = kept.energy - now.total();
@@ -137,39 +142,70 @@ impl Keeper {
             }
             self.momentum(system, state, [r, S])?;
             let missing = self.split(system, state, kept, S);
-            let rigid: f64 = self.directions().map(|d| 0.5 * (d.j * d.j - d.c * d.c)).sum();
+            let rigid: f64 = self
+                .directions()
+                .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
+                .sum();
             let needed = gap - rigid;
             if missing <= ROUNDING && closed(gap) {
                 break;
             }
-            // The energy that the rest gains by dλ is p·w dλ, that of the turn h² Σ γ² dλ.
-            let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             let mut gammas = [0.0; 6];
+            let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             self.turns(system, &state.q, &mut gammas);
-            let turn: f64 = gammas.iter().map(|g| (g * h).powi(2)).sum();
-            let slope = rest.max(0.0) + turn;
-            let wanted = if slope > 0.0 { needed / slope } else { 0.0 };
-            let lambda = wanted.clamp(0.5 * BOUNDS[0], 0.5 * BOUNDS[1]);
-            let s = (1.0 + 2.0 * lambda).sqrt();
+            let [s, eta] = match bounded {
+                false => self.shares(needed, rest, &gammas, h),
+                true => [1.0, 0.0],
+            };
+            bounded |= self.bounded;
             for (v, w) in state.v.iter_mut().zip(&self.w) {
                 *v += (s - 1.0) * w;
             }
-            stale = false;
-            for (k, d) in self.basis[..self.rank].iter().enumerate() {
-                let (dj, eta) = (d.j - d.c, lambda * h * h * gammas[k]);
-                stale |= eta != 0.0;
-                for ((v, q), e) in state.v.iter_mut().zip(&mut state.q).zip(&d.e) {
-                    *v += dj * e;
-                    *q += eta * e;
-                }
+            stale = eta != 0.0;
+            for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
+                axpy(d.j - d.c, &d.e, &mut state.v);
+                axpy(eta * gamma, &d.e, &mut state.q);
+            }
+            if stale {
+                // Charts that are centred at the end of a step are centred again.
+                let State {
+                    q,
+                    v,
+                    a,
+                    algorithmic,
+                    ..
+                } = state;
+                system.change_charts(t, q, v, &mut [a, algorithmic]);
             }
             now = energies(system, scheme, state, t)?;
-            if lambda != wanted {
+            if bounded && !stale {
                 break;
             }
         }
         kept.power = now.power();
         Ok(now)
+    }
+
+    /// The factor s of the rest and that of the turns γ which give the motion an energy; whether it
+    /// is all of it is noted.
+    fn shares(&mut self, needed: f64, rest: f64, gammas: &[f64; 6], h: f64) -> [f64; 2] {
+        // The energy that the rest gains by dλ is p·w dλ, that of the turn h² Σ γ² dλ.
+        let (rest, size) = (rest.max(0.0), gammas.iter().map(|g| g * g).sum::<f64>());
+        let slope = rest + h * h * size;
+        self.bounded = slope == 0.0;
+        if self.bounded {
+            return [1.0, 0.0];
+        }
+        let wanted = 1.0 + 2.0 * needed / slope;
+        let square = wanted.clamp(BOUNDS[0], BOUNDS[1]);
+        let left = needed - 0.5 * (square - 1.0) * rest;
+        let speed: f64 = self.directions().map(|d| d.j * d.j).sum::<f64>();
+        let [eta, most] = match size > 0.0 {
+            true => [left / size, TURN * h * (speed / size).sqrt()],
+            false => [0.0; 2],
+        };
+        self.bounded = eta.abs() > most || (size == 0.0 && square != wanted);
+        [square.sqrt(), eta.max(-most).min(most)]
     }
 
     fn directions(&self) -> impl Iterator<Item = &Direction> {

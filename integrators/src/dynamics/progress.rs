@@ -87,7 +87,10 @@ pub struct Progress {
     /// Whether it ended at a kink or jump of a function of time: what lies behind is found first.
     pub at_kink: bool,
     /// What a scheme that restores energy and momenta aims at.
-    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
     pub kept: Option<Kept>,
     /// Converged steps in a row since the last failure.
     pub easy: usize,
