@@ -165,7 +165,7 @@ fn stages_with_multipliers_have_the_orders_of_index_three() {
                 (flat(run.force.last().unwrap()) - force).norm(),
             ]
         });
-        println!("{word}: {errors:.2e?}");
+        println!("{word}: {errors:?}");
         for (k, order) in orders.into_iter().enumerate() {
             let slope = (errors[1][k] / errors[2][k]).log2();
             assert!((slope - order).abs() < 0.25, "{word}, {k}: {errors:?}");

@@ -77,7 +77,7 @@ impl System for Chain {
         Ok(Some(Energies {
             kinetic,
             stored,
-            ..Energies::default()..Energies::default()
+            ..Energies::default()
         }))
     }
 
