@@ -191,7 +191,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
 }
 
 /// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
 pub struct KinematicsMut<'a> {
     pub x: &'a mut [f64],
     pub x_dot: &'a mut [f64],
