@@ -149,7 +149,9 @@ fn advance(
         if stopped {
             return Err(Failure::Interrupted);
         }
-        ran.samples.push(Sample::of(model, point(&progress))?);
+        let defect = progress.summary.energy.map(|e| e.defect());
+        ran.samples
+            .push(Sample::of(model, point(&progress), defect)?);
     }
     Ok(())
 }
