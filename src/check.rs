@@ -103,7 +103,7 @@ pub struct Entry<'a> {
 
 /// A block that is wrong as JSON has it; see [`Block`].
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "fields are those of the block")]
 pub struct BlockEntry<'a> {
     pub matrix: &'a str,
     pub rows: &'a str,

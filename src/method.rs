@@ -37,15 +37,16 @@ pub static PREFIXES: [Prefix; 4] = [
         word: "lie-",
         formulation: Formulation::LieGroup,
         about: "Lie group: exponentials of sums of angular velocities and their rates (Brüls, \
-                Cardona & Arnold 2012)",
+                Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo & \
+                Vu-Quoc 1988)",
         only: None,
     },
     Prefix {
         word: "spin-",
-        formulation: Formulation::LieGroup,
-        about: "spin vectors (Simo & Vu-Quoc 1988): adds material angular velocities and \
-                accelerations of different tangent spaces, which [M04] 3.3 calls inconsistent with \
-                the manifold; the Lie-group method with Newmark's coefficients is the same",
+        formulation: Formulation::SpatialSpins,
+        about: "spin vectors (after Simo & Vu-Quoc 1988, spatial): angular velocities and their \
+                rates of both ends of a step, vectors of different tangent spaces, are added as \
+                they stand in the fixed frame, which [M04] 3.3 calls inconsistent with the manifold",
         only: Some("newmark"),
     },
 ];
@@ -89,7 +90,11 @@ impl Method {
                 prefix.word
             )));
         }
-        if prefix.formulation == Formulation::LieGroup && scheme.stages().len() > 1 {
+        let spins = matches!(
+            prefix.formulation,
+            Formulation::LieGroup | Formulation::SpatialSpins
+        );
+        if spins && scheme.stages().len() > 1 {
             return Err(refuse(
                 "spins are added up by schemes with one stage (newmark, hht, wbz, ga); for this \
                  scheme take it without prefix, or with `ul-`"
@@ -136,8 +141,8 @@ impl FromStr for Method {
         let prefix = found.unwrap_or(&PREFIXES[0]);
         let scheme = text[prefix.word.len()..].parse();
         let scheme = scheme.map_err(|error| match error {
-            DynamicsError::Word { problem, .. } => DynamicsError::Word {
-                word: text.to_owned(),
+            DynamicsError::Word { word, problem } => DynamicsError::Word {
+                word: format!("{}{word}", prefix.word),
                 problem,
             },
             other => other,

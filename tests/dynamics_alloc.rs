@@ -196,7 +196,12 @@ fn twice_as_many_steps_allocate_no_more() {
         ..plain
     };
     let total = [plain, adaptive, composite, coupled].map(|o| (o, Formulation::Total));
-    let others = [Formulation::Updated, Formulation::LieGroup].map(|f| (plain, f));
+    let others = [
+        Formulation::Updated,
+        Formulation::LieGroup,
+        Formulation::SpatialSpins,
+    ]
+    .map(|f| (plain, f));
     for (options, formulation) in total.into_iter().chain(others) {
         let (few, short, early) = allocations(150, &options, formulation);
         let (many, long, all) = allocations(300, &options, formulation);

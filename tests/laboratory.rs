@@ -100,7 +100,13 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
         }
     }
     let kept = comparison.of("em").next().unwrap().drift.energy.unwrap();
-    let lost = comparison.of("newmark").next().unwrap().drift.energy.unwrap();
+    let lost = comparison
+        .of("newmark")
+        .next()
+        .unwrap()
+        .drift
+        .energy
+        .unwrap();
     assert!(kept < 1e-13 && lost > 1e-5, "{kept:e} {lost:e}");
 }
 
@@ -133,9 +139,21 @@ fn an_exact_solution_comes_from_a_file() {
         assert!((found - order).abs() < 0.2, "{word}: {found}");
     }
     for (head, rows, said) in [
-        ("t,bob.place.x,rod.place.y,rod.place.z", &times[..], "no node `bob`"),
-        ("t,rod.place.x,rod.place.y,rod.height", &times[..], "is none of t, energy"),
-        ("x,rod.place.x,rod.place.y,rod.place.z", &times[..], "`x` is none of t"),
+        (
+            "t,bob.place.x,rod.place.y,rod.place.z",
+            &times[..],
+            "no node `bob`",
+        ),
+        (
+            "t,rod.place.x,rod.place.y,rod.height",
+            &times[..],
+            "is none of t, energy",
+        ),
+        (
+            "x,rod.place.x,rod.place.y,rod.place.z",
+            &times[..],
+            "`x` is none of t",
+        ),
         (head, &times[..10], "there is no row for t ="),
     ] {
         let error = write(head, rows).unwrap_err().to_string();
@@ -162,12 +180,18 @@ fn residuals_of_loops_are_tabulated() {
     // What Newton's method leaves, and the compliance of the penalty, with forces of order 10.
     assert!(linkage("") < 1e-11);
     assert!(linkage("closure = \"multipliers\"") < 1e-9);
-    let [soft, stiff] = ["1e5", "1e6"].map(|p| linkage(&format!("closure = \"penalty\"\npenalty = {p}")));
+    let [soft, stiff] =
+        ["1e5", "1e6"].map(|p| linkage(&format!("closure = \"penalty\"\npenalty = {p}")));
     assert!((0.05..0.2).contains(&(stiff / soft)), "{soft:e} {stiff:e}");
     // A model without loops has none.
     let file = until(model("pendulum.toml"), 0.1);
     let comparison = compared(&file, &options(&["newmark"], &[0.02, 0.01])).unwrap();
-    assert!(comparison.rows.iter().all(|row| row.drift.violation.is_none()));
+    assert!(
+        comparison
+            .rows
+            .iter()
+            .all(|row| row.drift.violation.is_none())
+    );
 }
 
 #[test]
@@ -202,10 +226,19 @@ fn every_model_in_motion_can_be_compared() {
 #[test]
 fn words_make_what_is_compared() {
     let method: Contender = " lie-ga:0.8".parse().unwrap();
-    assert_eq!(method, Contender::Method("lie-ga:0.8".parse::<Method>().unwrap()));
+    assert_eq!(
+        method,
+        Contender::Method("lie-ga:0.8".parse::<Method>().unwrap())
+    );
     assert_eq!(method.order(), Some(2));
-    let unknown = "diffsol-euler".parse::<Contender>().unwrap_err().to_string();
-    assert!(unknown.contains("diffsol-bdf and diffsol-esdirk"), "{unknown}");
+    let unknown = "diffsol-euler"
+        .parse::<Contender>()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        unknown.contains("diffsol-bdf and diffsol-esdirk"),
+        "{unknown}"
+    );
     let known = "diffsol-bdf".parse::<Contender>();
     if cfg!(feature = "diffsol") {
         assert_eq!(known.unwrap().order(), None);
@@ -243,11 +276,20 @@ mod general {
                 assert_eq!(row.samples.len(), comparison.times + 1);
                 let c = &row.counts;
                 assert!(c.steps > 20 && c.iterations >= c.steps, "{c:?}");
-                assert!(c.evaluations > c.iterations && c.factorisations > c.steps, "{c:?}");
+                assert!(
+                    c.evaluations > c.iterations && c.factorisations > c.steps,
+                    "{c:?}"
+                );
             }
-            let errors: Vec<f64> = rows.iter().map(|r| r.error.unwrap().of(Quantity::Position)).collect();
+            let errors: Vec<f64> = rows
+                .iter()
+                .map(|r| r.error.unwrap().of(Quantity::Position))
+                .collect();
             // The tolerance falls to a sixteenth: local errors do, the global ones about.
-            assert!(errors[0] < 1e-3 && errors[2] < 0.25 * errors[0], "{word}: {errors:?}");
+            assert!(
+                errors[0] < 1e-3 && errors[2] < 0.25 * errors[0],
+                "{word}: {errors:?}"
+            );
             assert!(rows[2].counts.steps > rows[0].counts.steps);
         }
     }

@@ -23,6 +23,7 @@ pub use increment::Increment;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;
+use crate::so3::Spins;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::{SMatrix, SVector};
 
@@ -119,11 +120,11 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         false
     }
 
-    /// Whether the rates of the last three coordinates θ are spins at present: Ω = T θ̇ and
-    /// Ω̇ = T θ̈ + Ṫ θ̇ (\[M04\] (50)) stand where velocities and accelerations stand. The model takes
-    /// them to θ̇ and θ̈ before it asks the map ([`so3::Spin`](crate::so3::Spin)); false by default.
-    fn spins(&self) -> bool {
-        false
+    /// Which spins the rates of the last three coordinates θ are at present, if they are any: Ω and
+    /// Ω̇ then stand where velocities and accelerations stand. The model takes them to θ̇ and θ̈
+    /// before it asks the map ([`so3::Spin`](crate::so3::Spin)); none by default.
+    fn spins(&self) -> Option<Spins> {
+        None
     }
 
     /// See [`Parametrization::memory`]; nothing by default.
@@ -198,7 +199,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
 }
 
 /// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
 pub struct KinematicsMut<'a> {
     pub x: &'a mut [f64],
     pub x_dot: &'a mut [f64],
@@ -260,8 +261,8 @@ pub trait Parametrization: Send + Sync {
     }
 
     /// See [`Map::spins`].
-    fn spins(&self) -> bool {
-        false
+    fn spins(&self) -> Option<Spins> {
+        None
     }
 
     /// See [`Map::trouble`].
@@ -368,7 +369,7 @@ where
         self.0.rewrites()
     }
 
-    fn spins(&self) -> bool {
+    fn spins(&self) -> Option<Spins> {
         self.0.spins()
     }
 

@@ -96,7 +96,9 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
     };
     let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
     let mut lines = text.lines().enumerate();
-    let (_, head) = lines.next().ok_or_else(|| refuse("it is empty".to_owned()))?;
+    let (_, head) = lines
+        .next()
+        .ok_or_else(|| refuse("it is empty".to_owned()))?;
     let columns: Vec<Column> = head
         .split(',')
         .map(|name| column(name.trim(), nodes).map_err(&refuse))
@@ -114,7 +116,10 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
         if cells.len() != columns.len() {
             let (found, wanted) = (cells.len(), columns.len());
-            return Err(refuse(format!("line {}: {found} cells, not {wanted}", k + 1)));
+            return Err(refuse(format!(
+                "line {}: {found} cells, not {wanted}",
+                k + 1
+            )));
         }
         rows.push(cells);
     }

@@ -81,6 +81,19 @@ impl Grid {
         Ok(Self { to, counts, times })
     }
 
+    /// The largest step over so many times the duration (1 or more), or a little longer.
+    pub fn longer(&self, factor: f64) -> Self {
+        let count = self.counts.first().copied().unwrap_or(1);
+        let steps = (count as f64 * factor).ceil() as usize;
+        let times = steps.clamp(1, MOST_TIMES);
+        let steps = steps.next_multiple_of(times);
+        Self {
+            to: self.step(count) * steps as f64,
+            counts: vec![steps],
+            times,
+        }
+    }
+
     /// Common time `k`, from 1.
     pub fn time(&self, k: usize) -> f64 {
         if k >= self.times {
@@ -108,7 +121,7 @@ impl Grid {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
 
@@ -129,5 +142,12 @@ mod tests {
         // 10, 13 and 17 steps would meet at the end only.
         let grid = Grid::new(1.0, &[0.1, 0.077, 0.06]).unwrap();
         assert_eq!((grid.counts.as_slice(), grid.times), (&[10, 15, 20][..], 5));
+    }
+
+    #[test]
+    fn a_longer_run_has_the_largest_step() {
+        let long = Grid::new(1.0, &[0.01, 0.005]).unwrap().longer(20.0);
+        assert_eq!((long.counts[0], long.times), (2048, 128));
+        assert!((long.step(2048) - 0.01).abs() < 1e-15 && (long.to - 20.48).abs() < 1e-12);
     }
 }

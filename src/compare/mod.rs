@@ -39,12 +39,15 @@
 //! ```
 
 mod contender;
+mod drift;
+mod equal_cost;
 mod error;
 mod exact;
 mod figures;
 mod grid;
 mod order;
 mod page;
+mod perform;
 mod reference;
 mod run;
 mod sample;
@@ -52,25 +55,22 @@ mod tables;
 mod write;
 
 pub use contender::Contender;
+pub use drift::{Drift, Kept};
+pub use equal_cost::EqualCost;
 pub use error::CompareError;
 pub use exact::{Exact, read as read_exact};
-use order::orders;
-pub use order::{ABOVE_REFERENCE, Order, STRAIGHT, fit};
+pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
+pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub use run::{Maker, Watch};
 pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
-pub use write::{FILES, default_directory, run};
+pub use write::{FILES, Subject, default_directory, run, run_several};
 
-use crate::solve::{Counts, begin};
-use grid::Grid;
-use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::{Progress, Scheme, start};
-use run::{Failure, Ran, Task, dynamic, side_by_side};
+use crate::solve::Counts;
+use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 use std::num::NonZeroUsize;
-use std::sync::Mutex;
-use std::sync::PoisonError;
 
 /// What is compared.
 #[derive(Clone, Debug)]
@@ -88,6 +88,12 @@ pub struct Options {
     pub threads: Option<NonZeroUsize>,
     /// Whether each run is made again alone on the machine, to take its time.
     pub timed: bool,
+    /// Every scheme runs once more at the largest step, for so many times the duration, to see what
+    /// becomes of energies and momenta.
+    pub long: Option<f64>,
+    /// Residual over forces that runs are converged to, where it is smaller than that of the model
+    /// file: what is left of it is an error of no scheme.
+    pub residual: Option<f64>,
 }
 
 impl Options {
@@ -100,32 +106,10 @@ impl Options {
             exact: None,
             threads: None,
             timed: false,
+            long: None,
+            residual: None,
         }
     }
-}
-
-/// Energies and momenta that the motion keeps, as the reference shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Kept {
-    /// The energy: kinetic, stored, and the potential of loads.
-    pub energy: bool,
-    /// Components of the linear momentum.
-    pub momentum: [bool; 3],
-    /// Components of the angular momentum about the origin.
-    pub angular_momentum: [bool; 3],
-}
-
-/// The largest changes since the start, at the common times, of what the motion keeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Drift {
-    /// Of the energy, where it is kept.
-    pub energy: Option<f64>,
-    /// Of those components of the linear momentum that are kept.
-    pub momentum: Option<f64>,
-    /// Of those components of the angular momentum that are kept.
-    pub angular_momentum: Option<f64>,
-    /// The largest |h| of the equations with which loops close, each over its size.
-    pub violation: Option<f64>,
 }
 
 /// One scheme at one step size.
@@ -143,7 +127,7 @@ pub struct Row {
     pub counts: Counts,
     /// Root mean square errors against the reference.
     pub error: Option<Values>,
-    /// Drift of what the motion keeps.
+    /// Drift of what the motion keeps, and the balance of energy.
     pub drift: Drift,
     /// Wall-clock time in seconds, with the audits at common times, beside other runs.
     pub seconds: f64,
@@ -184,6 +168,14 @@ impl SchemeOrders {
     pub fn of(&self, quantity: Quantity) -> Option<Order> {
         self.observed[quantity as usize]
     }
+
+    /// Whether what is observed in a quantity is the order of theory as far as can be seen: three
+    /// step sizes at least on a line whose slope is within [`NEAR`] of it.
+    pub fn is_asymptotic(&self, quantity: Quantity) -> bool {
+        let (observed, theory) = (self.of(quantity), self.theory);
+        (observed.zip(theory))
+            .is_some_and(|(o, p)| o.points >= 3 && (o.order - p as f64).abs() <= NEAR)
+    }
 }
 
 /// What a comparison gave.
@@ -215,214 +207,17 @@ pub struct Comparison {
     pub reference_failure: Option<String>,
     /// Observed orders of the schemes.
     pub orders: Vec<SchemeOrders>,
+    /// Errors at equal cost, where all schemes have a cost in common.
+    pub equal_cost: Option<EqualCost>,
     /// All runs, scheme by scheme, from large to small steps.
     pub rows: Vec<Row>,
+    /// The long runs, one per scheme, if they are asked for; they have no errors.
+    pub long: Vec<Row>,
 }
 
 impl Comparison {
     /// The rows of a scheme.
     pub fn of<'a>(&'a self, scheme: &'a str) -> impl Iterator<Item = &'a Row> + 'a {
         self.rows.iter().filter(move |row| row.scheme == scheme)
-    }
-}
-
-/// What has been checked before anything runs.
-struct Prepared {
-    grid: Grid,
-    reference: Scheme,
-    unknowns: usize,
-    nodes: usize,
-    enforced: bool,
-    title: Option<String>,
-}
-
-/// What a comparison looks at: the names of all frame nodes, and the common times of runs with these
-/// step sizes, the start first.
-///
-/// # Errors
-/// [`CompareError`].
-pub fn looked_at(
-    make: &Maker<'_>,
-    steps: &[f64],
-) -> Result<(Vec<String>, Vec<f64>), CompareError> {
-    let job = make(Formulation::Total)?;
-    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let grid = Grid::new(plan.options.to, steps)?;
-    let nodes = job.model.frames().map(|(_, name)| name.to_owned());
-    Ok((nodes.collect(), grid.all_times()))
-}
-
-fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
-    let mut job = make(Formulation::Total)?;
-    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let grid = Grid::new(plan.options.to, &options.steps)?;
-    if options.schemes.is_empty() {
-        return Err(CompareError::NoScheme);
-    }
-    for (k, scheme) in options.schemes.iter().enumerate() {
-        let name = scheme.to_string();
-        if options.schemes[..k].iter().any(|s| s.to_string() == name) {
-            return Err(CompareError::SchemeTwice { name });
-        }
-    }
-    for method in &options.schemes {
-        // A formulation that the model does not take is refused before anything runs.
-        make(method.formulation())?;
-    }
-    let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
-    let reference = options.reference.unwrap_or_else(Scheme::radau);
-    if !usable(&reference) {
-        let name = reference.to_string();
-        return Err(CompareError::Reference { name });
-    }
-    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
-    begin(&mut job.model, &plan.options, &mut Progress::new(start))?;
-    Ok(Prepared {
-        grid,
-        reference,
-        unknowns,
-        nodes: job.model.frames().count(),
-        enforced,
-        title: job.title,
-    })
-}
-
-/// Compares schemes on the model that `make` makes; `model` is what results call it.
-///
-/// # Errors
-/// [`CompareError`] for what no run can begin with. A run that fails is a row with the reason, and
-/// so is the reference.
-pub fn compare(
-    make: &Maker<'_>,
-    model: &str,
-    options: &Options,
-    watch: &Watch<'_>,
-) -> Result<Comparison, CompareError> {
-    let prepared = prepare(make, options)?;
-    Ok(carry_out(make, model, options, watch, prepared))
-}
-
-fn carry_out(
-    make: &Maker<'_>,
-    model: &str,
-    options: &Options,
-    watch: &Watch<'_>,
-    prepared: Prepared,
-) -> Comparison {
-    let Prepared {
-        grid,
-        reference,
-        unknowns,
-        nodes,
-        enforced,
-        title,
-    } = prepared;
-    let mut tasks = match options.exact {
-        Some(_) => Vec::new(),
-        None => reference::tasks(&reference, &grid).to_vec(),
-    };
-    let behind = tasks.len();
-    let own = options.schemes.iter().flat_map(|&method| {
-        grid.counts.iter().map(move |&steps| Task {
-            name: method.to_string(),
-            contender: method,
-            steps,
-            relative: f64::INFINITY,
-        })
-    });
-    tasks.extend(own);
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let threads = options.threads.map_or(cores, NonZeroUsize::get);
-    let threads = threads.min(tasks.len());
-    let mut ran = run_all(make, &tasks, &grid, threads, watch);
-    let own = ran.split_off(behind);
-    let judged = match &options.exact {
-        Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
-        None if ran.iter().any(|r| r.failure.is_some()) => None,
-        None => reference::judge(&reference, &grid, &ran),
-    };
-    let failure = ran.iter().find_map(|r| r.failure.as_ref());
-    let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
-    let mut complete = !ran.iter().chain(&own).any(interrupted);
-    let mut rows = Vec::with_capacity(own.len());
-    for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
-        let asked = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, asked, &grid, judged.as_ref());
-        if options.timed && complete && row.failure.is_none() {
-            let time = run::clock(make, task, &grid, watch);
-            row.seconds_alone = time.map(|t| t.as_secs_f64());
-            complete = (watch.flow)().is_continue();
-        }
-        rows.push(row);
-    }
-    Comparison {
-        program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
-        model: model.to_owned(),
-        title,
-        command: None,
-        complete,
-        to: grid.to,
-        times: grid.times,
-        unknowns,
-        enforced,
-        threads,
-        orders: orders(&options.schemes, &rows, judged.as_ref()),
-        reference_failure: failure.map(|f| format!("{reference}: {f}")),
-        reference: judged,
-        rows,
-    }
-}
-
-/// Runs all tasks, those with most steps first.
-fn run_all(
-    make: &Maker<'_>,
-    tasks: &[Task],
-    grid: &Grid,
-    threads: usize,
-    watch: &Watch<'_>,
-) -> Vec<Ran> {
-    let mut turn: Vec<usize> = (0..tasks.len()).collect();
-    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
-    let ended = Mutex::new(0);
-    let ran = side_by_side(tasks.len(), threads, &|k| {
-        let task = &tasks[turn[k]];
-        let ran = run::drive(make, task, grid, watch);
-        let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
-        *ended += 1;
-        (watch.ended)(*ended, tasks.len(), &task.name);
-        ran
-    });
-    let mut ran: Vec<(usize, Ran)> = turn.into_iter().zip(ran).collect();
-    ran.sort_by_key(|(k, _)| *k);
-    ran.into_iter().map(|(_, ran)| ran).collect()
-}
-
-fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Reference>) -> Row {
-    let reference = reference.filter(|_| ran.failure.is_none());
-    let drift = reference.map(|r| Drift {
-        energy: (r.kept.energy).then(|| reference::drift(&ran.samples, &|s| s.energy)),
-        momentum: reference::drift_of(&ran.samples, r.kept.momentum, &|s| s.momenta[0]),
-        angular_momentum: reference::drift_of(&ran.samples, r.kept.angular_momentum, &|s| {
-            s.momenta[1]
-        }),
-        violation: None,
-    });
-    let violations = ran.samples.iter().filter_map(|s| s.violation);
-    let violation = violations.reduce(|a, b| if b > a || b.is_nan() { b } else { a });
-    Row {
-        scheme: task.name.clone(),
-        asked,
-        step: grid.step(task.steps),
-        failure: ran.failure.as_ref().map(ToString::to_string),
-        counts: Counts::of_motion(&ran.summary),
-        error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
-        drift: Drift {
-            violation,
-            ..drift.unwrap_or_default()
-        },
-        seconds: ran.time.as_secs_f64(),
-        seconds_alone: None,
-        samples: ran.samples,
     }
 }

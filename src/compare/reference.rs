@@ -1,12 +1,12 @@
 //! The reference solution, and how far it can be trusted.
 
-use super::Kept;
-use super::grid::Grid;
-use super::run::{Ran, Task};
 use super::Contender;
+use super::drift::{Kept, drift};
+use super::grid::Grid;
+use super::order::NEAR;
+use super::run::{Ran, Task};
 use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
 use crate::method::Method;
-use nalgebra::Vector3;
 use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 
@@ -16,9 +16,6 @@ pub(super) const REFINED: [usize; 3] = [2, 4, 8];
 pub(super) const TIGHT: f64 = 1e-12;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-12;
-/// How far the observed order of the three runs may be from that in theory where they are extrapolated.
-const NEAR: f64 = 0.3;
-
 /// Change of an energy or momentum over its largest size beyond which it is not kept, however
 /// doubtful the reference is.
 const STEADY: f64 = 1e-3;
@@ -148,26 +145,4 @@ pub(super) fn kept_by(samples: &[Sample]) -> Kept {
         momentum: momentum(0),
         angular_momentum: momentum(1),
     }
-}
-
-/// The largest difference from the start.
-pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
-    let Some(first) = samples.first().map(value) else {
-        return f64::NAN;
-    };
-    let differences = samples.iter().map(|s| (value(s) - first).abs());
-    differences.fold(0.0, f64::max)
-}
-
-/// The largest change since the start of those components of a vector that are kept; `None` where
-/// none is.
-pub(super) fn drift_of(
-    samples: &[Sample],
-    kept: [bool; 3],
-    vector: &dyn Fn(&Sample) -> Vector3<f64>,
-) -> Option<f64> {
-    let drifts = (0..3)
-        .filter(|&i| kept[i])
-        .map(|i| drift(samples, &|s| vector(s)[i]));
-    drifts.reduce(f64::max)
 }

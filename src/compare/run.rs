@@ -163,7 +163,9 @@ fn advance(
         if stopped {
             return Err(Failure::Interrupted);
         }
-        ran.samples.push(Sample::of(model, point(&progress))?);
+        let defect = progress.summary.energy.map(|e| e.defect());
+        ran.samples
+            .push(Sample::of(model, point(&progress), defect)?);
     }
     Ok(())
 }
@@ -183,22 +185,28 @@ fn in_general(
     let times = grid.all_times();
     let mut failed = None;
     let (samples, flow) = (&mut ran.samples, &watch.flow);
-    let ended = crate::general::integrate(model, &mut progress, general, &times, &mut |model, state| {
-        let at = pullback_manifold::system::Point {
-            t: state.t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
-        match Sample::of(model, at) {
-            Ok(sample) => samples.push(sample),
-            Err(error) => {
-                failed = Some(Failure::from(error));
-                return ControlFlow::Break(());
+    let ended = crate::general::integrate(
+        model,
+        &mut progress,
+        general,
+        &times,
+        &mut |model, state| {
+            let at = pullback_manifold::system::Point {
+                t: state.t,
+                q: &state.q,
+                v: &state.v,
+                a: &state.a,
+            };
+            match Sample::of(model, at, None) {
+                Ok(sample) => samples.push(sample),
+                Err(error) => {
+                    failed = Some(Failure::from(error));
+                    return ControlFlow::Break(());
+                }
             }
-        }
-        flow()
-    });
+            flow()
+        },
+    );
     ran.summary = progress.summary;
     ran.time = clock.elapsed();
     ended?;

@@ -116,6 +116,8 @@ pub struct Sample {
     pub energy: f64,
     /// The sum of the magnitudes of these three: what round-off in the energy is measured by.
     pub gross_energy: f64,
+    /// Defect of the balance of energy up to here, if it is kept.
+    pub defect: Option<f64>,
     /// Linear momentum, and angular momentum about the origin, global components.
     pub momenta: [Vector3<f64>; 2],
     /// The largest residual |h| of the equations with which loops close, each over its size, where
@@ -139,13 +141,18 @@ impl Sample {
             nodes: vec![node; nodes],
             energy: f64::NAN,
             gross_energy: f64::NAN,
+            defect: None,
             momenta: [vector; 2],
             violation: None,
         }
     }
 
     /// Asks a model.
-    pub(super) fn of(model: &mut Model, at: Point<'_>) -> Result<Self, SystemError> {
+    pub(super) fn of(
+        model: &mut Model,
+        at: Point<'_>,
+        defect: Option<f64>,
+    ) -> Result<Self, SystemError> {
         let audit = model.audit(at)?;
         let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
         let (kinetic, stored) = (audit.energies.kinetic, audit.energies.stored);
@@ -154,6 +161,7 @@ impl Sample {
             nodes: nodes.collect(),
             energy: kinetic + stored + audit.load_potential,
             gross_energy: kinetic + stored.abs() + audit.load_potential.abs(),
+            defect,
             momenta: [audit.momentum.linear, audit.momentum.angular],
             violation: model.violation(),
         })
@@ -235,6 +243,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sampl
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
         energy: b.energy + (b.energy - a.energy) / parts,
         gross_energy: b.gross_energy,
+        defect: b.defect,
         momenta: [0, 1].map(|k| towards(&a.momenta[k], &b.momenta[k])),
         violation: b.violation,
     });

@@ -21,7 +21,7 @@ pub struct Case {
 
 /// Why a case gave no rows.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum CaseError {
     #[error("there is no case {name}; known cases: {known}")]
     Unknown { name: String, known: String },

@@ -90,7 +90,17 @@ impl<'a, Y: System + ?Sized> Equations<'a, Y> {
         }
         self.accelerate(t, y)?;
         let (q, v) = y.split_at(self.n);
-        let parts = [(Weights::STATIC, true), (Weights { K: 0.0, C: 1.0, M: 0.0 }, false)];
+        let parts = [
+            (Weights::STATIC, true),
+            (
+                Weights {
+                    K: 0.0,
+                    C: 1.0,
+                    M: 0.0,
+                },
+                false,
+            ),
+        ];
         for (weights, stiffness) in parts {
             let S = if stiffness { &mut self.K } else { &mut self.C };
             let out = Evaluation::with_tangent(&mut self.r, weights, S);

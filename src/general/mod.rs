@@ -154,8 +154,9 @@ impl FromStr for General {
         }
         let tolerance = match number {
             None => TOLERANCE,
-            Some(number) => (number.trim().parse())
-                .map_err(|_| refuse(format!("`{number}` is no number")))?,
+            Some(number) => {
+                (number.trim().parse()).map_err(|_| refuse(format!("`{number}` is no number")))?
+            }
         };
         Ok(Self {
             given: number.is_some(),

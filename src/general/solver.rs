@@ -78,7 +78,12 @@ fn settle<Y: System + ?Sized>(
         ..DynamicOptions::new(progress.state.t, step)
     };
     let mut onward = |_: &mut Y, _: &dynamics::StepReport<'_>| ControlFlow::Continue(());
-    Ok(dynamics::integrate(system, progress, &options, &mut onward)?)
+    Ok(dynamics::integrate(
+        system,
+        progress,
+        &options,
+        &mut onward,
+    )?)
 }
 
 /// What counts as one in each entry of y: the scales of the coordinates, and for their velocities these
@@ -131,7 +136,10 @@ fn stretch<Y: System + ?Sized>(
                 equations.borrow_mut().derivative(t, y, dy, out);
             },
         )
-        .init(|_: &[f64], _: f64, y: &mut [f64]| y.copy_from_slice(&begin), dim)
+        .init(
+            |_: &[f64], _: f64, y: &mut [f64]| y.copy_from_slice(&begin),
+            dim,
+        )
         .build()
         .map_err(|error| refused(error.to_string(), t))?;
     let along = Along {
@@ -155,7 +163,10 @@ fn stretch<Y: System + ?Sized>(
     progress.summary.factorisations += equations.factorisations;
     ended.map_err(|(t, reason)| {
         let known = equations.failure.clone();
-        refused(known.map_or(reason.clone(), |why| format!("{reason}; last, {why}")), t)
+        refused(
+            known.map_or(reason.clone(), |why| format!("{reason}; last, {why}")),
+            t,
+        )
     })
 }
 
@@ -197,7 +208,10 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
                     break;
                 }
             }
-            let (y, dy) = (solver.state().y.clone_as_vec(), solver.state().dy.clone_as_vec());
+            let (y, dy) = (
+                solver.state().y.clone_as_vec(),
+                solver.state().dy.clone_as_vec(),
+            );
             let state = &mut progress.state;
             let n = state.q.len();
             state.t = t;

@@ -13,8 +13,10 @@ use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, Stat
 const MOST_STEPS: f64 = 1e9;
 
 /// What the solver is asked to do.
-// There is one in a run: its size costs nothing.
-#[allow(clippy::large_enum_variant)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one in a run: its size costs nothing"
+)]
 #[derive(Clone, Debug)]
 pub enum Plan {
     /// Load stepping.

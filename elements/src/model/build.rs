@@ -3,7 +3,7 @@
 use super::ancestry;
 use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
-use super::formulation::{self, Formulation};
+use super::formulation;
 use super::loops;
 use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
@@ -112,9 +112,9 @@ impl ModelBuilder {
         let spans = nodes.iter().map(span).collect();
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
-        let spinning = match formulation {
-            Formulation::LieGroup => formulation::turning(&nodes).collect(),
-            Formulation::Total | Formulation::Updated => Vec::new(),
+        let spinning = match formulation.spins() {
+            Some(_) => formulation::turning(&nodes).collect(),
+            None => Vec::new(),
         };
         let mut model = Model {
             nodes,

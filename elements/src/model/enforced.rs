@@ -3,8 +3,8 @@
 
 #![allow(non_snake_case)]
 
-use super::local::Local;
 use super::gather::collect;
+use super::local::Local;
 use super::{Attached, Model, ModelError, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
@@ -54,7 +54,10 @@ impl Model {
             if let Source::Mapped(d) = &self.nodes[n as usize].source {
                 let mut q = vec![0.0; d.direct];
                 collect(d.masters(), &self.spans, &self.work.x, &mut q);
-                worst = d.map.violation(self.work.t, &q).map_or(worst, |h| worse(worst, h));
+                worst = d
+                    .map
+                    .violation(self.work.t, &q)
+                    .map_or(worst, |h| worse(worst, h));
             }
         }
         let w = &mut self.work;

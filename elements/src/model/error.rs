@@ -9,7 +9,7 @@ use pullback_manifold::system::SystemError;
 
 /// Why a model cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum ModelError {
     #[error("a model needs at least one node")]
     Empty,

@@ -9,7 +9,7 @@ use super::{Form, Model, NONE, Node, Source};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
-use pullback_manifold::so3::{Quaternion, Spin};
+use pullback_manifold::so3::{Quaternion, Spin, Spins};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::ops::Range;
 
@@ -30,9 +30,25 @@ pub enum Formulation {
     /// time derivatives (Cardona & Géradin 1988, \[M04\] 3.3).
     Updated,
     /// Lie group: θ for the rotation, but the material angular velocity Ω and its rate Ω̇ for its
-    /// rates (Brüls, Cardona & Arnold 2012; for Newmark's scheme Simo & Vu-Quoc 1988). Vectors
-    /// of different tangent spaces are added.
+    /// rates (Brüls, Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo &
+    /// Vu-Quoc 1988).
     LieGroup,
+    /// Spatial spins: the angular velocities ω and their rates ω̇ of the two ends of a step, vectors of
+    /// the tangent spaces at Rₙ and at Rₙ₊₁, are added in the fixed frame as they stand, and so is
+    /// the spatial rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. Nothing is transported
+    /// from one space to the other, which \[M04\] 3.3 calls inconsistent with the manifold.
+    SpatialSpins,
+}
+
+impl Formulation {
+    /// The spins that stand for rates, if any do.
+    pub(super) fn spins(self) -> Option<Spins> {
+        match self {
+            Self::Total | Self::Updated => None,
+            Self::LieGroup => Some(Spins::Material),
+            Self::SpatialSpins => Some(Spins::Spatial),
+        }
+    }
 }
 
 impl ModelBuilder {
@@ -52,11 +68,10 @@ pub(super) fn apply(
     nodes: &mut Vec<Node>,
     prescribed: &mut [(NodeId, usize, Box<dyn TimeFunction>)],
 ) {
-    let map = match formulation {
-        Formulation::Total => return,
-        Formulation::Updated => Increment::default(),
-        Formulation::LieGroup => Increment::spinning(),
-    };
+    if formulation == Formulation::Total {
+        return;
+    }
+    let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
     for n in 0..nodes.len() {
         let node = &nodes[n];
         let turns = matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
@@ -126,27 +141,26 @@ impl Model {
         self.spinning.iter().any(|&n| self.spun(n).is_some())
     }
 
-    /// The coordinates θ behind a frame whose rates are spins at present, and the frame's increments.
-    fn spun(&self, n: u32) -> Option<(Range<usize>, u32)> {
-        match &self.nodes[n as usize].source {
-            Source::Mapped(d) if d.map.spins() => {
-                let own = d.masters()[0];
-                let end = self.spans[own as usize].range().end;
-                Some((end - 3..end, own))
-            }
-            _ => None,
-        }
+    /// The coordinates θ behind a frame whose rates are spins at present, the frame's increments, and
+    /// which spins they are.
+    fn spun(&self, n: u32) -> Option<(Range<usize>, u32, Spins)> {
+        let Source::Mapped(d) = &self.nodes[n as usize].source else {
+            return None;
+        };
+        let own = d.masters()[0];
+        let end = self.spans[own as usize].range().end;
+        Some((end - 3..end, own, d.map.spins()?))
     }
 
     /// Takes spins to the rates of their rotation vectors, in the workspace.
     pub(super) fn take_spins(&mut self) {
         for k in 0..self.spinning.len() {
-            let Some((range, _)) = self.spun(self.spinning[k]) else {
+            let Some((range, _, spins)) = self.spun(self.spinning[k]) else {
                 continue;
             };
             let w = &mut self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
-            let rates = Spin::rates(&three(&w.x), &three(&w.v), &three(&w.a));
+            let rates = Spin::rates(spins, &three(&w.x), &three(&w.v), &three(&w.a));
             w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
             w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
         }
@@ -232,12 +246,13 @@ impl Model {
 
     fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
         for &n in &self.spinning {
-            let Some((range, own)) = self.spun(n) else {
+            let Some((range, own, spins)) = self.spun(n) else {
                 continue;
             };
             let w = &self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
             let rates = Spin {
+                spins,
                 theta_dot: three(&w.v),
                 theta_ddot: three(&w.a),
             };

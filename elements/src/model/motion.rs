@@ -7,7 +7,7 @@ use super::gather::collect;
 use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::so3;
+use pullback_manifold::so3::{self, Spins};
 
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -183,13 +183,18 @@ impl Model {
                 put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
             }
             if n.rotation().is_some() {
-                // ω = Tᵀ Ψ̇; by increments ω = Rₙ Tᵀ θ̇, or R Ω.
+                // ω = Tᵀ Ψ̇; by increments ω = Rₙ Tᵀ θ̇, R Ω or Rₙ w.
                 let first = own.first + n.dim - 3;
                 let theta = three(first);
                 let omega = self.turn_of(n).tr_mul(&motion.omega);
-                let rate = match &n.source {
-                    Source::Mapped(d) if d.map.spins() => so3::rotation(&theta).tr_mul(&omega),
-                    _ => so3::tangent_inverse(&theta).tr_mul(&omega),
+                let spins = match &n.source {
+                    Source::Mapped(d) => d.map.spins(),
+                    Source::Own => None,
+                };
+                let rate = match spins {
+                    None => so3::tangent_inverse(&theta).tr_mul(&omega),
+                    Some(Spins::Material) => so3::rotation(&theta).tr_mul(&omega),
+                    Some(Spins::Spatial) => omega,
                 };
                 put(first, &rate);
             }

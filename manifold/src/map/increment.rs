@@ -5,7 +5,7 @@
 use super::{Map, Rewritten};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
-use crate::so3::{self, Quaternion};
+use crate::so3::{self, Quaternion, Spins};
 use crate::system::ChartChanges;
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -26,20 +26,22 @@ use std::f64::consts::{PI, TAU};
 /// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
 /// Made by [`Increment::spinning`] its rates are spins from the first converged state on
-/// ([`Map::spins`]), Ω and Ω̇ in place of θ̇ and θ̈: what a scheme of the generalised-α family adds up
-/// then are the updates of the Lie-group method of Brüls, Cardona & Arnold 2012,
+/// ([`Map::spins`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
+/// generalised-α family adds up are the updates of the Lie-group method of Brüls, Cardona &
+/// Arnold 2012,
 ///
 /// ```text
 /// Rₙ₊₁ = Rₙ R(h Ωₙ + h²[(½−β) aₙ + β aₙ₊₁]),   Ωₙ₊₁ = Ωₙ + h[(1−γ) aₙ + γ aₙ₊₁]
 /// ```
 ///
-/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew.
+/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew. With
+/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the sheet of Ψ in use.
     turn: Quaternion<f64>,
-    /// Whether rates are spins once the chart is centred, and whether it has been.
-    spinning: bool,
+    /// What spins rates are once the chart is centred, and whether it has been.
+    spinning: Option<Spins>,
     centred: bool,
 }
 
@@ -55,15 +57,15 @@ impl Increment {
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
             turn: so3::quaternion(Psi),
-            spinning: false,
+            spinning: None,
             centred: false,
         }
     }
 
     /// From the reference orientation, with spins for rates.
-    pub fn spinning() -> Self {
+    pub fn spinning(spins: Spins) -> Self {
         Self {
-            spinning: true,
+            spinning: Some(spins),
             ..Self::default()
         }
     }
@@ -118,8 +120,8 @@ impl<const D: usize> Map<D, D> for Increment {
         true
     }
 
-    fn spins(&self) -> bool {
-        self.spinning && self.centred
+    fn spins(&self) -> Option<Spins> {
+        self.spinning.filter(|_| self.centred)
     }
 
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
@@ -148,7 +150,7 @@ impl<const D: usize> Map<D, D> for Increment {
         v: &SVector<f64, D>,
     ) -> Option<Rewritten<D>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
-        let spins = self.spinning && self.centred;
+        let spins = Map::<D, D>::spins(self);
         self.centred = true;
         if theta == Vector3::zeros() {
             return None;
@@ -166,14 +168,18 @@ impl<const D: usize> Map<D, D> for Increment {
             c: SVector::zeros(),
         };
         new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
-        if spins {
-            return Some(new);
+        // From rates or spins at θ to Ω and Ω̇.
+        let B = match spins {
+            Some(Spins::Material) => return Some(new),
+            Some(Spins::Spatial) => so3::rotation(&theta).transpose(),
+            None => so3::tangent(&theta),
+        };
+        new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
+        new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
+        if spins.is_none() {
+            let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
+            new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
         }
-        let T = so3::tangent(&theta);
-        new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(T * theta_dot));
-        new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&T);
-        let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
-        new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
         Some(new)
     }
 }
