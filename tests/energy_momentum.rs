@@ -9,11 +9,11 @@ use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{revolute, spherical};
-use pullback::elements::load::LineLoad;
+use pullback::elements::load::{LineLoad, NodalLoad, Which};
 use pullback::elements::model::{
     Dof, Formulation, Line, Model, ModelBuilder, NodeId, RigidMotion, Straight,
 };
-use pullback::elements::time::Constant;
+use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
 use pullback::manifold::system::{Point, System};
 use std::ops::ControlFlow;
@@ -382,4 +382,55 @@ fn a_run_that_is_continued_is_the_same() {
     })
     .unwrap();
     assert_eq!(whole, later);
+}
+
+#[test]
+fn what_a_load_has_left_is_kept() {
+    // A force at one end until 0.5 s, then nothing.
+    let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        let pulse = Pulse::new(0.0, 0.5, 1.0).unwrap();
+        let load = NodalLoad::new(Which::DeadForce, [3.0, 0.0, 1.0], pulse);
+        b.element("push", load, &[ends[1]]).unwrap();
+    };
+    let mut beam = model(1.0, Interpolation::Geodesic, Formulation::Total, push);
+    let v = vec![0.0; beam.pattern().dim()];
+    let mut left = None;
+    let mut worst = [0.0_f64; 3];
+    let q = v.clone();
+    let run = observed(
+        &mut beam,
+        [&q, &v],
+        &options(em(), 4.0, 800),
+        &mut |model, step| {
+            let (s, kept) = (&step.progress.state, step.progress.kept.as_ref().unwrap());
+            let at = Point {
+                t: s.t,
+                q: &s.q,
+                v: &s.v,
+                a: &s.a,
+            };
+            let (energy, [p, L]) = audit(model, at);
+            if s.t < 0.499 {
+                // Translations across the force, and turns about an axis along it.
+                assert_eq!(kept.motions.len(), 3, "{:?}", kept.motions);
+                return;
+            }
+            assert_eq!(kept.motions.len(), 6);
+            let (energy_then, p_then, L_then) = *left.get_or_insert((energy, p, L));
+            let now = [
+                energy - energy_then,
+                (p - p_then).norm(),
+                (L - L_then).norm(),
+            ];
+            worst = std::array::from_fn(|k| worst[k].max(now[k].abs()));
+        },
+    );
+    assert!(run.summary.finished);
+    let (_, p, L) = left.unwrap();
+    // The impulse to the order of the scheme.
+    assert!((p - Vector3::new(1.5, 0.0, 0.5)).norm() < 1e-3, "{p}");
+    assert!(
+        L.norm() > 0.1 && worst.iter().all(|w| *w < 1e-11),
+        "{worst:?}"
+    );
 }
