@@ -306,7 +306,7 @@ mod general {
                     sample.energy = 0.0;
                 }
             })),
-            ..options(&["diffsol-bdf:1e-8", "diffsol-esdirk:1e-7"], &[1e-2, 5e-3])
+            ..options(&["diffsol-bdf:1e-8", "diffsol-esdirk:1e-8"], &[1e-2, 5e-3])
         };
         let comparison = compared(&file, &asked).unwrap();
         for row in &comparison.rows {

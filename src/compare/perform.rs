@@ -7,7 +7,7 @@ use super::{CompareError, Comparison, Contender, Drift, Options, Reference, Row}
 use super::{equal_cost, reference, sample};
 use crate::solve::{Counts, begin};
 use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::{Progress, Scheme, start};
+use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
@@ -65,7 +65,13 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     }
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
     let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
-    begin(&mut job.model, &plan.options, &mut Progress::new(start))?;
+    // By the reference's scheme: that of the file may be none for this model.
+    let beginning = DynamicOptions {
+        scheme: reference,
+        adaptivity: None,
+        ..plan.options
+    };
+    begin(&mut job.model, &beginning, &mut Progress::new(start))?;
     Ok(Prepared {
         grid,
         reference,
