@@ -8,7 +8,7 @@ use dynamics_support::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{revolute, spherical};
+use pullback::elements::joint::{offset, revolute, spherical};
 use pullback::elements::load::{LineLoad, NodalLoad, Which};
 use pullback::elements::model::{
     Dof, Formulation, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
@@ -206,7 +206,7 @@ fn it_is_of_order_two() {
     for word in ["em", "em:0.8"] {
         let top = |scheme, n| {
             let (mut model, v) = heavy_top();
-            let node = [model.find("ball").unwrap()];
+            let node = [model.find("tip").unwrap()];
             let options = options(scheme, 1.0, n);
             history(&mut model, &node, [&[0.0; 3], &v], &options, 10).0
         };
@@ -277,6 +277,7 @@ fn heavy_top() -> (Model, Vec<f64>) {
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);
+    offset(&mut b, "tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
     let model = b.build().unwrap();
     let mut v = vec![0.0; 3];
     let motion = RigidMotion {

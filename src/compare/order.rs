@@ -100,7 +100,11 @@ pub(super) fn orders(
         SchemeOrders {
             formulation: method.about(),
             theory: method.order(),
-            observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
+            // Where h is a tolerance, a slope over it is no order.
+            observed: match method.order() {
+                Some(_) => Quantity::ALL.map(|quantity| observed(&name, quantity)),
+                None => [None; 6],
+            },
             scheme: name,
         }
     };
