@@ -179,19 +179,19 @@ fn in_general(
     watch: &Watch<'_>,
     ran: &mut Ran,
 ) -> Result<(), Failure> {
+    use crate::general::Observer;
+    use pullback_elements::model::Model;
+    use pullback_integrators::dynamics::State;
+    use pullback_manifold::system::Point;
     let model = &mut job.model;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let clock = Instant::now();
     let times = grid.all_times();
     let mut failed = None;
-    let (samples, flow) = (&mut ran.samples, &watch.flow);
-    let ended = crate::general::integrate(
-        model,
-        &mut progress,
-        general,
-        &times,
-        &mut |model, state| {
-            let at = pullback_manifold::system::Point {
+    let samples = &mut ran.samples;
+    let mut observer = Observer {
+        seen: &mut |model: &mut Model, state: &State| {
+            let at = Point {
                 t: state.t,
                 q: &state.q,
                 v: &state.v,
@@ -204,9 +204,11 @@ fn in_general(
                     return ControlFlow::Break(());
                 }
             }
-            flow()
+            ControlFlow::Continue(())
         },
-    );
+        go: watch.flow,
+    };
+    let ended = crate::general::integrate(model, &mut progress, general, &times, &mut observer);
     ran.summary = progress.summary;
     ran.time = clock.elapsed();
     ended?;

@@ -17,7 +17,7 @@ mod equations;
 mod solver;
 
 #[cfg(feature = "diffsol")]
-pub use solver::integrate;
+pub use solver::{Observer, integrate};
 
 use pullback_integrators::dynamics::DynamicsError;
 use std::fmt;

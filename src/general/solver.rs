@@ -11,8 +11,16 @@ use pullback_manifold::system::System;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-/// Integrates with a general solver from where `progress` stands to the last of some times; the observer
-/// sees the system at each of these, and may stop the run. Steps, Newton iterations, evaluations and
+/// What looks on: `seen` the system at each of the times of interest, `go` after every step; each may stop
+/// the run.
+pub struct Observer<'a, Y: ?Sized> {
+    /// Shown the system and its state at a time of interest.
+    pub seen: &'a mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
+    /// Asked after every step.
+    pub go: &'a dyn Fn() -> ControlFlow<()>,
+}
+
+/// Integrates with a general solver from where `progress` stands to the last of some times. Steps, Newton iterations, evaluations and
 /// factorisations (of M and of the solver's own matrices) are counted in the progress, steps that it
 /// rejected as inaccurate.
 ///
@@ -23,7 +31,7 @@ pub fn integrate<Y: System + ?Sized>(
     progress: &mut Progress,
     how: &General,
     times: &[f64],
-    observer: &mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
+    observer: &mut Observer<'_, Y>,
 ) -> Result<(), GeneralError> {
     let n = system.pattern().dim();
     if let Some(i) = (0..n).find(|&i| system.is_multiplier(i)) {
@@ -114,7 +122,7 @@ fn stretch<Y: System + ?Sized>(
     how: &General,
     span: &Span<'_>,
     seen: &mut usize,
-    observer: &mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
+    observer: &mut Observer<'_, Y>,
 ) -> Result<ControlFlow<()>, GeneralError> {
     let State { t, q, v, .. } = &progress.state;
     let begin: Vec<f64> = q.iter().chain(v).copied().collect();
@@ -181,7 +189,7 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
         mut solver: S,
         progress: &mut Progress,
         seen: &mut usize,
-        observer: &mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
+        observer: &mut Observer<'_, Y>,
     ) -> Result<ControlFlow<()>, (f64, String)>
     where
         E: OdeEquations<T = f64, V = NalgebraVec<f64>, M = NalgebraMat<f64>> + 'p,
@@ -203,7 +211,7 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
                 let y = solver.interpolate(time).map_err(failed(time))?;
                 self.look(&mut progress.state, time, &y.clone_as_vec())?;
                 *seen += 1;
-                flow = observer(self.equations.borrow_mut().system, &progress.state);
+                flow = (observer.seen)(self.equations.borrow_mut().system, &progress.state);
                 if flow.is_break() {
                     break;
                 }
@@ -229,6 +237,9 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
             let system = &mut self.equations.borrow_mut().system;
             let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
             progress.summary.chart_changes += changes.charts;
+            if flow.is_continue() {
+                flow = (observer.go)();
+            }
             let ended = flow.is_break() || matches!(reason, OdeSolverStopReason::TstopReached);
             if ended || changes.charts > 0 || changes.residual {
                 break;
