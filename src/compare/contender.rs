@@ -9,6 +9,10 @@ use std::str::FromStr;
 
 /// A scheme in a formulation of rotations, or a general solver of ordinary differential equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a comparison has a few of them, and copies them"
+)]
 pub enum Contender {
     /// A scheme of the library.
     Method(Method),

@@ -297,7 +297,7 @@ impl Model {
         }
         let mut unlike = self.near(&zero, 1);
         for (u, v) in unlike.iter_mut().zip(v) {
-            *u = v / size + *u;
+            *u += v / size;
         }
         let along = |x: &[f64], by: f64, y: &[f64]| -> Vec<f64> {
             x.iter().zip(y).map(|(x, y)| x + by * y).collect()
