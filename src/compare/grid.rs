@@ -146,8 +146,8 @@ mod tests {
 
     #[test]
     fn a_longer_run_has_the_largest_step() {
-        let long = Grid::new(1.0, &[0.01, 0.005]).unwrap().longer(20.0);
-        assert_eq!((long.counts[0], long.times), (2048, 128));
-        assert!((long.step(2048) - 0.01).abs() < 1e-15 && (long.to - 20.48).abs() < 1e-12);
+        let long = Grid::new(1.0, &[0.1, 0.05]).unwrap().longer(20.0);
+        assert_eq!((long.counts[0], long.times), (256, 128));
+        assert!((long.step(256) - 0.1).abs() < 1e-15 && (long.to - 25.6).abs() < 1e-12);
     }
 }

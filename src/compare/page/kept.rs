@@ -23,8 +23,17 @@ pub(super) fn drift(out: &mut String, c: &Comparison) {
                    the magnitudes of kinetic and stored energy and load potential.";
     rows(out, caption, &c.rows);
     if let Some(row) = c.long.first() {
-        let times = row.counts.steps as f64 * row.step;
-        let caption = format!("The same over a long run, until t = {}.", short(times));
+        let end = row.samples.last().map_or(0.0, |s| s.t);
+        let halved = c.long.iter().filter(|row| row.counts.rejected > 0);
+        let halved: Vec<&str> = halved.map(|row| row.scheme.as_str()).collect();
+        let caption = match halved.is_empty() {
+            true => format!("The same over a long run, until t = {}.", short(end)),
+            false => format!(
+                "The same over a long run, until t = {}; some steps were halved by {}.",
+                short(end),
+                escaped(&halved.join(", "))
+            ),
+        };
         rows(out, &caption, &c.long);
     }
 }

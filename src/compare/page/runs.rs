@@ -69,20 +69,21 @@ pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
     };
     let caption = format!(
         "Errors at equal cost, {what}: log error interpolated over log cost between neighbouring step \
-         sizes; in brackets, over that of the first scheme."
+         sizes, or extrapolated from the nearest two (≈); in brackets, over that of the first scheme."
     );
     let columns: Vec<String> = std::iter::once("scheme".to_owned())
         .chain(names())
         .collect();
     table(out, &caption, &columns, 1);
-    for (name, errors) in &equal.schemes {
+    for (name, errors, beyond) in &equal.schemes {
+        let about = if *beyond { "≈ " } else { "" };
         let mut line = vec![escaped(name)];
         line.extend(Quantity::ALL.map(|q| {
             let over = errors.of(q) / equal.schemes[0].1.of(q);
             match (errors.of(q), over) {
                 (e, _) if !e.is_finite() => "–".to_owned(),
-                (e, over) if over.is_finite() => format!("{} ({over:.2})", short(e)),
-                (e, _) => short(e),
+                (e, over) if over.is_finite() => format!("{about}{} ({over:.2})", short(e)),
+                (e, _) => format!("{about}{}", short(e)),
             }
         }));
         cells(out, false, 1, &line);
