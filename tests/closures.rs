@@ -57,13 +57,17 @@ fn started(model: &mut Model, crank: NodeId) -> [Vec<f64>; 2] {
     [q, v]
 }
 
-fn go(by: Closure, [to, step]: [f64; 2]) -> Outcome {
+fn go(by: Closure, span: [f64; 2]) -> Outcome {
+    go_with(Scheme::chung_hulbert(0.8).unwrap(), by, span)
+}
+
+fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, by);
     let mut model = b.build().unwrap();
     let unknowns = model.pattern().dim();
     let [q, v] = started(&mut model, angles[0]);
-    let mut options = tight(Scheme::chung_hulbert(0.8).unwrap(), to, step);
+    let mut options = tight(scheme, to, step);
     options.newton.absolute = 1e-12;
     let [tip, other, pin] =
         ["tip of the coupler", "tip of the rocker", "C"].map(|n| model.find(n).unwrap());
@@ -139,6 +143,43 @@ fn multipliers_are_of_order_two_with_their_forces() {
         assert_slopes("four-bar", &names, &errors, 2.0, 0.2);
         assert!(runs.iter().all(|r| r.gap < 1e-11));
     }
+}
+
+#[test]
+fn stages_with_multipliers_have_the_orders_of_index_three() {
+    // Radau IIA of s stages: 2s − 1 for coordinates, s for velocities, s − 1 for multipliers (Hairer,
+    // Lubich & Roche 1989). Bathe's scheme ends with differences of coordinates that hold the
+    // constraint: of order two at least for coordinates and velocities. Those of its first substep
+    // have an error of the other sign, which the differences that give accelerations divide by h once
+    // more: order one for multipliers.
+    let to = 1.6;
+    let exact = four_bar_exact(to);
+    let force = pin_force(exact[0], exact[3]);
+    let slopes = |word: &str, n: u32| {
+        let scheme: Scheme = word.parse().unwrap();
+        let [coarse, fine] = [n, 2 * n].map(|n| {
+            let run = go_with(scheme, Closure::Multipliers, [to, to / f64::from(n)]);
+            assert!(run.gap < 1e-11, "{word}: {:e}", run.gap);
+            [
+                gap(&run.end[..3], &exact[..3]),
+                gap(&run.end[3..], &exact[3..]),
+                (flat(run.force.last().unwrap()) - force).norm(),
+            ]
+        });
+        println!("{word}: {coarse:?} {fine:?}");
+        [0, 1, 2].map(|k| (coarse[k] / fine[k]).log2())
+    };
+    let near = |slope: f64, order: f64| (slope - order).abs() < 0.25;
+    let radau = slopes("radau", 3200);
+    assert!(
+        near(radau[0], 3.0) && near(radau[1], 2.0) && near(radau[2], 1.0),
+        "{radau:?}"
+    );
+    let bathe = slopes("bathe", 1600);
+    assert!(
+        bathe[0] > 1.75 && bathe[1] > 1.75 && near(bathe[2], 1.0),
+        "{bathe:?}"
+    );
 }
 
 /// Errors against another outcome: angles, rates, the force at the end.

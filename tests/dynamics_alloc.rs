@@ -7,7 +7,7 @@ use pullback::elements::beam::Damping;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
 use pullback::elements::load::CoordinateForce;
-use pullback::elements::model::RigidMotion;
+use pullback::elements::model::{Formulation, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
@@ -84,8 +84,9 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
 /// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
 /// a body on a rigid link, and a ring on the first arm, all under gravity; two bodies whose angles
 /// close a loop beside them. The ring's way, and the coordinate of the loop.
-fn everything() -> (Model, [NodeId; 2]) {
+fn everything(formulation: Formulation) -> (Model, [NodeId; 2]) {
     let mut b = ModelBuilder::new();
+    b.formulate(formulation);
     let base = b.node("base", [0.0; 3]).unwrap();
     let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
     let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
@@ -136,8 +137,12 @@ fn everything() -> (Model, [NodeId; 2]) {
 
 /// Allocations of a run of so many steps, what it did, and how often the ring came to another
 /// element.
-fn allocations(steps: usize, options: &DynamicOptions) -> (usize, Summary, usize) {
-    let (mut model, [way, q]) = everything();
+fn allocations(
+    steps: usize,
+    options: &DynamicOptions,
+    formulation: Formulation,
+) -> (usize, Summary, usize) {
+    let (mut model, [way, q]) = everything(formulation);
     let n = model.pattern().dim();
     let mut v = vec![0.0; n];
     let turning = RigidMotion {
@@ -181,7 +186,7 @@ fn twice_as_many_steps_allocate_no_more() {
         ..plain
     };
     // What the first run in a process sets up, and the test's own thread, are not counted.
-    allocations(150, &plain);
+    allocations(150, &plain, Formulation::Total);
     let composite = DynamicOptions {
         scheme: Scheme::bathe(0.5).unwrap(),
         ..plain
@@ -190,9 +195,16 @@ fn twice_as_many_steps_allocate_no_more() {
         scheme: Scheme::radau(),
         ..plain
     };
-    for options in [plain, adaptive, composite, coupled] {
-        let (few, short, early) = allocations(150, &options);
-        let (many, long, all) = allocations(300, &options);
+    let total = [plain, adaptive, composite, coupled].map(|o| (o, Formulation::Total));
+    let others = [
+        Formulation::Updated,
+        Formulation::LieGroup,
+        Formulation::SpatialSpins,
+    ]
+    .map(|f| (plain, f));
+    for (options, formulation) in total.into_iter().chain(others) {
+        let (few, short, early) = allocations(150, &options, formulation);
+        let (many, long, all) = allocations(300, &options, formulation);
         assert_eq!([short.steps, long.steps], [150, 300]);
         // The second half has what might allocate.
         assert!(long.chart_changes > short.chart_changes, "{long:?}");

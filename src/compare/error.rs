@@ -81,6 +81,32 @@ pub enum CompareError {
         /// Number of steps.
         count: usize,
     },
+    /// A file of exact values that cannot be used.
+    #[error("the exact solution {}: {problem}", path.display())]
+    Exact {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Long runs that are none.
+    #[error("long runs of {value} times the duration are none: it must be 1 or more, and finite")]
+    Longer {
+        /// The factor.
+        value: f64,
+    },
+    /// A residual that is none.
+    #[error("residual {value} is not usable: it must be positive and finite, such as 1e-10")]
+    Residual {
+        /// Its value.
+        value: f64,
+    },
+    /// Models whose results would go to the same directory.
+    #[error("two models are called `{name}`: results of each go to a directory of its name")]
+    NameTwice {
+        /// The name.
+        name: String,
+    },
     /// There is no such scheme, or the motion cannot begin.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

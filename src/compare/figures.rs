@@ -1,5 +1,6 @@
 //! Figures of a comparison: convergence, work and precision, drift, iterations.
 
+use super::page::escaped;
 use super::{Comparison, Quantity, Row};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 
@@ -16,6 +17,7 @@ pub(super) struct Figure {
 /// All figures that there is something to draw in.
 pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
     let mut out = Vec::new();
+    let left_out = left_out(comparison);
     let mut add = |name, caption: &str, drawn: Vec<Graph>| -> Result<(), PlotError> {
         if drawn
             .iter()
@@ -23,7 +25,10 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
         {
             out.push(Figure {
                 name,
-                caption: caption.to_owned(),
+                caption: match name {
+                    "drift.svg" => caption.to_owned(),
+                    _ => format!("{caption}{left_out}"),
+                },
                 svg: graphs(comparison.title.as_deref(), LEVEL, &drawn)?,
             });
         }
@@ -43,8 +48,9 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     )?;
     add(
         "drift.svg",
-        "What the motion keeps, and the schemes do not: the change since the start at common times, \
-         with the largest and the smallest step size.",
+        "What the motion keeps, and the schemes do not: the change since the start at common times. \
+         Where it does not keep its energy, the defect of the balance of energy: kinetic and stored \
+         less supplied.",
         drift(comparison),
     )?;
     add(
@@ -60,9 +66,37 @@ fn curves(comparison: &Comparison, point: &dyn Fn(&Row) -> Option<(f64, f64)>) -
     let schemes = comparison.orders.iter().enumerate();
     let curve = schemes.map(|(k, scheme)| {
         let points = comparison.of(&scheme.scheme).filter_map(point);
-        Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
+        Curve::new(label(comparison, &scheme.scheme), points.collect()).colored(k)
     });
     curve.collect()
+}
+
+/// What the legend calls a scheme: some runs may have no error that belongs to their step size.
+fn label(comparison: &Comparison, scheme: &str) -> String {
+    let all = comparison.of(scheme).count();
+    let drawn = comparison.of(scheme).filter(|row| row.is_regular()).count();
+    match drawn == all {
+        true => scheme.to_owned(),
+        false => format!("{scheme} ({drawn} of {all} runs)"),
+    }
+}
+
+/// Which runs are not drawn, and why.
+fn left_out(comparison: &Comparison) -> String {
+    let out = comparison.rows.iter().filter(|row| !row.is_regular());
+    let name = |row: &Row| {
+        let why = match row.failure {
+            Some(_) => "it came to no end",
+            None => "its steps were halved",
+        };
+        let scheme = escaped(&row.scheme);
+        format!("{scheme} with h = {} ({why})", rounded(row.step))
+    };
+    let names: Vec<String> = out.map(name).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(" Left out: {}.", names.join(", ")),
+    }
 }
 
 /// The quantities in which there is anything but round-off to be seen.
@@ -99,7 +133,7 @@ fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
 }
 
 fn slopes(comparison: &Comparison) -> Vec<f64> {
-    let mut slopes: Vec<usize> = comparison.orders.iter().map(|o| o.theory).collect();
+    let mut slopes: Vec<usize> = comparison.orders.iter().filter_map(|o| o.theory).collect();
     slopes.sort_unstable();
     slopes.dedup();
     slopes.into_iter().rev().map(|p| p as f64).collect()
@@ -159,21 +193,24 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
 }
 
 fn drift(comparison: &Comparison) -> Vec<Graph> {
-    let Some(reference) = &comparison.reference else {
-        return Vec::new();
-    };
+    let keeps = comparison.reference.as_ref().map(|r| r.kept);
+    let keeps = keeps.unwrap_or_default();
     let mut out = Vec::new();
     let momentum = |k: usize, i: usize| move |row: &Row, j: usize| row.samples[j].momenta[k][i];
     let mut kept: Vec<(String, Box<Kept>)> = Vec::new();
-    if reference.kept.energy {
-        kept.push((
+    kept.push(match keeps.energy {
+        true => (
             "|change of energy|".to_owned(),
             Box::new(|row, j| row.samples[j].energy),
-        ));
-    }
+        ),
+        false => (
+            "|defect of the balance of energy|".to_owned(),
+            Box::new(|row, j| row.samples[j].defect.unwrap_or(f64::NAN)),
+        ),
+    });
     let vectors = [
-        (0, "momentum", reference.kept.momentum),
-        (1, "angular momentum", reference.kept.angular_momentum),
+        (0, "momentum", keeps.momentum),
+        (1, "angular momentum", keeps.angular_momentum),
     ];
     for (k, name, keeps) in vectors {
         // The worst of the components speaks for all.
@@ -199,12 +236,15 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
                 false => steps.fold(0.0, f64::max),
                 true => steps.fold(f64::INFINITY, f64::min),
             };
+            // A long run, where there is one, shows more than a short one with the same step.
+            let rows = match finest || comparison.long.is_empty() {
+                true => &comparison.rows,
+                false => &comparison.long,
+            };
             let schemes = comparison.orders.iter().enumerate();
             let curves = schemes.flat_map(|(k, scheme)| {
-                let rows = comparison
-                    .of(&scheme.scheme)
-                    .filter(move |r| r.step == step);
-                rows.map(move |row| {
+                let own = move |r: &&Row| r.scheme == scheme.scheme && near(r.step, step);
+                rows.iter().filter(own).map(move |row| {
                     let change = |j: usize| (value(row, j) - value(row, 0)).abs();
                     let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
                     Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
@@ -223,6 +263,11 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
     out
 }
 
+/// Whether two step sizes are one but for rounding.
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * b
+}
+
 /// A step size to three digits.
 fn rounded(h: f64) -> String {
     let text = format!("{h:.2e}");
@@ -234,7 +279,7 @@ fn rounded(h: f64) -> String {
 }
 
 fn iterations(comparison: &Comparison) -> Vec<Graph> {
-    let regular = |row: &Row| row.failure.is_none() && row.counts.steps > 0;
+    let regular = |row: &Row| row.is_regular() && row.counts.steps > 0;
     vec![Graph {
         description: [
             "step size h".to_owned(),

@@ -81,6 +81,19 @@ impl Grid {
         Ok(Self { to, counts, times })
     }
 
+    /// The largest step over so many times the duration (1 or more), or a little longer.
+    pub fn longer(&self, factor: f64) -> Self {
+        let count = self.counts.first().copied().unwrap_or(1);
+        let steps = (count as f64 * factor).ceil() as usize;
+        let times = steps.clamp(1, MOST_TIMES);
+        let steps = steps.next_multiple_of(times);
+        Self {
+            to: self.step(count) * steps as f64,
+            counts: vec![steps],
+            times,
+        }
+    }
+
     /// Common time `k`, from 1.
     pub fn time(&self, k: usize) -> f64 {
         if k >= self.times {
@@ -88,6 +101,12 @@ impl Grid {
         } else {
             self.to * (k as f64 / self.times as f64)
         }
+    }
+
+    /// All common times, the start first.
+    pub fn all_times(&self) -> Vec<f64> {
+        let later = (1..=self.times).map(|k| self.time(k));
+        std::iter::once(0.0).chain(later).collect()
     }
 
     /// The size of so many equal steps.
@@ -123,5 +142,12 @@ mod tests {
         // 10, 13 and 17 steps would meet at the end only.
         let grid = Grid::new(1.0, &[0.1, 0.077, 0.06]).unwrap();
         assert_eq!((grid.counts.as_slice(), grid.times), (&[10, 15, 20][..], 5));
+    }
+
+    #[test]
+    fn a_longer_run_has_the_largest_step() {
+        let long = Grid::new(1.0, &[0.1, 0.05]).unwrap().longer(20.0);
+        assert_eq!((long.counts[0], long.times), (256, 128));
+        assert!((long.step(256) - 0.1).abs() < 1e-15 && (long.to - 25.6).abs() < 1e-12);
     }
 }

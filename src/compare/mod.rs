@@ -26,9 +26,9 @@
 //! step = 0.01
 //! "#;
 //! let file = input::parse("body.toml", text)?;
-//! let schemes = vec!["newmark".parse()?, "ga:0.8".parse()?];
+//! let schemes = vec!["newmark".parse()?, "lie-ga:0.8".parse()?];
 //! let options = Options::new(schemes, vec![0.04, 0.02, 0.01]);
-//! let make = || input::job("body.toml", &file);
+//! let make = |formulation| input::job_in("body.toml", &file, formulation);
 //! let comparison = compare(&make, "body.toml", &options, &Watch::NOBODY)?;
 //! for scheme in &comparison.orders {
 //!     let order = scheme.of(Quantity::Rotation).ok_or("no order")?;
@@ -38,83 +38,78 @@
 //! # }
 //! ```
 
+mod contender;
+mod drift;
+mod equal_cost;
 mod error;
+mod exact;
 mod figures;
 mod grid;
 mod order;
 mod page;
+mod perform;
 mod reference;
 mod run;
 mod sample;
 mod tables;
 mod write;
 
+pub use contender::Contender;
+pub use drift::{Drift, Kept};
+pub use equal_cost::EqualCost;
 pub use error::CompareError;
-pub use order::{ABOVE_REFERENCE, Order, STRAIGHT, fit};
+pub use exact::{Exact, read as read_exact};
+pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
+pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub use run::{Maker, Watch};
 pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
-pub use write::{FILES, default_directory, run};
+pub use write::{FILES, Subject, default_directory, run, run_several};
 
-use crate::solve::{Counts, begin};
-use grid::Grid;
-use pullback_integrators::dynamics::{Progress, Scheme, start};
-use run::{Failure, Ran, Task, dynamic, side_by_side};
+use crate::solve::Counts;
+use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 use std::num::NonZeroUsize;
-use std::sync::Mutex;
-use std::sync::PoisonError;
 
 /// What is compared.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The schemes.
-    pub schemes: Vec<Scheme>,
+    /// The schemes, each with its formulation of rotations, and general solvers.
+    pub schemes: Vec<Contender>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
     /// Scheme of the reference; by default Radau IIA of two stages, of order 3, which damps what no
     /// step resolves.
     pub reference: Option<Scheme>,
+    /// An exact solution in place of the reference.
+    pub exact: Option<Exact>,
     /// Runs at a time; as many as the machine has cores by default.
     pub threads: Option<NonZeroUsize>,
     /// Whether each run is made again alone on the machine, to take its time.
     pub timed: bool,
+    /// Every scheme runs once more at the largest step, for so many times the duration, to see what
+    /// becomes of energies and momenta.
+    pub long: Option<f64>,
+    /// Residual over forces that runs are converged to, where it is smaller than that of the model
+    /// file: what is left of it is an error of no scheme.
+    pub residual: Option<f64>,
 }
 
 impl Options {
     /// Schemes at step sizes, everything else by default.
-    pub fn new(schemes: Vec<Scheme>, steps: Vec<f64>) -> Self {
+    pub fn new(schemes: Vec<Contender>, steps: Vec<f64>) -> Self {
         Self {
             schemes,
             steps,
             reference: None,
+            exact: None,
             threads: None,
             timed: false,
+            long: None,
+            residual: None,
         }
     }
-}
-
-/// Energies and momenta that the motion keeps, as the reference shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Kept {
-    /// The energy: kinetic, stored, and the potential of loads.
-    pub energy: bool,
-    /// Components of the linear momentum.
-    pub momentum: [bool; 3],
-    /// Components of the angular momentum about the origin.
-    pub angular_momentum: [bool; 3],
-}
-
-/// The largest changes since the start, at the common times, of what the motion keeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Drift {
-    /// Of the energy, where it is kept.
-    pub energy: Option<f64>,
-    /// Of those components of the linear momentum that are kept.
-    pub momentum: Option<f64>,
-    /// Of those components of the angular momentum that are kept.
-    pub angular_momentum: Option<f64>,
 }
 
 /// One scheme at one step size.
@@ -132,7 +127,7 @@ pub struct Row {
     pub counts: Counts,
     /// Root mean square errors against the reference.
     pub error: Option<Values>,
-    /// Drift of what the motion keeps.
+    /// Drift of what the motion keeps, and the balance of energy.
     pub drift: Drift,
     /// Wall-clock time in seconds, with the audits at common times, beside other runs.
     pub seconds: f64,
@@ -160,8 +155,10 @@ impl Row {
 pub struct SchemeOrders {
     /// The scheme.
     pub scheme: String,
-    /// Its order in theory.
-    pub theory: usize,
+    /// What its formulation of rotations is.
+    pub formulation: &'static str,
+    /// Its order in theory; none for a general solver, of which h is a tolerance.
+    pub theory: Option<usize>,
     /// The order observed in each quantity, where one can be, in the order of [`Quantity::ALL`].
     pub observed: [Option<Order>; 6],
 }
@@ -170,6 +167,14 @@ impl SchemeOrders {
     /// The order observed in a quantity.
     pub fn of(&self, quantity: Quantity) -> Option<Order> {
         self.observed[quantity as usize]
+    }
+
+    /// Whether what is observed in a quantity is the order of theory as far as can be seen: three
+    /// step sizes at least on a line whose slope is within [`NEAR`] of it.
+    pub fn is_asymptotic(&self, quantity: Quantity) -> bool {
+        let (observed, theory) = (self.of(quantity), self.theory);
+        (observed.zip(theory))
+            .is_some_and(|(o, p)| o.points >= 3 && (o.order - p as f64).abs() <= NEAR)
     }
 }
 
@@ -202,8 +207,12 @@ pub struct Comparison {
     pub reference_failure: Option<String>,
     /// Observed orders of the schemes.
     pub orders: Vec<SchemeOrders>,
+    /// Errors at equal cost, where all schemes have a cost in common.
+    pub equal_cost: Option<EqualCost>,
     /// All runs, scheme by scheme, from large to small steps.
     pub rows: Vec<Row>,
+    /// The long runs, one per scheme, if they are asked for; they have no errors.
+    pub long: Vec<Row>,
 }
 
 impl Comparison {
@@ -211,193 +220,4 @@ impl Comparison {
     pub fn of<'a>(&'a self, scheme: &'a str) -> impl Iterator<Item = &'a Row> + 'a {
         self.rows.iter().filter(move |row| row.scheme == scheme)
     }
-}
-
-/// What has been checked before anything runs.
-struct Prepared {
-    grid: Grid,
-    reference: Scheme,
-    unknowns: usize,
-    enforced: bool,
-    title: Option<String>,
-}
-
-fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
-    let mut job = make()?;
-    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
-    let grid = Grid::new(plan.options.to, &options.steps)?;
-    if options.schemes.is_empty() {
-        return Err(CompareError::NoScheme);
-    }
-    for (k, scheme) in options.schemes.iter().enumerate() {
-        let name = scheme.to_string();
-        if options.schemes[..k].iter().any(|s| s.to_string() == name) {
-            return Err(CompareError::SchemeTwice { name });
-        }
-    }
-    let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
-    let reference = options.reference.unwrap_or_else(Scheme::radau);
-    if !usable(&reference) {
-        let name = reference.to_string();
-        return Err(CompareError::Reference { name });
-    }
-    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
-    begin(&mut job.model, &plan.options, &mut Progress::new(start))?;
-    Ok(Prepared {
-        grid,
-        reference,
-        unknowns,
-        enforced,
-        title: job.title,
-    })
-}
-
-/// Compares schemes on the model that `make` makes; `model` is what results call it.
-///
-/// # Errors
-/// [`CompareError`] for what no run can begin with. A run that fails is a row with the reason, and
-/// so is the reference.
-pub fn compare(
-    make: &Maker<'_>,
-    model: &str,
-    options: &Options,
-    watch: &Watch<'_>,
-) -> Result<Comparison, CompareError> {
-    let prepared = prepare(make, options)?;
-    Ok(carry_out(make, model, options, watch, prepared))
-}
-
-fn carry_out(
-    make: &Maker<'_>,
-    model: &str,
-    options: &Options,
-    watch: &Watch<'_>,
-    prepared: Prepared,
-) -> Comparison {
-    let Prepared {
-        grid,
-        reference,
-        unknowns,
-        enforced,
-        title,
-    } = prepared;
-    let mut tasks = reference::tasks(&reference, &grid).to_vec();
-    let own = options.schemes.iter().flat_map(|&scheme| {
-        grid.counts.iter().map(move |&steps| Task {
-            name: scheme.to_string(),
-            scheme,
-            steps,
-            relative: f64::INFINITY,
-        })
-    });
-    tasks.extend(own);
-    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let threads = options.threads.map_or(cores, NonZeroUsize::get);
-    let threads = threads.min(tasks.len());
-    let mut ran = run_all(make, &tasks, &grid, threads, watch);
-    let own = ran.split_off(3);
-    let judged = ran.iter().all(|r| r.failure.is_none());
-    let judged = judged
-        .then(|| reference::judge(&reference, &grid, &ran))
-        .flatten();
-    let failure = ran.iter().find_map(|r| r.failure.as_ref());
-    let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
-    let mut complete = !ran.iter().chain(&own).any(interrupted);
-    let mut rows = Vec::with_capacity(own.len());
-    for (k, (ran, task)) in own.into_iter().zip(&tasks[3..]).enumerate() {
-        let asked = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, asked, &grid, judged.as_ref());
-        if options.timed && complete && row.failure.is_none() {
-            let time = run::clock(make, task, &grid, watch);
-            row.seconds_alone = time.map(|t| t.as_secs_f64());
-            complete = (watch.flow)().is_continue();
-        }
-        rows.push(row);
-    }
-    Comparison {
-        program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
-        model: model.to_owned(),
-        title,
-        command: None,
-        complete,
-        to: grid.to,
-        times: grid.times,
-        unknowns,
-        enforced,
-        threads,
-        orders: orders(&options.schemes, &rows, judged.as_ref()),
-        reference_failure: failure.map(|f| format!("{reference}: {f}")),
-        reference: judged,
-        rows,
-    }
-}
-
-/// Runs all tasks, those with most steps first.
-fn run_all(
-    make: &Maker<'_>,
-    tasks: &[Task],
-    grid: &Grid,
-    threads: usize,
-    watch: &Watch<'_>,
-) -> Vec<Ran> {
-    let mut turn: Vec<usize> = (0..tasks.len()).collect();
-    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
-    let ended = Mutex::new(0);
-    let ran = side_by_side(tasks.len(), threads, &|k| {
-        let task = &tasks[turn[k]];
-        let ran = run::drive(make, task, grid, watch);
-        let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
-        *ended += 1;
-        (watch.ended)(*ended, tasks.len(), &task.name);
-        ran
-    });
-    let mut ran: Vec<(usize, Ran)> = turn.into_iter().zip(ran).collect();
-    ran.sort_by_key(|(k, _)| *k);
-    ran.into_iter().map(|(_, ran)| ran).collect()
-}
-
-fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Reference>) -> Row {
-    let reference = reference.filter(|_| ran.failure.is_none());
-    let drift = reference.map(|r| Drift {
-        energy: (r.kept.energy).then(|| reference::drift(&ran.samples, &|s| s.energy)),
-        momentum: reference::drift_of(&ran.samples, r.kept.momentum, &|s| s.momenta[0]),
-        angular_momentum: reference::drift_of(&ran.samples, r.kept.angular_momentum, &|s| {
-            s.momenta[1]
-        }),
-    });
-    Row {
-        scheme: task.name.clone(),
-        asked,
-        step: grid.step(task.steps),
-        failure: ran.failure.as_ref().map(ToString::to_string),
-        counts: Counts::of_motion(&ran.summary),
-        error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
-        drift: drift.unwrap_or_default(),
-        seconds: ran.time.as_secs_f64(),
-        seconds_alone: None,
-        samples: ran.samples,
-    }
-}
-
-fn orders(schemes: &[Scheme], rows: &[Row], reference: Option<&Reference>) -> Vec<SchemeOrders> {
-    let observed = |name: &str, quantity: Quantity| {
-        let own = rows.iter().filter(|row| row.scheme == name);
-        let error = |row: &Row| {
-            row.error
-                .filter(|_| row.is_regular())
-                .map(|e| e.of(quantity))
-        };
-        let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
-        fit(&errors, reference?.error.of(quantity))
-    };
-    let of = |scheme: &Scheme| {
-        let name = scheme.to_string();
-        SchemeOrders {
-            theory: scheme.order(),
-            observed: Quantity::ALL.map(|quantity| observed(&name, quantity)),
-            scheme: name,
-        }
-    };
-    schemes.iter().map(of).collect()
 }

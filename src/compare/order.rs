@@ -1,5 +1,7 @@
 //! Observed orders of convergence and their confidence.
 
+use super::Contender;
+use super::{Quantity, Reference, Row, SchemeOrders};
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -10,7 +12,7 @@ pub struct Order {
     /// Half of the 95 % confidence interval of the slope, with Student's distribution for the
     /// scatter about the line; `None` for two points, which a line always meets.
     pub confidence: Option<f64>,
-    /// Number of step sizes in the asymptotic range.
+    /// Number of step sizes on the line.
     pub points: usize,
     /// Largest and smallest of them.
     pub steps: [f64; 2],
@@ -20,11 +22,14 @@ pub struct Order {
 pub const ABOVE_REFERENCE: f64 = 10.0;
 /// How far a slope between neighbours may be from the one between the two finest.
 pub const STRAIGHT: f64 = 0.2;
+/// How far a slope may be from the order in theory to be one, and three runs of a reference to be
+/// extrapolated.
+pub const NEAR: f64 = 0.3;
 
 /// Fits an order to errors at step sizes (from large to small), `None` where an error cannot be
 /// used, and to those only that are far above the `error` of the reference.
 ///
-/// The asymptotic range begins with the two finest of these and goes on to larger steps as long as
+/// The line begins with the two finest of these and goes on to larger steps as long as
 /// the slope between neighbours stays within [`STRAIGHT`] of that between the two finest.
 pub fn fit(errors: &[(f64, Option<f64>)], error: f64) -> Option<Order> {
     let usable = errors.iter().rev().filter_map(|&(h, e)| Some((h.ln(), e?)));
@@ -72,6 +77,38 @@ fn student(freedom: usize) -> Option<f64> {
             Some(z + first / n + second / (n * n) + third / (n * n * n))
         }
     }
+}
+
+/// The observed orders of all schemes.
+pub(super) fn orders(
+    schemes: &[Contender],
+    rows: &[Row],
+    reference: Option<&Reference>,
+) -> Vec<SchemeOrders> {
+    let observed = |name: &str, quantity: Quantity| {
+        let own = rows.iter().filter(|row| row.scheme == name);
+        let error = |row: &Row| {
+            row.error
+                .filter(|_| row.is_regular())
+                .map(|e| e.of(quantity))
+        };
+        let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
+        fit(&errors, reference?.error.of(quantity))
+    };
+    let of = |method: &Contender| {
+        let name = method.to_string();
+        SchemeOrders {
+            formulation: method.about(),
+            theory: method.order(),
+            // Where h is a tolerance, a slope over it is no order.
+            observed: match method.order() {
+                Some(_) => Quantity::ALL.map(|quantity| observed(&name, quantity)),
+                None => [None; 6],
+            },
+            scheme: name,
+        }
+    };
+    schemes.iter().map(of).collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! The reference solution, and how far it can be trusted.
 
-use super::Kept;
+use super::Contender;
+use super::drift::{Kept, drift};
 use super::grid::Grid;
+use super::order::NEAR;
 use super::run::{Ran, Task};
 use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
-use nalgebra::Vector3;
+use crate::method::Method;
 use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 
@@ -14,9 +16,6 @@ pub(super) const REFINED: [usize; 3] = [2, 4, 8];
 pub(super) const TIGHT: f64 = 1e-12;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-12;
-/// How far the observed order of the three runs may be from that in theory where they are extrapolated.
-const NEAR: f64 = 0.3;
-
 /// Change of an energy or momentum over its largest size beyond which it is not kept, however
 /// doubtful the reference is.
 const STEADY: f64 = 1e-3;
@@ -55,7 +54,7 @@ pub struct Reference {
 pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
         name: format!("reference, {scheme}"),
-        scheme: *scheme,
+        contender: Contender::Method(Method::from(*scheme)),
         steps: factor * grid.finest(),
         relative: TIGHT,
     })
@@ -130,24 +129,20 @@ fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
     }
 }
 
-/// The largest difference from the start.
-pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
-    let Some(first) = samples.first().map(value) else {
-        return f64::NAN;
+/// What an exact motion keeps, to rounding; nothing of what it does not know.
+pub(super) fn kept_by(samples: &[Sample]) -> Kept {
+    let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
+    let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {
+        let known = samples.iter().all(|s| value(s).is_finite());
+        known && drift(samples, value) <= 10.0 * ROUND_OFF * size
     };
-    let differences = samples.iter().map(|s| (value(s) - first).abs());
-    differences.fold(0.0, f64::max)
-}
-
-/// The largest change since the start of those components of a vector that are kept; `None` where
-/// none is.
-pub(super) fn drift_of(
-    samples: &[Sample],
-    kept: [bool; 3],
-    vector: &dyn Fn(&Sample) -> Vector3<f64>,
-) -> Option<f64> {
-    let drifts = (0..3)
-        .filter(|&i| kept[i])
-        .map(|i| drift(samples, &|s| vector(s)[i]));
-    drifts.reduce(f64::max)
+    let momentum = |k: usize| {
+        let size = largest(&|s| s.momenta[k].norm());
+        [0, 1, 2].map(|i| keeps(&|s| s.momenta[k][i], size))
+    };
+    Kept {
+        energy: keeps(&|s| s.energy, largest(&|s| s.gross_energy)),
+        momentum: momentum(0),
+        angular_momentum: momentum(1),
+    }
 }

@@ -1,11 +1,14 @@
 //! One run of a comparison, and runs side by side.
 
+use super::Contender;
 use super::grid::Grid;
 use super::sample::Sample;
 use crate::input::{DynamicPlan, InputError, Job, Plan};
+use crate::method::Method;
 use crate::solve::point;
+use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Summary, integrate, start,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,
 };
 use pullback_manifold::system::SystemError;
 use std::ops::ControlFlow;
@@ -13,8 +16,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Makes the model of a comparison: each run has one of its own.
-pub type Maker<'a> = dyn Fn() -> Result<Job, InputError> + Sync + 'a;
+/// Makes the model of a comparison in a formulation of rotations: each run has one of its own.
+pub type Maker<'a> = dyn Fn(Formulation) -> Result<Job, InputError> + Sync + 'a;
 
 /// Who looks on, from whatever thread.
 pub struct Watch<'a> {
@@ -36,14 +39,14 @@ impl Watch<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     pub name: String,
-    pub scheme: Scheme,
+    pub contender: Contender,
     pub steps: usize,
     /// Residual relative to the forces, where it is smaller than that of the model file.
     pub relative: f64,
 }
 
 /// What one run gave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Ran {
     /// The common times that it reached.
     pub samples: Vec<Sample>,
@@ -75,6 +78,13 @@ impl From<SystemError> for Failure {
     }
 }
 
+#[cfg(feature = "diffsol")]
+impl From<crate::general::GeneralError> for Failure {
+    fn from(error: crate::general::GeneralError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
         Self::Failed(error.to_string())
@@ -89,11 +99,11 @@ pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
     }
 }
 
-fn options(task: &Task, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
+fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
     let step = grid.step(task.steps);
     let newton = plan.options.newton;
     DynamicOptions {
-        scheme: task.scheme,
+        scheme: method.scheme(),
         step,
         min_step: 1e-6 * step,
         adaptivity: None,
@@ -124,11 +134,17 @@ fn advance(
     watch: &Watch<'_>,
     ran: &mut Ran,
 ) -> Result<(), Failure> {
-    let mut job = make()?;
+    let mut job = make(task.contender.formulation())?;
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
     };
-    let options = options(task, grid, plan);
+    let options = match &task.contender {
+        Contender::Method(method) => options(task, method, grid, plan),
+        Contender::General(general) => {
+            let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
+            return in_general(&mut job, &general, grid, watch, ran);
+        }
+    };
     let model = &mut job.model;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let clock = Instant::now();
@@ -147,9 +163,73 @@ fn advance(
         if stopped {
             return Err(Failure::Interrupted);
         }
-        ran.samples.push(Sample::of(model, point(&progress))?);
+        let defect = progress.summary.energy.map(|e| e.defect());
+        ran.samples
+            .push(Sample::of(model, point(&progress), defect)?);
     }
     Ok(())
+}
+
+/// A run by a general solver, with a look at the model at the common times.
+#[cfg(feature = "diffsol")]
+fn in_general(
+    job: &mut Job,
+    general: &crate::general::General,
+    grid: &Grid,
+    watch: &Watch<'_>,
+    ran: &mut Ran,
+) -> Result<(), Failure> {
+    use crate::general::Observer;
+    use pullback_elements::model::Model;
+    use pullback_integrators::dynamics::State;
+    use pullback_manifold::system::Point;
+    let model = &mut job.model;
+    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let clock = Instant::now();
+    let times = grid.all_times();
+    let mut failed = None;
+    let samples = &mut ran.samples;
+    let mut observer = Observer {
+        seen: &mut |model: &mut Model, state: &State| {
+            let at = Point {
+                t: state.t,
+                q: &state.q,
+                v: &state.v,
+                a: &state.a,
+            };
+            match Sample::of(model, at, None) {
+                Ok(sample) => samples.push(sample),
+                Err(error) => {
+                    failed = Some(Failure::from(error));
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        },
+        go: watch.flow,
+    };
+    let ended = crate::general::integrate(model, &mut progress, general, &times, &mut observer);
+    ran.summary = progress.summary;
+    ran.time = clock.elapsed();
+    ended?;
+    match failed {
+        Some(failure) => Err(failure),
+        None if !progress.summary.finished => Err(Failure::Interrupted),
+        None => Ok(()),
+    }
+}
+
+/// Words of general solvers are refused by programs that are built without them.
+#[cfg(not(feature = "diffsol"))]
+fn in_general(
+    _: &mut Job,
+    general: &crate::general::General,
+    _: &Grid,
+    _: &Watch<'_>,
+    _: &mut Ran,
+) -> Result<(), Failure> {
+    let why = format!("{general}: this program is built without the feature `diffsol`");
+    Err(Failure::Failed(why))
 }
 
 /// Repetitions of a short run whose time is taken, and the time after which there are no more.
@@ -167,17 +247,29 @@ pub(super) fn clock(
     let mut least: Option<Duration> = None;
     let mut spent = Duration::ZERO;
     for _ in 0..REPETITIONS {
-        let mut job = make().ok()?;
-        let options = DynamicOptions {
-            energies: false,
-            ..options(task, grid, dynamic(&job.plan)?)
+        let mut job = make(task.contender.formulation()).ok()?;
+        let time = match &task.contender {
+            Contender::Method(method) => {
+                let options = DynamicOptions {
+                    energies: false,
+                    ..options(task, method, grid, dynamic(&job.plan)?)
+                };
+                let model = &mut job.model;
+                let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
+                let mut progress = Progress::new(from);
+                let begin = Instant::now();
+                integrate(model, &mut progress, &options, &mut |_, _| (watch.flow)()).ok()?;
+                let time = begin.elapsed();
+                progress.summary.finished.then_some(time)?
+            }
+            Contender::General(general) => {
+                let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
+                let mut ran = Ran::default();
+                in_general(&mut job, &general, grid, watch, &mut ran).ok()?;
+                ran.time
+            }
         };
-        let model = &mut job.model;
-        let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v).ok()?);
-        let begin = Instant::now();
-        integrate(model, &mut progress, &options, &mut |_, _| (watch.flow)()).ok()?;
-        let time = begin.elapsed();
-        if !progress.summary.finished || (watch.flow)().is_break() {
+        if (watch.flow)().is_break() {
             return None;
         }
         least = Some(least.map_or(time, |least| least.min(time)));

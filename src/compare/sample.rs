@@ -116,13 +116,43 @@ pub struct Sample {
     pub energy: f64,
     /// The sum of the magnitudes of these three: what round-off in the energy is measured by.
     pub gross_energy: f64,
+    /// Defect of the balance of energy up to here, if it is kept.
+    pub defect: Option<f64>,
     /// Linear momentum, and angular momentum about the origin, global components.
     pub momenta: [Vector3<f64>; 2],
+    /// The largest residual |h| of the equations with which loops close, each over its size, where
+    /// there are such.
+    pub violation: Option<f64>,
 }
 
 impl Sample {
+    /// One of which nothing is known but the time.
+    pub fn unknown(t: f64, nodes: usize) -> Self {
+        let vector = Vector3::repeat(f64::NAN);
+        let node = Pose {
+            place: vector,
+            R: Matrix3::repeat(f64::NAN),
+            velocity: vector,
+            omega: vector,
+            acceleration: vector,
+        };
+        Self {
+            t,
+            nodes: vec![node; nodes],
+            energy: f64::NAN,
+            gross_energy: f64::NAN,
+            defect: None,
+            momenta: [vector; 2],
+            violation: None,
+        }
+    }
+
     /// Asks a model.
-    pub(super) fn of(model: &mut Model, at: Point<'_>) -> Result<Self, SystemError> {
+    pub(super) fn of(
+        model: &mut Model,
+        at: Point<'_>,
+        defect: Option<f64>,
+    ) -> Result<Self, SystemError> {
         let audit = model.audit(at)?;
         let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
         let (kinetic, stored) = (audit.energies.kinetic, audit.energies.stored);
@@ -131,7 +161,9 @@ impl Sample {
             nodes: nodes.collect(),
             energy: kinetic + stored + audit.load_potential,
             gross_energy: kinetic + stored.abs() + audit.load_potential.abs(),
+            defect,
             momenta: [audit.momentum.linear, audit.momentum.angular],
+            violation: model.violation(),
         })
     }
 }
@@ -140,7 +172,8 @@ impl Sample {
 /// 8 sin²(θ/2).
 fn angle(a: &Pose, b: &Pose) -> f64 {
     let half = (a.R - b.R).norm() / 8f64.sqrt();
-    2.0 * half.min(1.0).asin()
+    // Not `min`, which hides what is not known.
+    2.0 * if half > 1.0 { 1.0 } else { half }.asin()
 }
 
 fn node_distances(a: &Pose, b: &Pose) -> [f64; 5] {
@@ -153,22 +186,25 @@ fn node_distances(a: &Pose, b: &Pose) -> [f64; 5] {
     ]
 }
 
-/// Root mean square over common times and nodes of the distances of two runs.
+/// Root mean square over common times and nodes of the distances of two runs; what one of them does not
+/// know is left out, and what is known nowhere is not a number.
 pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
-    let mut sum = [0.0; 6];
-    let mut nodes = 0;
+    let (mut sum, mut count) = ([0.0; 6], [0_usize; 6]);
+    let mut add = |k: usize, d: f64| {
+        if !d.is_nan() {
+            sum[k] += d * d;
+            count[k] += 1;
+        }
+    };
     for (a, b) in a.iter().zip(b) {
         for (a, b) in a.nodes.iter().zip(&b.nodes) {
-            nodes += 1;
-            for (sum, d) in sum.iter_mut().zip(node_distances(a, b)) {
-                *sum += d * d;
+            for (k, d) in node_distances(a, b).into_iter().enumerate() {
+                add(k, d);
             }
         }
-        sum[5] += (a.energy - b.energy).powi(2);
+        add(5, a.energy - b.energy);
     }
-    let times = a.len().min(b.len());
-    let mean = |k: usize| sum[k] / (if k < 5 { nodes } else { times }) as f64;
-    Values(std::array::from_fn(|k| mean(k).sqrt()))
+    Values(std::array::from_fn(|k| (sum[k] / count[k] as f64).sqrt()))
 }
 
 /// The largest size of each quantity in a run: what its round-off is measured by.
@@ -207,7 +243,9 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sampl
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
         energy: b.energy + (b.energy - a.energy) / parts,
         gross_energy: b.gross_energy,
+        defect: b.defect,
         momenta: [0, 1].map(|k| towards(&a.momenta[k], &b.momenta[k])),
+        violation: b.violation,
     });
     samples.collect()
 }

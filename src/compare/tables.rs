@@ -1,15 +1,18 @@
 //! `compare.csv`, and the tables of the page.
 
-use super::{Comparison, Drift, Order, Quantity, Row};
+use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders};
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
 const BEFORE: [&str; 4] = ["scheme", "step_asked", "step", "status"];
-const AFTER: [&str; 15] = [
+const AFTER: [&str; 18] = [
     "energy_drift",
     "momentum_drift",
     "angular_momentum_drift",
+    "violation",
     "energy_balance_defect",
+    "energy_trend",
+    "largest_energy",
     "steps",
     "rejected",
     "iterations",
@@ -34,11 +37,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
     for row in &comparison.rows {
         let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
         let c = &row.counts;
-        let Drift {
-            energy,
-            momentum,
-            angular_momentum,
-        } = row.drift;
+        let d = row.drift;
         let mut cells = vec![
             row.scheme.clone(),
             row.asked.to_string(),
@@ -46,15 +45,16 @@ pub(super) fn csv(comparison: &Comparison) -> String {
             status(row).to_owned(),
         ];
         cells.extend(Quantity::ALL.map(|q| optional(row.error.map(|e| e.of(q)))));
-        cells.extend(
-            [
-                energy,
-                momentum,
-                angular_momentum,
-                c.energy.map(|e| e.largest_defect),
-            ]
-            .map(optional),
-        );
+        let drifts = [
+            d.energy,
+            d.momentum,
+            d.angular_momentum,
+            d.violation,
+            d.balance,
+            d.trend,
+            d.largest_energy,
+        ];
+        cells.extend(drifts.map(optional));
         let counts = [
             c.steps,
             c.rejected,
@@ -102,11 +102,30 @@ pub fn summary(comparison: &Comparison) -> String {
         let _ = write!(out, "  {:>18}", quantity.name());
     }
     for scheme in &comparison.orders {
-        let _ = write!(out, "\n{:width$}  {:>6}", scheme.scheme, scheme.theory);
-        for observed in scheme.observed {
-            let text = observed.map_or("-".to_owned(), |o| format!("{} ({})", order(&o), o.points));
+        let _ = write!(
+            out,
+            "\n{:width$}  {:>6}",
+            scheme.scheme,
+            theory(scheme.theory)
+        );
+        for quantity in Quantity::ALL {
+            let doubt = if scheme.is_asymptotic(quantity) {
+                ""
+            } else {
+                "?"
+            };
+            let text = |o: Order| format!("{}{doubt} ({})", order(&o), o.points);
+            let text = scheme.of(quantity).map_or("-".to_owned(), text);
             let _ = write!(out, "  {text:>18}");
         }
+    }
+    let doubtful = |o: &SchemeOrders, q| o.of(q).is_some() && !o.is_asymptotic(q);
+    let mut all = comparison.orders.iter();
+    if all.any(|o| Quantity::ALL.into_iter().any(|q| doubtful(o, q))) {
+        let _ = write!(
+            out,
+            "\n? no order: fewer than three steps on a line, or its slope more than {NEAR} from theory"
+        );
     }
     let failed = comparison.rows.iter().filter(|row| row.failure.is_some());
     for row in failed {
@@ -134,6 +153,11 @@ pub(super) fn short(x: f64) -> String {
         _ => format!("{number}·10<sup>{}</sup>", exponent.replace('-', "−")),
     }
     .replace("-", "−")
+}
+
+/// An order in theory, where there is one.
+pub(super) fn theory(order: Option<usize>) -> String {
+    order.map_or("-".to_owned(), |order| order.to_string())
 }
 
 /// An order with its confidence.

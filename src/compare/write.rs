@@ -1,18 +1,21 @@
 //! What a comparison leaves in a directory.
 
-use super::figures::figures;
-use super::{CompareError, Comparison, Maker, Options, Watch, carry_out, page, prepare, tables};
+use super::figures::{Figure, figures};
+use super::perform::{carry_out, prepare};
+use super::{CompareError, Comparison, Maker, Options, Watch, page, tables};
 use crate::output::{Directory, OutputError};
 use std::path::{Path, PathBuf};
 
 /// Name of the file that says whether a comparison is complete.
 const NAME: &str = "compare.json";
+/// Name of the page.
+const PAGE: &str = "compare.html";
 
 /// Names of all files that a comparison may write.
 pub const FILES: [&str; 7] = [
     NAME,
     "compare.csv",
-    "compare.html",
+    PAGE,
     "convergence.svg",
     "work.svg",
     "drift.svg",
@@ -51,17 +54,78 @@ pub fn run(
     Ok(comparison)
 }
 
+/// One of several models to compare on.
+pub struct Subject<'a> {
+    /// Name of its directory.
+    pub name: String,
+    /// What results call the model.
+    pub model: String,
+    /// Makes it.
+    pub make: Box<Maker<'a>>,
+    /// What is compared on it.
+    pub options: Options,
+}
+
+/// Compares on several models, one after the other: each has a directory of its own with all that
+/// [`run`] writes, and `compare.html` beside them is one page of all.
+///
+/// # Errors
+/// [`CompareError`]. All models are looked at before anything runs.
+pub fn run_several(
+    subjects: &[Subject<'_>],
+    command: Option<&str>,
+    directory: &Path,
+    watch: &Watch<'_>,
+) -> Result<Vec<Comparison>, CompareError> {
+    for (k, subject) in subjects.iter().enumerate() {
+        if subjects[..k].iter().any(|s| s.name == subject.name) {
+            let name = subject.name.clone();
+            return Err(CompareError::NameTwice { name });
+        }
+        prepare(&*subject.make, &subject.options)?;
+    }
+    let mut all: Vec<Comparison> = Vec::with_capacity(subjects.len());
+    for Subject {
+        name,
+        model,
+        make,
+        options,
+    } in subjects
+    {
+        let own = directory.join(name);
+        let comparison = run(&**make, model, command, &own, options, watch)?;
+        let complete = comparison.complete;
+        all.push(comparison);
+        if !complete {
+            break;
+        }
+    }
+    let mut sections = Vec::with_capacity(all.len());
+    for comparison in &all {
+        sections.push((comparison, drawn(comparison)?));
+    }
+    let page = page::html(&sections, command);
+    Directory::open_for(directory, &[PAGE])?.write(PAGE, &page)?;
+    Ok(all)
+}
+
+fn drawn(comparison: &Comparison) -> Result<Vec<Figure>, OutputError> {
+    figures(comparison).map_err(|source| OutputError::Draw {
+        name: "the figures".to_owned(),
+        source,
+    })
+}
+
 /// Writes all files; `compare.json`, which says whether it is complete, comes last.
 fn write(comparison: &Comparison, directory: &mut Directory) -> Result<(), OutputError> {
     directory.write("compare.csv", &tables::csv(comparison))?;
-    let figures = figures(comparison).map_err(|source| OutputError::Draw {
-        name: "the figures".to_owned(),
-        source,
-    })?;
+    let figures = drawn(comparison)?;
     for figure in &figures {
         directory.write(figure.name, &figure.svg)?;
     }
-    directory.write("compare.html", &page::html(comparison, &figures))?;
+    let command = comparison.command.as_deref();
+    let page = page::html(&[(comparison, figures)], command);
+    directory.write(PAGE, &page)?;
     directory.write(NAME, &encode(comparison)?)
 }
 

@@ -8,7 +8,7 @@ use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, se
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::model::{ElementId, Model, ModelBuilder, ModelError, NodeId};
+use pullback_elements::model::{ElementId, Formulation, Model, ModelBuilder, ModelError, NodeId};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a model file describes, ready to run.
@@ -155,10 +155,12 @@ pub(super) fn distinct<'a>(
     Ok(())
 }
 
+/// What a file describes, in a formulation of rotations other than its own if one is given.
 pub(super) fn assemble(
     source: &Text<'_>,
     registry: &Registry,
     file: ModelFile,
+    formulation: Option<Formulation>,
 ) -> Result<Job, InputError> {
     let matter = file.lines.is_empty() && file.bodies.is_empty();
     for (what, missing) in [
@@ -178,6 +180,13 @@ pub(super) fn assemble(
         made.insert(name.clone(), sections::section(source, name, described)?);
     }
     let mut builder = ModelBuilder::new();
+    // A scheme that is none is refused with its place, when the analysis is read.
+    let own = match &file.analysis {
+        Analysis::Dynamic(d) => d.scheme.method().ok().map(|m| m.formulation()),
+        _ => None,
+    };
+    let formulation = formulation.or(own).unwrap_or_default();
+    builder.formulate(formulation);
     let mut nodes = add_nodes(source, &mut builder, &file)?;
     check_names(source, &file)?;
     let parts = parts::make(source, registry, &mut builder, &mut nodes, &made, &file)?;
@@ -224,6 +233,15 @@ pub(super) fn assemble(
             Ok(model)
         })
         .map_err(|error| locate(source, &file, error))?;
+    if formulation != Formulation::Total && model.increments() == 0 {
+        let message = "no rotation in this model is free as a whole, so that all formulations of \
+                       rotations are the same: take the scheme without the prefix"
+            .to_owned();
+        return Err(source.value(
+            &["analysis", "dynamic", "scheme"],
+            Problem::Scheme { message },
+        ));
+    }
     let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
     if !dynamic && !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));

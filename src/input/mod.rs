@@ -31,7 +31,7 @@ pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
 use locate::Locator;
-use pullback_elements::model::Model;
+use pullback_elements::model::{Formulation, Model};
 use std::ops::Range;
 use std::path::Path;
 
@@ -83,7 +83,7 @@ impl Registry {
     pub fn assemble_text(&self, name: &str, text: &str) -> Result<Job, InputError> {
         let source = Text::new(name, text);
         let file = parse_text(&source)?;
-        assemble::assemble(&source, self, file)
+        assemble::assemble(&source, self, file, None)
     }
 
     /// Assembles a parsed file.
@@ -91,7 +91,21 @@ impl Registry {
     /// # Errors
     /// As [`Registry::load`], without places.
     pub fn job(&self, name: &str, file: &ModelFile) -> Result<Job, InputError> {
-        assemble::assemble(&Text::new(name, ""), self, file.clone())
+        assemble::assemble(&Text::new(name, ""), self, file.clone(), None)
+    }
+
+    /// As [`Registry::job`], with rotations in a formulation other than that of the file's scheme.
+    ///
+    /// # Errors
+    /// As [`Registry::job`].
+    pub fn job_in(
+        &self,
+        name: &str,
+        file: &ModelFile,
+        formulation: Formulation,
+    ) -> Result<Job, InputError> {
+        let source = Text::new(name, "");
+        assemble::assemble(&source, self, file.clone(), Some(formulation))
     }
 }
 
@@ -134,6 +148,14 @@ pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
 /// As [`load`], without places.
 pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
     Registry::standard().job(name, file)
+}
+
+/// As [`job`], with rotations in a formulation other than that of the file's scheme.
+///
+/// # Errors
+/// As [`load`], without places.
+pub fn job_in(name: &str, file: &ModelFile, formulation: Formulation) -> Result<Job, InputError> {
+    Registry::standard().job_in(name, file, formulation)
 }
 
 /// The text of a file.

@@ -122,10 +122,11 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         };
         return Err(source.value(&at("step"), problem));
     }
-    let scheme = d.scheme.scheme().map_err(|error| {
+    let method = d.scheme.method().map_err(|error| {
         let message = error.to_string();
         source.value(&at("scheme"), Problem::Scheme { message })
     })?;
+    let scheme = method.scheme();
     if d.adaptive.is_some() && !scheme.estimates_error() {
         let name = scheme.name;
         let message = format!(

@@ -9,8 +9,8 @@ use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, Scales, System, SystemError,
-    Weights,
+    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System,
+    SystemError, Weights,
 };
 use std::f64::consts::TAU;
 
@@ -42,11 +42,16 @@ pub(super) struct Workspace {
     pub local: Local,
     /// Accelerations of a map's coordinates, while it changes their meaning.
     pub accelerations: Vec<Vec<f64>>,
+    /// Parts C and M of a tangent, while rates are spins.
+    pub parts: [Vec<f64>; 2],
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     accelerations_asked: Option<f64>,
+    /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
+    /// have been looked for.
+    pub released: Vec<Vec<f64>>,
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
@@ -110,9 +115,11 @@ impl Workspace {
             operators: Operators::new(operators),
             local: Local::new(n, masters),
             accelerations: Vec::new(),
+            parts: [Vec::new(), Vec::new()],
             kept: Vec::new(),
             handed_over: false,
             accelerations_asked: None,
+            released: Vec::new(),
             sheets: Sheets::default(),
             scales,
             dead_loads: DeadLoads {
@@ -167,6 +174,9 @@ impl Model {
         }
         // A map may move by itself: rates of dependent nodes are read in any case.
         w.moving |= !self.dependent.is_empty();
+        if w.stirred {
+            self.take_spins();
+        }
         self.expand_dependent(t)
     }
 
@@ -272,34 +282,13 @@ impl Model {
         force[0] = f.max(m / length);
         force[1] = m.max(f * length);
     }
-}
 
-pub(super) fn named(error: ElementError, name: &str) -> SystemError {
-    match error {
-        ElementError::OutsideChart { psi } => SystemError::OutsideChart {
-            edge: CHART_EDGE,
-            what: name.to_owned(),
-            margin: TAU - psi,
-        },
-        ElementError::Overturned { psi } => SystemError::OutsideChart {
-            edge: TOO_FAR,
-            what: name.to_owned(),
-            margin: TAU - psi,
-        },
-        ElementError::ZeroLength { .. } => SystemError::OutsideChart {
-            edge: CHART_EDGE,
-            what: format!("{name}, whose ends coincide,"),
-            margin: 0.0,
-        },
-    }
-}
-
-impl System for Model {
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+    /// The residual and the tangent for rates of coordinates.
+    pub(super) fn assemble(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
         let statics = at.v.is_empty();
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
@@ -331,6 +320,40 @@ impl System for Model {
             }
         }
         Ok(())
+    }
+}
+
+pub(super) fn named(error: ElementError, name: &str) -> SystemError {
+    match error {
+        ElementError::OutsideChart { psi } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
+            what: name.to_owned(),
+            margin: TAU - psi,
+        },
+        ElementError::Overturned { psi } => SystemError::OutsideChart {
+            edge: TOO_FAR,
+            what: name.to_owned(),
+            margin: TAU - psi,
+        },
+        ElementError::ZeroLength { .. } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
+            what: format!("{name}, whose ends coincide,"),
+            margin: 0.0,
+        },
+    }
+}
+
+impl System for Model {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        if self.spins() && !at.v.is_empty() && out.S.is_some() {
+            self.evaluate_spinning(at, out)
+        } else {
+            self.assemble(at, out)
+        }
     }
 
     fn evaluate_from(
@@ -395,6 +418,14 @@ impl System for Model {
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
         self.generalised_momentum(at, p)
+    }
+
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+        self.find_symmetries(span, q, v)
+    }
+
+    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+        self.write_rigid_rates(q, motion, rates);
     }
 
     fn kept_momentum(&self, p: &mut [f64]) -> bool {

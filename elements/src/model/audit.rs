@@ -72,6 +72,8 @@ impl Model {
             stored,
             supplied,
             dissipated,
+            potential,
+            drawn,
         } = &mut audit.energies;
         let w = &mut self.work;
         w.r.fill(0.0);
@@ -85,6 +87,9 @@ impl Model {
             let energy = e.element.energy(&motion);
             if e.load {
                 audit.load_potential += energy;
+                if e.steady {
+                    *potential += energy;
+                }
             } else {
                 *stored += energy;
             }
@@ -104,7 +109,11 @@ impl Model {
             if !statics {
                 let Local { x, v, r, work, .. } = local;
                 if e.load {
-                    *supplied += dot(&r[..n], v);
+                    let power = dot(&r[..n], v);
+                    *supplied += power;
+                    if e.steady {
+                        *drawn += power;
+                    }
                 }
                 *kinetic += 0.5 * dot(&work[..n], v);
                 if momenta {

@@ -3,6 +3,7 @@
 use super::ancestry;
 use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
+use super::formulation;
 use super::loops;
 use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
@@ -21,9 +22,10 @@ impl ModelBuilder {
         let Self {
             mut nodes,
             mut elements,
-            prescribed,
+            mut prescribed,
             closings,
             starts,
+            formulation,
             ..
         } = self;
         if nodes.is_empty() {
@@ -32,6 +34,7 @@ impl ModelBuilder {
         let held = loops::Held(&prescribed);
         let mut reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
         reports.extend(forces);
+        formulation::apply(formulation, &mut nodes, &mut prescribed);
         let mut total = 0;
         for node in &mut nodes {
             node.first = total;
@@ -109,10 +112,15 @@ impl ModelBuilder {
         let spans = nodes.iter().map(span).collect();
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
+        let spinning = match formulation.spins() {
+            Some(_) => formulation::turning(&nodes).collect(),
+            None => Vec::new(),
+        };
         let mut model = Model {
             nodes,
             spans,
             dependent,
+            spinning,
             reports,
             elements,
             enforced,
@@ -256,6 +264,10 @@ fn check_rewritten(
         // Masters behind the first are parameters, which stay what they are.
         for &m in d.masters().iter().take(1).filter(|_| d.map.rewrites()) {
             let master = &nodes[m as usize];
+            // Made for the frame by the model itself.
+            if master.form == Form::Increment {
+                continue;
+            }
             let reads = |k: usize| match &nodes[k].source {
                 Source::Mapped(d) => d.segments.iter().flatten().any(|&x| x == m),
                 Source::Own => false,

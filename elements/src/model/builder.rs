@@ -2,6 +2,7 @@
 
 use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
+use super::formulation::Formulation;
 use super::loops::Closing;
 use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
@@ -82,6 +83,7 @@ pub struct ModelBuilder {
     pub(super) starts: HashMap<(NodeId, usize), f64>,
     /// Coordinates that follow another one through gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
+    pub(super) formulation: Formulation,
 }
 
 impl ModelBuilder {
@@ -348,6 +350,7 @@ impl ModelBuilder {
             name,
             dead: element.is_dead(),
             load: element.is_load(),
+            steady: super::symmetry::is_steady(element.as_ref()),
             element,
             nodes: NodeList::new(nodes),
             frames: (0..)

@@ -143,7 +143,12 @@ impl Model {
             changed += 1;
             let range = self.spans[d.masters()[0] as usize].range();
             for (i, c) in range.enumerate() {
-                let u = self.unknowns[c] as usize;
+                // A held displacement stays what it is.
+                let u = self.unknowns[c];
+                if u == super::NONE {
+                    continue;
+                }
+                let u = u as usize;
                 q[u] = x[i];
                 if !v.is_empty() {
                     v[u] = x_dot[i];
@@ -166,6 +171,12 @@ impl Model {
         v: &[f64],
         accelerations: &[&mut [f64]],
     ) -> bool {
+        if let Source::Mapped(d) = &self.nodes[n].source
+            && self.nodes[d.masters()[0] as usize].form == super::Form::Increment
+        {
+            self.collect_increments(n, t, q, v, accelerations);
+            return true;
+        }
         let rest: Vec<f64> = match (accelerations.is_empty(), v.is_empty()) {
             (true, false) => vec![0.0; v.len()],
             _ => Vec::new(),

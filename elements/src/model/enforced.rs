@@ -3,8 +3,9 @@
 
 #![allow(non_snake_case)]
 
+use super::gather::collect;
 use super::local::Local;
-use super::{Attached, Model, ModelError};
+use super::{Attached, Model, ModelError, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Kind, Point, System, SystemError};
@@ -41,6 +42,40 @@ impl Model {
     /// it is drawn, but for loops that multipliers or penalties close, which are assembled.
     pub fn initial(&self) -> &[f64] {
         &self.initial
+    }
+
+    /// The largest residual |h| of the equations with which loops close, each over its size, in the
+    /// configuration last set: those behind implicit maps, of multipliers and of penalties. None for
+    /// a model without such equations.
+    pub fn violation(&mut self) -> Option<f64> {
+        let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
+        let mut worst = None;
+        for &n in &self.dependent {
+            if let Source::Mapped(d) = &self.nodes[n as usize].source {
+                let mut q = vec![0.0; d.direct];
+                collect(d.masters(), &self.spans, &self.work.x, &mut q);
+                worst = d
+                    .map
+                    .violation(self.work.t, &q)
+                    .map_or(worst, |h| worse(worst, h));
+            }
+        }
+        let w = &mut self.work;
+        for e in self.enforced.iter().map(|&k| &self.elements[k]) {
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            w.local.gather(e, &self.spans, &w.x);
+            w.local.gather_rates(e, &self.spans, None);
+            w.local.switch(e, &self.nodes);
+            let mut h = [0.0_f64; MAX_EQUATIONS];
+            let (_, M) = enforced.dims();
+            enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
+            for h in &h[..M] {
+                worst = worse(worst, h.abs());
+            }
+        }
+        worst
     }
 
     /// Moves a start at time t to the nearest one that satisfies what elements enforce: coordinates

@@ -139,7 +139,7 @@ impl Model {
                     place: node.place,
                 }),
                 Form::Rotation => rotations.push(first),
-                Form::Coordinates | Form::Multipliers => {}
+                Form::Increment | Form::Coordinates | Form::Multipliers => {}
             }
             first += node.dim;
         }
@@ -365,7 +365,7 @@ impl Node {
                 (3..6, format!("rotation of node {name}"), Kind::Angle),
             ],
             Form::Rotation => vec![(0..3, name.clone(), Kind::Angle)],
-            Form::Coordinates | Form::Multipliers => (0..self.dim)
+            Form::Increment | Form::Coordinates | Form::Multipliers => (0..self.dim)
                 .map(|k| (k..k + 1, self.coordinate_name(k), self.kinds[k]))
                 .collect(),
         }

@@ -13,6 +13,7 @@ mod closures;
 mod dependence;
 mod enforced;
 mod error;
+mod formulation;
 mod gather;
 mod inspect;
 mod line;
@@ -24,12 +25,14 @@ mod query;
 mod rates;
 mod sheets;
 mod slots;
+mod symmetry;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
 pub use error::ModelError;
+pub use formulation::Formulation;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
 pub use motion::{NodeState, RigidMotion};
@@ -62,6 +65,8 @@ enum Source {
 enum Form {
     /// (d, Ψ) of a frame.
     Frame,
+    /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
+    Increment,
     /// A rotation vector alone.
     Rotation,
     /// Multipliers of equations: no coordinates, but unknowns.
@@ -124,7 +129,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Coordinates | Form::Multipliers => None,
+            Form::Increment | Form::Coordinates | Form::Multipliers => None,
         }
     }
 
@@ -142,7 +147,7 @@ impl Node {
 
     /// Name of coordinate `k` of this node.
     fn coordinate_name(&self, k: usize) -> String {
-        if self.is_frame() {
+        if self.is_frame() || (self.form == Form::Increment && self.dim == builder::FRAME) {
             format!("node {}, {}", self.name, builder::DOF_NAMES[k])
         } else if self.dim == 1 {
             self.name.clone()
@@ -205,6 +210,8 @@ struct Attached {
     dead: bool,
     /// Whether it stands for applied loads.
     load: bool,
+    /// Whether it is a load with a potential that does not depend on time.
+    steady: bool,
     /// Number of coordinates after the pull-back to own nodes.
     pulled: usize,
     blocks: usize,
@@ -234,6 +241,8 @@ pub struct Model {
     spans: Vec<Span>,
     /// Nodes that follow others, masters first.
     dependent: Vec<u32>,
+    /// Frames by increments whose rates may be spins.
+    spinning: Vec<u32>,
     /// How loops are closed.
     reports: Vec<loops::Report>,
     elements: Vec<Attached>,

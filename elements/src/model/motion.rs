@@ -7,7 +7,7 @@ use super::gather::collect;
 use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{Matrix3, Vector3};
-use pullback_manifold::so3;
+use pullback_manifold::so3::{self, Spins};
 
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,9 +74,11 @@ impl Model {
         (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
     }
 
-    /// Unknown of coordinate `k` of any node, if it is free.
+    /// Unknown of coordinate `k` of any node, if it is free. Of a frame by increments
+    /// ([`Formulation`](super::Formulation)) rotation vectors are those since its chart was centred:
+    /// before a run, from the reference orientation.
     pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
-        let n = &self.nodes[node.0 as usize];
+        let n = self.carrier(&self.nodes[node.0 as usize]);
         let u = (k < n.dim).then(|| self.unknowns[n.first + k])?;
         (u != NONE).then_some(u as usize)
     }
@@ -85,7 +87,7 @@ impl Model {
     /// node, at the last evaluation of the residual; `None` for a node that hangs on nothing.
     pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
         let n = &self.nodes[node.0 as usize];
-        if n.is_own() || !n.is_frame() {
+        if self.is_own(node) || !n.is_frame() {
             return None;
         }
         let three = |x: &[f64], k: usize| {
@@ -159,7 +161,8 @@ impl Model {
             let id = NodeId(id as u32);
             let named = |nodes: &[NodeId]| nodes.contains(&id);
             let chosen = nodes.is_none_or(named) || free.as_deref().is_some_and(named);
-            if !chosen || !n.is_own() {
+            let own = self.carrier(n);
+            if !chosen || !own.is_own() {
                 continue;
             }
             let value = |c: usize| match self.unknowns[c] {
@@ -175,14 +178,25 @@ impl Model {
                 }
             };
             if n.form == Form::Frame {
-                let place = n.place + three(n.first);
+                let place = n.place + three(own.first);
                 let arm = place - motion.about;
-                put(n.first, &(motion.velocity + motion.omega.cross(&arm)));
+                put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
             }
-            if let Some(first) = n.rotation() {
-                // ω = Tᵀ Ψ̇.
-                let inverse = so3::tangent_inverse(&three(first));
-                put(first, &inverse.tr_mul(&motion.omega));
+            if n.rotation().is_some() {
+                // ω = Tᵀ Ψ̇; by increments ω = Rₙ Tᵀ θ̇, R Ω or Rₙ w.
+                let first = own.first + n.dim - 3;
+                let theta = three(first);
+                let omega = self.turn_of(n).tr_mul(&motion.omega);
+                let spins = match &n.source {
+                    Source::Mapped(d) => d.map.spins(),
+                    Source::Own => None,
+                };
+                let rate = match spins {
+                    None => so3::tangent_inverse(&theta).tr_mul(&omega),
+                    Some(Spins::Material) => so3::rotation(&theta).tr_mul(&omega),
+                    Some(Spins::Spatial) => omega,
+                };
+                put(first, &rate);
             }
         }
     }
@@ -202,7 +216,7 @@ impl Model {
 
     /// Whether the coordinates of a node are its own: it does not hang on a joint.
     pub fn is_own(&self, node: NodeId) -> bool {
-        self.nodes[node.0 as usize].is_own()
+        self.carrier(&self.nodes[node.0 as usize]).is_own()
     }
 
     /// Value of a prescribed coordinate at the start.
@@ -225,7 +239,7 @@ impl Model {
         self.nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| n.is_frame() && matches!(n.source, Source::Mapped(_)))
+            .filter(|(_, n)| n.is_frame() && matches!(self.carrier(n).source, Source::Mapped(_)))
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
     }
 }

@@ -91,9 +91,7 @@ impl Model {
 
     /// Unknown of a coordinate of a frame node, if it is free.
     pub fn unknown(&self, node: NodeId, dof: super::Dof) -> Option<usize> {
-        let node = &self.nodes[node.0 as usize];
-        let u = self.unknowns[node.first + dof.index()];
-        (u != NONE).then_some(u as usize)
+        self.unknown_at(node, dof.index())
     }
 
     pub(super) fn coordinate_name(&self, c: usize) -> String {
@@ -116,8 +114,9 @@ impl Model {
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
         for n in self.nodes.iter().filter(|n| n.is_frame()) {
+            let own = self.carrier(n);
             let prescribed =
-                std::array::from_fn(|k| self.unknowns[n.first + k] == NONE && n.is_own());
+                std::array::from_fn(|k| self.unknowns[own.first + k] == NONE && own.is_own());
             if !prescribed.contains(&true) {
                 continue;
             }
@@ -269,8 +268,9 @@ impl Model {
         let mut gram = nalgebra::Matrix6::<f64>::zeros();
         for node in &frames {
             let arm = (node.place - center) / self.length;
+            let own = self.carrier(node);
             for k in 0..6 {
-                let free = self.unknowns[node.first + k] != NONE || !node.is_own();
+                let free = self.unknowns[own.first + k] != NONE || !own.is_own();
                 if free {
                     continue;
                 }
@@ -301,7 +301,7 @@ impl Model {
 
     /// Whether coordinate kinds of a frame node are prescribed, for output.
     pub fn is_prescribed(&self, node: NodeId, dof: super::Dof) -> bool {
-        let n = &self.nodes[node.0 as usize];
+        let n = self.carrier(&self.nodes[node.0 as usize]);
         n.is_own() && self.unknowns[n.first + dof.index()] == NONE
     }
 

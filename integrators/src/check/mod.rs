@@ -12,7 +12,7 @@
 //! | order under changes of chart | the same, coordinates replaced by others every third step |
 //! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
 //! | exactness | a polynomial of the degree of the order |
-//! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step, from Ω = 10⁻³ to 10⁶ or to the limit claimed |
+//! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
 //! | limit of stability | growth beyond the limit claimed |
 //! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
 

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{ChartChanges, Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{ChartChanges, Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::{PI, TAU};
 
 /// Two masses that depend on place, coupled by springs and gyroscopic forces, with damping and a pull
@@ -139,6 +139,23 @@ impl System for Known {
         Ok(())
     }
 
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let [x, v, _] = self.place([at.q, at.v, at.a]);
+        let mut out = Energies {
+            stored: 0.5 * SPRING * (x[0] - x[1]).powi(2),
+            ..Energies::default()
+        };
+        for i in 0..2 {
+            out.kinetic += 0.5 * (1.0 + 0.5 * x[i] * x[i]) * v[i] * v[i];
+            out.stored += 2.0 * (1.0 - x[i].cos());
+            if self.driven {
+                out.supplied += self.side(i, Self::motion(at.t)).0 * v[i];
+                out.dissipated += DAMPING * v[i] * v[i];
+            }
+        }
+        Ok(Some(out))
+    }
+
     fn change_charts(
         &mut self,
         _: f64,
@@ -207,6 +224,16 @@ impl System for Turning {
         Ok(())
     }
 
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let v = at.v[0];
+        Ok(Some(Energies {
+            kinetic: 0.5 * v * v,
+            stored: 4.0 * (1.0 - at.q[0].cos()),
+            dissipated: 0.1 * v * v,
+            ..Energies::default()
+        }))
+    }
+
     fn change_charts(
         &mut self,
         _: f64,
@@ -244,6 +271,13 @@ impl Polynomial {
         }
     }
 
+    fn acceleration(&self, t: f64) -> f64 {
+        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
+        terms
+            .map(|(c, n)| f64::from(n * (n - 1)) * c * t.powi(n - 2))
+            .sum()
+    }
+
     /// Place and velocity.
     pub(super) fn motion(&self, t: f64) -> [f64; 2] {
         let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..);
@@ -264,14 +298,19 @@ impl System for Polynomial {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
-        let a: f64 = terms
-            .map(|(c, n)| f64::from(n * (n - 1)) * c * at.t.powi(n - 2))
-            .sum();
-        out.r[0] = a - at.a[0];
+        out.r[0] = self.acceleration(at.t) - at.a[0];
         if let Some((w, S)) = out.S {
             S[0] = w.M;
         }
         Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let v = at.v[0];
+        Ok(Some(Energies {
+            kinetic: 0.5 * v * v,
+            supplied: self.acceleration(at.t) * v,
+            ..Energies::default()
+        }))
     }
 }

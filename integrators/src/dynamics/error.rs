@@ -67,6 +67,15 @@ pub enum DynamicsError {
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
     },
+    /// A scheme that keeps the energy of a system that does not know it.
+    #[error(
+        "{scheme} keeps the energy, and this system does not know its own: implement \
+         `System::energies`, or take another scheme"
+    )]
+    NoEnergy {
+        /// Name of the scheme.
+        scheme: &'static str,
+    },
     /// An option that makes no sense.
     #[error("option {name} = {value:?} is not usable: {wanted}")]
     Option {

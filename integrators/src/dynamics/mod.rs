@@ -10,6 +10,7 @@
 mod error;
 mod frequency;
 mod initial;
+mod keep;
 mod options;
 mod progress;
 mod run;
@@ -21,6 +22,7 @@ mod together;
 
 pub use error::DynamicsError;
 pub use initial::start;
+pub use keep::Kept;
 pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};

@@ -1,6 +1,6 @@
 //! Where a run in time is, and what it has done.
 
-use super::{DynamicsError, State};
+use super::{DynamicsError, Kept, State};
 use crate::statics::Iteration;
 use pullback_manifold::system::Energies;
 
@@ -86,6 +86,12 @@ pub struct Progress {
     pub next_step: f64,
     /// Whether it ended at a kink or jump of a function of time: what lies behind is found first.
     pub at_kink: bool,
+    /// What a scheme that restores energy and momenta aims at.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    pub kept: Option<Kept>,
     /// Converged steps in a row since the last failure.
     pub easy: usize,
     /// Counters so far.

@@ -4,6 +4,7 @@
 
 use super::frequency::check_step;
 use super::initial::{accelerate, strike};
+use super::keep::{Keeper, energies};
 use super::options::check;
 use super::step::Stepper;
 use super::stops::{Stop, stops};
@@ -50,6 +51,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: stops(system, progress.state.t, options.to),
+        keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
         options,
     };
     run.begin(system, solver, progress)?;
@@ -75,6 +77,9 @@ pub fn integrate_with<Y: System + ?Sized>(
     Ok(())
 }
 
+/// Steps ahead for which symmetries are looked for where nothing ends them.
+const FAR: f64 = 1e3;
+
 struct Run<'a> {
     stepper: Stepper,
     /// Times at which a step must end, ascending; the last one is the end.
@@ -83,6 +88,8 @@ struct Run<'a> {
     momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
     missing: Vec<f64>,
+    /// Gives back what steps have lost, for a scheme that does.
+    keeper: Option<Keeper>,
     options: &'a DynamicOptions,
 }
 
@@ -137,10 +144,42 @@ impl Run<'_> {
                 });
             }
         }
+        let State { t, q, v, .. } = &progress.state;
+        match &progress.kept {
+            // A system that is new to a run finds its symmetries again.
+            Some(kept) if self.keeper.is_some() && !kept.motions.is_empty() => {
+                let span = [*t, self.next_kink(system, *t)];
+                system.symmetries(span, q, v);
+            }
+            Some(_) if self.keeper.is_some() => {}
+            _ => self.aim(system, progress)?,
+        }
         let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
         check_step(system, solver, &progress.state, scheme, step, [r, S])
+    }
+
+    /// The next kink, or a time that is some steps away.
+    fn next_kink<Y: System + ?Sized>(&self, system: &Y, t: f64) -> f64 {
+        let kinks = system.kinks().into_iter().filter(|kink| *kink > t);
+        kinks.fold(t + FAR * self.options.step, f64::min)
+    }
+
+    /// A scheme that restores energy and momenta keeps those of this state from now on.
+    fn aim<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        progress: &mut Progress,
+    ) -> Result<(), DynamicsError> {
+        let until = self.next_kink(system, progress.state.t);
+        let Stepper { r, S, .. } = &mut self.stepper;
+        let scheme = &self.options.scheme;
+        progress.kept = match &mut self.keeper {
+            Some(keeper) => Some(keeper.aim(system, scheme, &progress.state, until, [r, S])?),
+            None => None,
+        };
+        Ok(())
     }
 
     fn accelerate<Y: System + ?Sized>(
@@ -162,7 +201,7 @@ impl Run<'_> {
         state: &State,
         t: f64,
     ) -> Result<Option<Energies>, DynamicsError> {
-        if !self.options.energies {
+        if !self.options.energies && self.keeper.is_none() {
             return Ok(None);
         }
         let at = Point {
@@ -292,11 +331,7 @@ impl Run<'_> {
         } else {
             left
         };
-        let energies = self.energies(system, &progress.state, asked)?;
-        if let (Some(now), Some(balance)) = (energies, &mut progress.summary.energy) {
-            balance.book(&now, h);
-            balance.judge(left)?;
-        }
+        let mut now = self.energies(system, &progress.state, asked)?;
         let State {
             t,
             q,
@@ -306,9 +341,25 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
+        if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
+            let (scheme, state) = (&self.options.scheme, &mut progress.state);
+            if let (true, Some(now)) = (changes.residual, &now) {
+                // The discretisation itself depends on charts.
+                kept.energy += energies(system, scheme, state, asked)?.total() - now.total();
+            }
+            let Stepper { r, S, .. } = &mut self.stepper;
+            let restored = keeper.restore(system, scheme, state, kept, (asked, h), [r, S])?;
+            now = now.map(|_| restored);
+            progress.summary.evaluations += keeper.take_evaluations();
+        }
+        if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
+            balance.book(&now, h);
+            balance.judge(left)?;
+        }
         // A map that was handed over leaves the momentum as it is.
         if system.kept_momentum(&mut self.momentum) {
             self.jump(system, solver, progress, left, false)?;
+            self.aim(system, progress)?;
         }
         match kink {
             // What lies behind the end is not known to be asked for.
@@ -346,10 +397,11 @@ impl Run<'_> {
         let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
         *t = stop.right;
         if known {
-            self.jump(system, solver, progress, stop.right, true)
+            self.jump(system, solver, progress, stop.right, true)?;
         } else {
-            self.renew(system, solver, progress, true)
+            self.renew(system, solver, progress, true)?;
         }
+        self.aim(system, progress)
     }
 
     /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.

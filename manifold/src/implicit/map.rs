@@ -53,6 +53,13 @@ where
         self.solve(t, q).err().map(|trouble| trouble.to_string())
     }
 
+    /// Not a number where the equations cannot be solved.
+    fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
+        let h = self.constraint.h(t, &Map::<D, X>::phi(self, t, q));
+        let relative = h.iter().zip(&self.sizes).map(|(h, size)| (h / size).abs());
+        Some(relative.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a }))
+    }
+
     /// The charts of x are what they are; the state is where Newton's method starts from next.
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         self.remember(t, q);

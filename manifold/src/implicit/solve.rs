@@ -36,7 +36,7 @@ pub struct Solved<H, const D: usize, const X: usize, const M: usize> {
     anchor: SVector<f64, X>,
     anchor_B: SMatrix<f64, X, D>,
     /// Largest length of each row of h_x so far.
-    sizes: [f64; M],
+    pub(super) sizes: [f64; M],
     pub(super) chart: Chart<D, X, M>,
 }
 

@@ -5,7 +5,7 @@
 use super::{Map, Rewritten};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
-use crate::so3::{self, Quaternion};
+use crate::so3::{self, Quaternion, Spins};
 use crate::system::ChartChanges;
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -22,19 +22,33 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles.
+/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles; or of three, for a
+/// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
+///
+/// Made by [`Increment::spinning`] its rates are spins from the first converged state on
+/// ([`Map::spins`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
+/// generalised-α family adds up are the updates of the Lie-group method of Brüls, Cardona &
+/// Arnold 2012,
+///
+/// ```text
+/// Rₙ₊₁ = Rₙ R(h Ωₙ + h²[(½−β) aₙ + β aₙ₊₁]),   Ωₙ₊₁ = Ωₙ + h[(1−γ) aₙ + γ aₙ₊₁]
+/// ```
+///
+/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew. With
+/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the sheet of Ψ in use.
     turn: Quaternion<f64>,
+    /// What spins rates are once the chart is centred, and whether it has been.
+    spinning: Option<Spins>,
+    centred: bool,
 }
 
 impl Default for Increment {
     /// From the reference orientation.
     fn default() -> Self {
-        Self {
-            turn: so3::quaternion(&Vector3::zeros()),
-        }
+        Self::from(&Vector3::zeros())
     }
 }
 
@@ -43,11 +57,21 @@ impl Increment {
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
             turn: so3::quaternion(Psi),
+            spinning: None,
+            centred: false,
+        }
+    }
+
+    /// From the reference orientation, with spins for rates.
+    pub fn spinning(spins: Spins) -> Self {
+        Self {
+            spinning: Some(spins),
+            ..Self::default()
         }
     }
 
     /// The quaternion of Rₙ R(θ).
-    fn turned<S: Scalar>(&self, q: &SVector<S, 6>) -> Quaternion<S> {
+    fn turned<S: Scalar, const D: usize>(&self, q: &SVector<S, D>) -> Quaternion<S> {
         let Quaternion { w, v } = self.turn;
         let turn = Quaternion {
             w: S::constant(w),
@@ -57,18 +81,20 @@ impl Increment {
     }
 }
 
-fn theta<S: Scalar>(q: &SVector<S, 6>) -> Vector3<S> {
-    Vector3::new(q[3], q[4], q[5])
+fn theta<S: Scalar, const D: usize>(q: &SVector<S, D>) -> Vector3<S> {
+    Vector3::new(q[D - 3], q[D - 2], q[D - 1])
 }
 
-impl Map<6, 6> for Increment {
-    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
+impl<const D: usize> Map<D, D> for Increment {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, D>) -> SVector<S, D> {
         let Psi = so3::log_quaternion(&self.turned(q));
-        SVector::from([q[0], q[1], q[2], Psi.x, Psi.y, Psi.z])
+        let mut x = *q;
+        x.fixed_rows_mut::<3>(D - 3).copy_from(&Psi);
+        x
     }
 
     /// θ stays below half a turn, and Ψ inside its chart.
-    fn margin(&self, _t: f64, q: &SVector<f64, 6>) -> f64 {
+    fn margin(&self, _t: f64, q: &SVector<f64, D>) -> f64 {
         let Psi = so3::log_quaternion(&self.turned(q)).norm();
         (PI - theta(q).norm()).min(TAU - Psi)
     }
@@ -79,7 +105,7 @@ impl Map<6, 6> for Increment {
     }
 
     /// The sheet on which ψ ≤ π.
-    fn change_charts(&mut self, _t: f64, q: &SVector<f64, 6>) -> ChartChanges {
+    fn change_charts(&mut self, _t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let beyond = self.turned(q).w < 0.0;
         if beyond {
             self.turn = self.turn.opposite();
@@ -94,13 +120,38 @@ impl Map<6, 6> for Increment {
         true
     }
 
+    fn spins(&self) -> Option<Spins> {
+        self.spinning.filter(|_| self.centred)
+    }
+
+    /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
+    fn memory(&self) -> Vec<f64> {
+        let Quaternion { w, v } = self.turn;
+        vec![w, v.x, v.y, v.z, f64::from(u8::from(self.centred))]
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        let &[w, x, y, z, centred] = memory else {
+            return false;
+        };
+        let v = Vector3::new(x, y, z);
+        let unit = (w * w + v.norm_squared() - 1.0).abs() < 1e-9;
+        if unit {
+            self.turn = Quaternion { w, v };
+            self.centred = centred != 0.0;
+        }
+        unit
+    }
+
     fn rewrite(
         &mut self,
         _t: f64,
-        q: &SVector<f64, 6>,
-        v: &SVector<f64, 6>,
-    ) -> Option<Rewritten<6>> {
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+    ) -> Option<Rewritten<D>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
+        let spins = Map::<D, D>::spins(self);
+        self.centred = true;
         if theta == Vector3::zeros() {
             return None;
         }
@@ -110,18 +161,25 @@ impl Map<6, 6> for Increment {
             w: turned.w * scale,
             v: turned.v * scale,
         };
-        let T = so3::tangent(&theta);
         let mut new = Rewritten {
             q: *q,
             v: *v,
             B: nalgebra::SMatrix::identity(),
             c: SVector::zeros(),
         };
-        new.q.fixed_rows_mut::<3>(3).fill(0.0);
-        new.v.fixed_rows_mut::<3>(3).copy_from(&(T * theta_dot));
-        new.B.fixed_view_mut::<3, 3>(3, 3).copy_from(&T);
-        let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
-        new.c.fixed_rows_mut::<3>(3).copy_from(&c);
+        new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
+        // From rates or spins at θ to Ω and Ω̇.
+        let B = match spins {
+            Some(Spins::Material) => return Some(new),
+            Some(Spins::Spatial) => so3::rotation(&theta).transpose(),
+            None => so3::tangent(&theta),
+        };
+        new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
+        new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
+        if spins.is_none() {
+            let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
+            new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
+        }
         Some(new)
     }
 }

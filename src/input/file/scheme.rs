@@ -1,7 +1,8 @@
 //! The scheme of a dynamic analysis, by the words of the list of schemes.
 
+use crate::method::{Method, PREFIXES};
+use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::dynamics::scheme::{Family, SCHEMES};
-use pullback_integrators::dynamics::{self as integrator, DynamicsError};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -9,7 +10,8 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A scheme by its word, `"bathe"` or `"ga:0.8"`, or as `{ generalised-alpha = 0.8 }`.
+/// A scheme by its word, `"bathe"` or `"ga:0.8"`, or as `{ generalised-alpha = 0.8 }`, with the prefix
+/// of a formulation of rotations ([`PREFIXES`]) where it is not the total one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scheme(String);
 
@@ -32,11 +34,11 @@ impl Scheme {
         &self.0
     }
 
-    /// The scheme.
+    /// The scheme and the formulation.
     ///
     /// # Errors
     /// [`DynamicsError`] for a word that there is none for, or a number outside its range.
-    pub fn scheme(&self) -> Result<integrator::Scheme, DynamicsError> {
+    pub fn method(&self) -> Result<Method, DynamicsError> {
         self.0.parse()
     }
 }
@@ -114,11 +116,16 @@ impl JsonSchema for Scheme {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let words: Vec<&str> = SCHEMES.iter().flat_map(|f| [f.word, f.long]).collect();
+        let prefixes: Vec<&str> = PREFIXES.iter().map(|p| p.word).collect();
         let usages: Vec<&str> = SCHEMES.iter().map(|f| f.usage).collect();
+        let prefixed = PREFIXES.iter().filter(|p| !p.word.is_empty());
+        let formulations: Vec<String> = prefixed
+            .map(|p| format!("{}, {}", p.word, p.about))
+            .collect();
         let word = json!({
-            "description": usages.join("; "),
+            "description": format!("{}; with a prefix: {}", usages.join("; "), formulations.join("; ")),
             "type": "string",
-            "pattern": format!("^({})(:-?[0-9.eE+-]+)*$", words.join("|")),
+            "pattern": format!("^({})({})(:-?[0-9.eE+-]+)*$", prefixes.join("|"), words.join("|")),
         });
         let all: Vec<Value> = [word]
             .into_iter()

@@ -18,6 +18,7 @@
 
 mod bathe;
 mod central_difference;
+mod energy_momentum;
 mod generalised_alpha;
 mod list;
 mod radau;
@@ -104,6 +105,7 @@ pub struct Scheme {
     alpha_f: f64,
     stages: [Stage; STAGES],
     count: usize,
+    keeps: bool,
 }
 
 impl Default for Scheme {
@@ -175,6 +177,7 @@ impl Scheme {
             alpha_f: 0.0,
             stages: all,
             count,
+            keeps: false,
         }
     }
 

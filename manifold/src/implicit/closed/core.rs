@@ -303,6 +303,18 @@ impl Core {
         })
     }
 
+    /// The largest residual at x(q, p) over what counts as one; not a number where there is no x.
+    pub(super) fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
+        if self.solve(t, q).is_err() {
+            return f64::NAN;
+        }
+        // Newton's method leaves the residual from before its last correction.
+        self.linearise(t);
+        self.work.valid = false;
+        let worst = self.worst();
+        (self.work.h[worst] / self.about.equations[worst].size).abs()
+    }
+
     /// The equation that is worst, of what counts as one for it.
     pub(super) fn worst(&self) -> usize {
         let off = |i: usize| (self.work.h[i] / self.about.equations[i].size).abs();

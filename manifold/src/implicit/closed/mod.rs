@@ -225,6 +225,10 @@ impl Parametrization for Closed {
         self.core().geometric_stiffness(t, q, f, K);
     }
 
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        Some(self.core().violation(t, q))
+    }
+
     fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
         let mut core = self.core();
         match core.solve(t, q) {

@@ -1,0 +1,282 @@
+//! Formulations of rotations: which vector the unknowns of a frame are, and what their rates are.
+
+#![allow(non_snake_case)]
+
+use super::assembly::Workspace;
+use super::builder::{ModelBuilder, NodeId};
+use super::dependence::Dependence;
+use super::{Form, Model, NONE, Node, Source};
+use crate::time::TimeFunction;
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::map::{Increment, Map};
+use pullback_manifold::so3::{Quaternion, Spin, Spins};
+use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
+use std::ops::Range;
+
+/// How the rotations of frames are unknowns of a motion.
+///
+/// It holds for rotations that are free as a whole: those of frames with coordinates of their own, and
+/// those that spherical joints release. Rotations that are driven or held in part, or are unknowns of
+/// a loop, stay total, and angles are angles. Places, velocities,
+/// forces and energies of a state are the same in all of them: only what a time
+/// integration scheme adds up is different.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Formulation {
+    /// Total Lagrangian: the rotation vector Ψ from the reference orientation and its time
+    /// derivatives (\[M04\] ch. 3).
+    #[default]
+    Total,
+    /// Updated Lagrangian: the material rotation vector θ since the last step, R = Rₙ R(θ), and its
+    /// time derivatives (Cardona & Géradin 1988, \[M04\] 3.3).
+    Updated,
+    /// Lie group: θ for the rotation, but the material angular velocity Ω and its rate Ω̇ for its
+    /// rates (Brüls, Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo &
+    /// Vu-Quoc 1988).
+    LieGroup,
+    /// Spatial spins: the angular velocities ω and their rates ω̇ of the two ends of a step, vectors of
+    /// the tangent spaces at Rₙ and at Rₙ₊₁, are added in the fixed frame as they stand, and so is
+    /// the spatial rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. Nothing is transported
+    /// from one space to the other, which \[M04\] 3.3 calls inconsistent with the manifold.
+    SpatialSpins,
+}
+
+impl Formulation {
+    /// The spins that stand for rates, if any do.
+    pub(super) fn spins(self) -> Option<Spins> {
+        match self {
+            Self::Total | Self::Updated => None,
+            Self::LieGroup => Some(Spins::Material),
+            Self::SpatialSpins => Some(Spins::Spatial),
+        }
+    }
+}
+
+impl ModelBuilder {
+    /// Chooses the formulation of rotations; [`Formulation::Total`] unless said otherwise.
+    ///
+    /// Coordinates, velocities and accelerations at the start of a run are those of the total
+    /// formulation in all of them (rotation vectors from the reference orientation, ψ < π): the
+    /// first converged state centres the charts, and takes them along.
+    pub fn formulate(&mut self, formulation: Formulation) {
+        self.formulation = formulation;
+    }
+}
+
+/// Puts the increments behind the frames.
+pub(super) fn apply(
+    formulation: Formulation,
+    nodes: &mut Vec<Node>,
+    prescribed: &mut [(NodeId, usize, Box<dyn TimeFunction>)],
+) {
+    if formulation == Formulation::Total {
+        return;
+    }
+    let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
+    for n in 0..nodes.len() {
+        let node = &nodes[n];
+        let turns = matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
+        let first = node.dim.saturating_sub(3);
+        let held = |p: &(NodeId, usize, _)| p.0.0 as usize == n && p.1 >= first;
+        if !turns || prescribed.iter().any(held) {
+            continue;
+        }
+        let own = nodes.len() as u32;
+        let boxed = if node.is_frame() {
+            Map::<6, 6>::boxed(map)
+        } else {
+            Map::<3, 3>::boxed(map)
+        };
+        let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
+        let (name, kinds) = (node.name.clone(), node.kinds.clone());
+        nodes.push(Node::new(name, Form::Increment, &kinds, Source::Own));
+        nodes[n].source = Source::Mapped(Box::new(dependence));
+        for p in prescribed.iter_mut().filter(|p| p.0.0 as usize == n) {
+            p.0 = NodeId(own);
+        }
+    }
+}
+
+/// The node behind a frame or a rotation by increments.
+fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
+    let Source::Mapped(d) = &node.source else {
+        return None;
+    };
+    let first = *d.masters().first()? as usize;
+    (nodes[first].form == Form::Increment).then_some(first)
+}
+
+/// The frames and rotations by increments.
+pub(super) fn turning(nodes: &[Node]) -> impl Iterator<Item = u32> + '_ {
+    (0..nodes.len() as u32).filter(|&n| behind(nodes, &nodes[n as usize]).is_some())
+}
+
+impl Model {
+    /// The node whose coordinates are the unknowns of a node: the increments behind a frame, or the
+    /// node itself.
+    pub(super) fn carrier<'a>(&'a self, node: &'a Node) -> &'a Node {
+        behind(&self.nodes, node).map_or(node, |own| &self.nodes[own])
+    }
+
+    /// Rₙ of a frame by increments, 1 for every other node.
+    pub(super) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
+        match (&node.source, behind(&self.nodes, node)) {
+            (Source::Mapped(d), Some(_)) => match d.map.memory()[..] {
+                [w, x, y, z, ..] => {
+                    let v = Vector3::new(x, y, z);
+                    Quaternion { w, v }.rotation()
+                }
+                _ => Matrix3::identity(),
+            },
+            _ => Matrix3::identity(),
+        }
+    }
+
+    /// Number of rotations that are unknowns by increments ([`Formulation`]).
+    pub fn increments(&self) -> usize {
+        turning(&self.nodes).count()
+    }
+
+    /// Whether rates of any coordinates are spins at present.
+    pub(super) fn spins(&self) -> bool {
+        self.spinning.iter().any(|&n| self.spun(n).is_some())
+    }
+
+    /// The coordinates θ behind a frame whose rates are spins at present, the frame's increments, and
+    /// which spins they are.
+    fn spun(&self, n: u32) -> Option<(Range<usize>, u32, Spins)> {
+        let Source::Mapped(d) = &self.nodes[n as usize].source else {
+            return None;
+        };
+        let own = d.masters()[0];
+        let end = self.spans[own as usize].range().end;
+        Some((end - 3..end, own, d.map.spins()?))
+    }
+
+    /// Takes spins to the rates of their rotation vectors, in the workspace.
+    pub(super) fn take_spins(&mut self) {
+        for k in 0..self.spinning.len() {
+            let Some((range, _, spins)) = self.spun(self.spinning[k]) else {
+                continue;
+            };
+            let w = &mut self.work;
+            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
+            let rates = Spin::rates(spins, &three(&w.x), &three(&w.v), &three(&w.a));
+            w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
+            w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
+        }
+    }
+
+    /// The unknowns behind a frame by increments and their rates, as they are, into the workspace.
+    pub(super) fn collect_increments(
+        &mut self,
+        n: usize,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        accelerations: &[&mut [f64]],
+    ) {
+        let Some(own) = behind(&self.nodes, &self.nodes[n]) else {
+            return;
+        };
+        let Workspace {
+            local,
+            accelerations: kept,
+            ..
+        } = &mut self.work;
+        let count = accelerations.len().max(1);
+        if kept.len() < count {
+            kept.resize_with(count, Vec::new);
+        }
+        let range = self.spans[own].range();
+        for a in &mut kept[..count] {
+            a.resize(range.len(), 0.0);
+        }
+        for (i, c) in range.enumerate() {
+            let u = self.unknowns[c] as usize;
+            if self.unknowns[c] == NONE {
+                let p = self.prescribed.iter().find(|p| p.coordinate == c);
+                let [x, x_dot, x_ddot] = p.map_or([0.0; 3], |p| p.function.at(t));
+                (local.q[i], local.qv[i]) = (x, x_dot);
+                kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);
+                continue;
+            }
+            local.q[i] = q[u];
+            local.qv[i] = v.get(u).copied().unwrap_or(0.0);
+            for (k, a) in kept[..count].iter_mut().enumerate() {
+                a[i] = accelerations.get(k).map_or(0.0, |from| from[u]);
+            }
+        }
+    }
+
+    /// The residual and the tangent where the unknowns' rates are spins.
+    ///
+    /// With θ̇ and θ̈ as functions of (θ, Ω, Ω̇), and δθ̇, δθ̈ along δθ = cK e, δΩ = cC e, δΩ̇ = cM e
+    /// ([`Spin::varied`]), the columns of θ are cK K + C (∂θ̇/∂e) + M (∂θ̈/∂e): those for rates of
+    /// coordinates and what the derivatives differ from cC and cM. Rows stay those of θ, so that M is
+    /// symmetric at θ = 0 only.
+    pub(super) fn evaluate_spinning(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let Evaluation { r, S, r_t } = out;
+        let Some((weights, S)) = S else {
+            return self.assemble(at, Evaluation { r, S: None, r_t });
+        };
+        let mut parts = std::mem::take(&mut self.work.parts);
+        let one = |C, M| Weights { K: 0.0, C, M };
+        let mut outcome = Ok(());
+        for (part, weights) in parts.iter_mut().zip([one(1.0, 0.0), one(0.0, 1.0)]) {
+            part.resize(S.len(), 0.0);
+            outcome = outcome
+                .and_then(|()| self.assemble(at, Evaluation::with_tangent(r, weights, part)));
+        }
+        let whole = Evaluation {
+            r,
+            S: Some((weights, &mut *S)),
+            r_t,
+        };
+        outcome = outcome.and_then(|()| self.assemble(at, whole));
+        if outcome.is_ok() {
+            self.turn_columns(weights, &parts, S);
+        }
+        self.work.parts = parts;
+        outcome
+    }
+
+    fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
+        for &n in &self.spinning {
+            let Some((range, own, spins)) = self.spun(n) else {
+                continue;
+            };
+            let w = &self.work;
+            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
+            let rates = Spin {
+                spins,
+                theta_dot: three(&w.v),
+                theta_ddot: three(&w.a),
+            };
+            let numbers = [weights.K, weights.C, weights.M];
+            let [mut first, mut second] = rates.varied(numbers, &three(&w.x));
+            for k in 0..3 {
+                first[(k, k)] -= weights.C;
+                second[(k, k)] -= weights.M;
+            }
+            let block = self.placement.blocks[own as usize] as usize;
+            let offset = self.placement.rows[range.start] as usize;
+            for (i, values) in self.pattern.column(block) {
+                let height = self.pattern.size(i);
+                for c in 0..3 {
+                    let to = values.start + (offset + c) * height;
+                    for k in 0..3 {
+                        let from = values.start + (offset + k) * height;
+                        let (x, y) = (first[(k, c)], second[(k, c)]);
+                        for row in 0..height {
+                            S[to + row] += C[from + row] * x + M[from + row] * y;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! Symmetries of a model: motions of the whole as a rigid body along which nothing does work.
+//!
+//! They are measured, not declared (Noether's theorem): a motion ξ of the six is kept where all frames
+//! with elements follow it, where the forces of the statics at some states and times have no power along
+//! it, where nothing is lost in dampers, and where the kinetic energy is the same after it.
+
+#![allow(non_snake_case)]
+
+use super::motion::RigidMotion;
+use super::{Model, NONE, Node, Source};
+use crate::element::{Element, Motion};
+use nalgebra::{DMatrix, Vector3};
+use pullback_manifold::so3;
+use pullback_manifold::system::{Evaluation, Kind, Point, RigidRates, System, SystemError};
+
+/// Power along a motion, relative to that of the parts that cancel in it, that is rounding.
+const NOTHING: f64 = 1e-8;
+/// The same of a difference quotient.
+const NEARLY: f64 = 1e-5;
+/// Places in the span of times at which forces are asked for, each at a state of its own.
+const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
+
+/// Whether a load has a potential that does not depend on time.
+pub(super) fn is_steady(element: &dyn Element) -> bool {
+    if !element.is_load() || !element.kinks().is_empty() {
+        return false;
+    }
+    let x: Vec<f64> = (0..element.dim()).map(|k| 0.1 + 0.01 * k as f64).collect();
+    let at = |t| {
+        element.energy(&Motion {
+            t,
+            x: &x,
+            v: &[],
+            a: &[],
+        })
+    };
+    let first = at(0.0);
+    first != 0.0 && [0.173, 2.71, 191.3].iter().all(|&t| at(t) == first)
+}
+
+fn motion_of(xi: &RigidRates) -> RigidMotion {
+    RigidMotion {
+        velocity: Vector3::new(xi[0], xi[1], xi[2]),
+        omega: Vector3::new(xi[3], xi[4], xi[5]),
+        about: Vector3::zeros(),
+    }
+}
+
+fn unit(k: usize) -> RigidRates {
+    std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 })
+}
+
+impl Model {
+    /// See [`System::rigid_rates`]: coordinates that joints release have constant rates.
+    pub(super) fn write_rigid_rates(&self, q: &[f64], xi: &RigidRates, rates: &mut [f64]) {
+        rates.fill(0.0);
+        self.set_velocity(q, rates, None, &motion_of(xi));
+        for (xi, released) in xi.iter().zip(&self.work.released) {
+            for (rate, released) in rates.iter_mut().zip(released) {
+                *rate += xi * released;
+            }
+        }
+    }
+
+    /// See [`System::symmetries`]. A state that cannot be evaluated has none.
+    pub(super) fn find_symmetries(
+        &mut self,
+        span: [f64; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Vec<RigidRates> {
+        let found = self.measure_symmetries(span, q, v).unwrap_or_default();
+        let a = vec![0.0; q.len()];
+        // Observers find the state that they know.
+        let _ = self.expand(Point {
+            t: span[0],
+            q,
+            v,
+            a: &a,
+        });
+        found
+    }
+
+    fn measure_symmetries(
+        &mut self,
+        span: [f64; 2],
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Vec<RigidRates>, SystemError> {
+        self.fit_released(q)?;
+        let states: Vec<Vec<f64>> = (0..TIMES.len()).map(|k| self.near(q, k)).collect();
+        let times = TIMES.map(|part| span[0] + part * (span[1] - span[0]));
+        let mut rows: Vec<[f64; 6]> = Vec::new();
+        for (q, t) in states.iter().zip(times) {
+            self.forces_along(t, q, &mut rows)?;
+            self.frames_along(t, q, &mut rows)?;
+        }
+        let flat = rows.iter().flatten().copied();
+        let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
+        let mut found = Vec::new();
+        for xi in null_space(&R, self.length) {
+            let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
+            // Spins are no rates: what is rigid by frames and forces is so for the kinetic energy.
+            let keeps = self.spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
+            if keeps && !lost {
+                found.push(xi);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Rates of released coordinates in the six motions, fitted at q.
+    fn fit_released(&mut self, q: &[f64]) -> Result<(), SystemError> {
+        self.work.released.clear();
+        let mut all = Vec::with_capacity(6);
+        for k in 0..6 {
+            let motion = motion_of(&unit(k));
+            let mut rates = vec![0.0; q.len()];
+            self.set_velocity(q, &mut rates, None, &motion);
+            let frames = rates.clone();
+            self.fit_rates(q, &mut rates, None, &motion)?;
+            for (rate, frame) in rates.iter_mut().zip(frames) {
+                // Equal for a run that is continued elsewhere.
+                *rate = ((*rate - frame) * 1e12).round() * 1e-12;
+            }
+            all.push(rates);
+        }
+        self.work.released = all;
+        Ok(())
+    }
+
+    /// A state near by: q itself, or with changes of no symmetry.
+    fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
+        let size = |i: usize| match self.kinds[self.coordinates[i]] {
+            _ if number == 0 || self.is_multiplier(i) => 0.0,
+            Kind::Length => 0.02 * self.length,
+            Kind::Angle => 0.1,
+            Kind::Other => 0.0,
+        };
+        let wave = |i: usize| ((1.3 + number as f64) * ((i + 1) as f64).powf(1.4)).sin();
+        q.iter()
+            .enumerate()
+            .map(|(i, q)| q + size(i) * wave(i))
+            .collect()
+    }
+
+    /// Translations are measured in lengths of the model.
+    fn measure(&self, k: usize) -> f64 {
+        if k < 3 { self.length } else { 1.0 }
+    }
+
+    fn fields(&self, q: &[f64]) -> Vec<Vec<f64>> {
+        let field = |k| {
+            let mut X = vec![0.0; q.len()];
+            self.write_rigid_rates(q, &unit(k), &mut X);
+            X
+        };
+        (0..6).map(field).collect()
+    }
+
+    /// The same as rates of coordinates, where those of rotations may be spins.
+    fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
+        let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
+        if self.spins() {
+            for X in &mut fields {
+                self.expand(Point { t, q, v: X, a: &a })?;
+                for (X, &c) in X.iter_mut().zip(&self.coordinates) {
+                    *X = self.work.v[c];
+                }
+            }
+        }
+        Ok(fields)
+    }
+
+    /// The power of the forces of the statics along the six motions, relative to its parts.
+    fn forces_along(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        rows: &mut Vec<[f64; 6]>,
+    ) -> Result<(), SystemError> {
+        let mut r = vec![0.0; q.len()];
+        let at = Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        self.evaluate(at, Evaluation::residual(&mut r))?;
+        let fields = self.coordinate_rates(t, q)?;
+        let (mut row, mut largest) = ([0.0; 6], 0.0_f64);
+        for (k, X) in fields.iter().enumerate() {
+            let parts = r.iter().zip(X).map(|(r, X)| r * X * self.measure(k));
+            let (sum, size) = parts.fold((0.0, 0.0), |(s, m), p: f64| (s + p, m + p.abs()));
+            (row[k], largest) = (sum, largest.max(size));
+        }
+        if largest > 0.0 {
+            rows.push(row.map(|x| x / largest));
+        }
+        Ok(())
+    }
+
+    /// By what frames with elements miss the six motions.
+    fn frames_along(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        rows: &mut Vec<[f64; 6]>,
+    ) -> Result<(), SystemError> {
+        let frames = self.moving_frames();
+        let zero = vec![0.0; q.len()];
+        let rest = Point {
+            t,
+            q,
+            v: &zero,
+            a: &zero,
+        };
+        self.expand(rest)?;
+        let driven = self.work.v.clone();
+        let first = rows.len();
+        rows.resize(first + 6 * frames.len(), [0.0; 6]);
+        for (k, X) in self.fields(q).iter().enumerate() {
+            self.expand(Point { v: X, ..rest })?;
+            let motion = motion_of(&unit(k));
+            for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
+                let node = &self.nodes[*frame];
+                let three = |i: usize| {
+                    let [a, b] = [&self.work.v, &driven];
+                    let c = node.first + i;
+                    Vector3::new(a[c] - b[c], a[c + 1] - b[c + 1], a[c + 2] - b[c + 2])
+                };
+                let x = &self.work.x[node.range()];
+                let place = node.place + Vector3::new(x[0], x[1], x[2]);
+                let T = so3::tangent(&Vector3::new(x[3], x[4], x[5]));
+                let missing =
+                    (three(0) - motion.velocity - motion.omega.cross(&place)) / self.length;
+                let turned = T.tr_mul(&three(3)) - motion.omega;
+                for i in 0..3 {
+                    rows[i][k] = missing[i] * self.measure(k);
+                    rows[3 + i][k] = turned[i] * self.measure(k);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Frames with elements that are not held as a whole.
+    fn moving_frames(&self) -> Vec<usize> {
+        let free = |n: &Node| n.range().any(|c| self.unknowns[c] != NONE);
+        let moves = |n: &Node| match &n.source {
+            Source::Own => free(n),
+            Source::Mapped(d) => d.ancestors.iter().any(|&m| free(&self.nodes[m as usize])),
+        };
+        let mut met = vec![false; self.nodes.len()];
+        for e in self.elements.iter().filter(|e| !e.load) {
+            for &n in e.nodes.iter() {
+                met[n as usize] = true;
+            }
+        }
+        let kept = |&n: &usize| met[n] && self.nodes[n].is_frame() && moves(&self.nodes[n]);
+        (0..self.nodes.len()).filter(kept).collect()
+    }
+
+    /// Whether dampers take more than rounding from a motion in a time.
+    fn is_lossy(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        xi: &RigidRates,
+        time: f64,
+    ) -> Result<bool, SystemError> {
+        let (mut X, zero) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        self.write_rigid_rates(q, xi, &mut X);
+        let at = Point {
+            t,
+            q,
+            v: &X,
+            a: &zero,
+        };
+        let energies = self.account(at, false)?.energies;
+        Ok(energies.dissipated * time > NOTHING * energies.kinetic)
+    }
+
+    /// Whether the kinetic energy of a motion q̇ does not change along ξ: q + ε X, q̇ + ε DX q̇.
+    fn keeps_kinetic_energy(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        xi: &RigidRates,
+    ) -> Result<bool, SystemError> {
+        let n = q.len();
+        let (epsilon, zero) = (1e-4, vec![0.0; n]);
+        let mut size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if size == 0.0 {
+            size = 1.0;
+        }
+        let mut unlike = self.near(&zero, 1);
+        for (u, v) in unlike.iter_mut().zip(v) {
+            *u += v / size;
+        }
+        let along = |x: &[f64], by: f64, y: &[f64]| -> Vec<f64> {
+            x.iter().zip(y).map(|(x, y)| x + by * y).collect()
+        };
+        let field = |q: &[f64]| {
+            let mut X = vec![0.0; n];
+            self.write_rigid_rates(q, xi, &mut X);
+            X
+        };
+        let X = field(q);
+        let (ahead, back) = (
+            field(&along(q, epsilon, &unlike)),
+            field(&along(q, -epsilon, &unlike)),
+        );
+        let DXv: Vec<f64> = (ahead.iter().zip(&back))
+            .map(|(a, b)| (a - b) / (2.0 * epsilon))
+            .collect();
+        let mut T = [0.0; 2];
+        for (T, by) in T.iter_mut().zip([epsilon, -epsilon]) {
+            let (q, v) = (along(q, by, &X), along(&unlike, by, &DXv));
+            let at = Point {
+                t,
+                q: &q,
+                v: &v,
+                a: &zero,
+            };
+            *T = self.account(at, false)?.energies.kinetic;
+        }
+        let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.length;
+        Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
+    }
+}
+
+/// Motions that a matrix takes to nothing (its translations in units of `length`), pure translations first: by elimination in the null space,
+/// so that what can be zero is.
+fn null_space(R: &DMatrix<f64>, length: f64) -> Vec<RigidRates> {
+    // With rows of zeros the decomposition has all six directions.
+    let padded = R.clone().resize_vertically(R.nrows().max(6), 0.0);
+    let svd = padded.svd(false, true);
+    let Some(V) = svd.v_t else { return Vec::new() };
+    let mut basis: Vec<[f64; 6]> = (0..6)
+        .filter(|&k| svd.singular_values[k] <= NOTHING)
+        .map(|k| std::array::from_fn(|i| V[(k, i)]))
+        .collect();
+    let mut done = 0;
+    for column in [3, 4, 5, 0, 1, 2] {
+        let best = (done..basis.len())
+            .max_by(|&a, &b| basis[a][column].abs().total_cmp(&basis[b][column].abs()));
+        let Some(best) = best.filter(|&b| basis[b][column].abs() > 1e-6) else {
+            continue;
+        };
+        basis.swap(done, best);
+        let pivot = basis[done][column];
+        basis[done].iter_mut().for_each(|x| *x /= pivot);
+        let row = basis[done];
+        for other in (0..basis.len()).filter(|&k| k != done) {
+            let factor = basis[other][column];
+            for (x, y) in basis[other].iter_mut().zip(row) {
+                *x -= factor * y;
+            }
+        }
+        done += 1;
+    }
+    for xi in &mut basis {
+        for (i, x) in xi.iter_mut().enumerate() {
+            if x.abs() < 1e-9 {
+                *x = 0.0;
+            }
+            if i < 3 {
+                *x *= length;
+            }
+        }
+    }
+    basis.sort_by_key(|xi| xi[3..].iter().any(|x| *x != 0.0));
+    basis
+}

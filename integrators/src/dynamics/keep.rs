@@ -1,0 +1,369 @@
+//! Energy and momenta that a step has lost are given back to it.
+//!
+//! With the symmetries ξ of the system, their fields X = q̇(ξ) and the mass matrix M, the smallest change
+//! of velocities in the kinetic energy that restores momenta X·p and energy is
+//!
+//! ```text
+//! q̇ ↦ Σ jₖ eₖ + s w,    w = q̇ − Σ (eₖ·M q̇) eₖ,    eₖ the fields made orthonormal in M
+//! ```
+//!
+//! jₖ the momenta to be kept: they fix the part of the motion that is rigid, and s the energy of the rest
+//! (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.4). A body that is rigid, or
+//! nearly so, has no rest: its energy at given momenta depends on how it is turned. So the
+//! projection may turn the whole by η about its centre of mass as well, which changes that energy
+//! by J([η, Ω]) = η·(Ω × J), and weighs both by their lengths |s − 1|²|w|² + |η|²/h² in M.
+
+#![allow(non_snake_case)]
+
+use super::{DynamicsError, Scheme, State};
+use pullback_manifold::system::{Energies, Evaluation, Point, RigidRates, System, Weights};
+
+/// What a motion keeps: the aim of a scheme that restores it.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Kept {
+    /// Kinetic and stored energy and potential of steady loads.
+    pub energy: f64,
+    /// Power of everything else now.
+    pub power: f64,
+    /// Symmetries: velocity of the origin, angular velocity.
+    pub motions: Vec<RigidRates>,
+    /// Momenta along them.
+    pub momenta: Vec<f64>,
+}
+
+/// Passes of the projection at most.
+const PASSES: usize = 5;
+/// Energy, over the sum of the magnitudes of its parts, and momenta over their sizes, that are kept.
+const ROUNDING: f64 = 1e-14;
+/// Part of a field's length that may be left of it where it depends on others.
+const DEPENDENT: f64 = 1e-7;
+/// Bounds of s² in a step: where the motion nearly stands still its energy cannot be changed by
+/// velocities, and what is missing is given back later.
+const BOUNDS: [f64; 2] = [0.25, 4.0];
+/// Largest turn in a step, as a part of the motion of the step.
+const TURN: f64 = 0.1;
+
+/// A symmetry in the orthonormal basis.
+struct Direction {
+    xi: RigidRates,
+    e: Vec<f64>,
+    Me: Vec<f64>,
+    /// The momentum to be kept, and that of now.
+    j: f64,
+    c: f64,
+}
+
+/// Buffers of the projection, made once.
+pub(super) struct Keeper {
+    p: Vec<f64>,
+    w: Vec<f64>,
+    Mw: Vec<f64>,
+    field: Vec<f64>,
+    basis: Vec<Direction>,
+    /// Directions in use.
+    rank: usize,
+    evaluations: usize,
+    /// Whether the last share was not all that was needed.
+    bounded: bool,
+}
+
+impl Keeper {
+    pub(super) fn new(n: usize) -> Self {
+        let zeros = || vec![0.0; n];
+        let direction = || Direction {
+            xi: [0.0; 6],
+            e: zeros(),
+            Me: zeros(),
+            j: 0.0,
+            c: 0.0,
+        };
+        Self {
+            p: zeros(),
+            w: zeros(),
+            Mw: zeros(),
+            field: zeros(),
+            basis: (0..6).map(|_| direction()).collect(),
+            rank: 0,
+            evaluations: 0,
+            bounded: false,
+        }
+    }
+
+    /// Evaluations of the system since they were last asked for.
+    pub(super) fn take_evaluations(&mut self) -> usize {
+        std::mem::take(&mut self.evaluations)
+    }
+
+    /// What is to be kept from a state on, until the end of a span of times.
+    pub(super) fn aim<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        scheme: &Scheme,
+        state: &State,
+        until: f64,
+        buffers: [&mut [f64]; 2],
+    ) -> Result<Kept, DynamicsError> {
+        let now = energies(system, scheme, state, state.t)?;
+        let motions = system.symmetries([state.t, until], &state.q, &state.v);
+        self.momentum(system, state, buffers)?;
+        let mut momenta = Vec::with_capacity(motions.len());
+        for xi in &motions {
+            system.rigid_rates(&state.q, xi, &mut self.field);
+            momenta.push(dot(&self.field, &self.p));
+        }
+        Ok(Kept {
+            energy: now.total(),
+            power: now.power(),
+            motions,
+            momenta,
+        })
+    }
+
+    /// Gives a state at the end of a step of size h what it lacks; its energies.
+    pub(super) fn restore<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        scheme: &Scheme,
+        state: &mut State,
+        kept: &mut Kept,
+        (t, h): (f64, f64),
+        [r, S]: [&mut [f64]; 2],
+    ) -> Result<Energies, DynamicsError> {
+        let mut now = energies(system, scheme, state, t)?;
+        kept.energy += 0.5 * h * (kept.power + now.power());
+        let (mut stale, mut bounded) = (true, false);
+        for _ in 0..PASSES {
+            let gross = now.kinetic + now.stored.abs() + now.potential.abs();
+            let gap = kept.energy - now.total();
+            let closed = |gap: f64| gap.abs() <= ROUNDING * gross;
+            if !stale && closed(gap) {
+                break;
+            }
+            self.momentum(system, state, [r, S])?;
+            let missing = self.split(system, state, kept, S);
+            let rigid: f64 = self
+                .directions()
+                .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
+                .sum();
+            let needed = gap - rigid;
+            if missing <= ROUNDING && closed(gap) {
+                break;
+            }
+            let mut gammas = [0.0; 6];
+            let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
+            self.turns(system, &state.q, &mut gammas);
+            let [s, eta] = match bounded {
+                false => self.shares(needed, rest, &gammas, h),
+                true => [1.0, 0.0],
+            };
+            bounded |= self.bounded;
+            for (v, w) in state.v.iter_mut().zip(&self.w) {
+                *v += (s - 1.0) * w;
+            }
+            stale = eta != 0.0;
+            for (d, gamma) in self.basis[..self.rank].iter().zip(gammas) {
+                axpy(d.j - d.c, &d.e, &mut state.v);
+                axpy(eta * gamma, &d.e, &mut state.q);
+            }
+            if stale {
+                // Charts that are centred at the end of a step are centred again.
+                let State {
+                    q,
+                    v,
+                    a,
+                    algorithmic,
+                    ..
+                } = state;
+                system.change_charts(t, q, v, &mut [a, algorithmic]);
+            }
+            now = energies(system, scheme, state, t)?;
+            if bounded && !stale {
+                break;
+            }
+        }
+        kept.power = now.power();
+        Ok(now)
+    }
+
+    /// The factor s of the rest and that of the turns γ which give the motion an energy; whether it
+    /// is all of it is noted.
+    fn shares(&mut self, needed: f64, rest: f64, gammas: &[f64; 6], h: f64) -> [f64; 2] {
+        // The energy that the rest gains by dλ is p·w dλ, that of the turn h² Σ γ² dλ.
+        let (rest, size) = (rest.max(0.0), gammas.iter().map(|g| g * g).sum::<f64>());
+        let slope = rest + h * h * size;
+        self.bounded = slope == 0.0;
+        if self.bounded {
+            return [1.0, 0.0];
+        }
+        let wanted = 1.0 + 2.0 * needed / slope;
+        let square = wanted.clamp(BOUNDS[0], BOUNDS[1]);
+        let left = needed - 0.5 * (square - 1.0) * rest;
+        let speed: f64 = self.directions().map(|d| d.j * d.j).sum::<f64>();
+        let [eta, most] = match size > 0.0 {
+            true => [left / size, TURN * h * (speed / size).sqrt()],
+            false => [0.0; 2],
+        };
+        self.bounded = eta.abs() > most || (size == 0.0 && square != wanted);
+        [square.sqrt(), eta.max(-most).min(most)]
+    }
+
+    fn directions(&self) -> impl Iterator<Item = &Direction> {
+        self.basis[..self.rank].iter()
+    }
+
+    /// The part of p·w that is due to rigid motions: none but for rounding, and where something is
+    /// driven.
+    fn rigid_in_rest(&self) -> f64 {
+        self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
+    }
+
+    /// The mass matrix into `S`, and the generalised momentum.
+    fn momentum<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        state: &State,
+        [r, S]: [&mut [f64]; 2],
+    ) -> Result<(), DynamicsError> {
+        let t = state.t;
+        let failed = |source| DynamicsError::System { t, source };
+        let out = Evaluation::with_tangent(r, Weights::MASS, S);
+        self.evaluations += 1;
+        system.evaluate(point(state, t), out).map_err(failed)?;
+        let driven = system.momentum(point(state, t), &mut self.p);
+        if !driven.map_err(failed)? {
+            self.p.fill(0.0);
+            system.pattern().multiply_add(1.0, S, &state.v, &mut self.p);
+        }
+        Ok(())
+    }
+
+    /// The orthonormal basis of the symmetries, and the rest w of the velocities; by how much momenta
+    /// are missed, relative to the sizes of their parts.
+    fn split<Y: System + ?Sized>(
+        &mut self,
+        system: &Y,
+        state: &State,
+        kept: &Kept,
+        M: &[f64],
+    ) -> f64 {
+        let pattern = system.pattern();
+        self.rank = 0;
+        self.w.copy_from_slice(&state.v);
+        let mut missing = 0.0_f64;
+        for (xi, j) in kept.motions.iter().zip(&kept.momenta) {
+            let (done, rest) = self.basis.split_at_mut(self.rank);
+            let Some(d) = rest.first_mut() else { break };
+            system.rigid_rates(&state.q, xi, &mut d.e);
+            (d.xi, d.j) = (*xi, *j);
+            let parts: f64 = d.e.iter().zip(&self.p).map(|(e, p)| (e * p).abs()).sum();
+            let off = (d.j - dot(&d.e, &self.p)).abs();
+            if parts > 0.0 {
+                missing = missing.max(off / parts.max(j.abs()));
+            }
+            let mut length = f64::NAN;
+            // Twice, for the sake of rounding.
+            for _ in 0..2 {
+                d.Me.fill(0.0);
+                pattern.multiply_add(1.0, M, &d.e, &mut d.Me);
+                if length.is_nan() {
+                    length = dot(&d.e, &d.Me).max(0.0).sqrt();
+                }
+                for known in done.iter() {
+                    let along = dot(&d.Me, &known.e);
+                    axpy(-along, &known.e, &mut d.e);
+                    axpy(-along, &known.xi, &mut d.xi);
+                    d.j -= along * known.j;
+                }
+            }
+            d.Me.fill(0.0);
+            pattern.multiply_add(1.0, M, &d.e, &mut d.Me);
+            let left = dot(&d.e, &d.Me).max(0.0).sqrt();
+            if left <= DEPENDENT * length {
+                continue;
+            }
+            for x in d.e.iter_mut().chain(&mut d.Me).chain(&mut d.xi) {
+                *x /= left;
+            }
+            d.j /= left;
+            d.c = dot(&d.e, &self.p);
+            let along = dot(&d.Me, &state.v);
+            axpy(-along, &d.e, &mut self.w);
+            self.rank += 1;
+        }
+        self.Mw.fill(0.0);
+        pattern.multiply_add(1.0, M, &self.w, &mut self.Mw);
+        missing
+    }
+
+    /// Derivatives of the energy by turns along the symmetries that turn: J([ξ, Ω]), J the momenta to be
+    /// kept.
+    fn turns<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], gammas: &mut [f64; 6]) {
+        let mut Omega = [0.0; 6];
+        // p = M w + Σ j M e, in place of w's own.
+        self.p.copy_from_slice(&self.Mw);
+        for d in &self.basis[..self.rank] {
+            axpy(d.j, &d.xi, &mut Omega);
+            axpy(d.j, &d.Me, &mut self.p);
+        }
+        for (gamma, d) in gammas.iter_mut().zip(&self.basis[..self.rank]) {
+            if d.xi[3..].iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            system.rigid_rates(q, &bracket(&d.xi, &Omega), &mut self.field);
+            *gamma = dot(&self.field, &self.p);
+        }
+    }
+}
+
+/// The motion [η, ξ]: the rate at which ξ changes when it is moved along η.
+fn bracket(eta: &RigidRates, xi: &RigidRates) -> RigidRates {
+    let cross = |a: &[f64], b: &[f64]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let (one, two) = (cross(&eta[3..], &xi[..3]), cross(&xi[3..], &eta[..3]));
+    let turned = cross(&eta[3..], &xi[3..]);
+    std::array::from_fn(|i| {
+        if i < 3 {
+            one[i] - two[i]
+        } else {
+            turned[i - 3]
+        }
+    })
+}
+
+fn point(state: &State, t: f64) -> Point<'_> {
+    Point {
+        t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    }
+}
+
+pub(super) fn energies<Y: System + ?Sized>(
+    system: &mut Y,
+    scheme: &Scheme,
+    state: &State,
+    t: f64,
+) -> Result<Energies, DynamicsError> {
+    let known = system.energies(point(state, t));
+    let known = known.map_err(|source| DynamicsError::System { t, source })?;
+    known.ok_or(DynamicsError::NoEnergy {
+        scheme: scheme.name,
+    })
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn axpy(factor: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += factor * x;
+    }
+}

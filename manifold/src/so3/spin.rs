@@ -1,0 +1,84 @@
+//! Rates of a rotation vector from an angular velocity and its rate.
+
+#![allow(non_snake_case)]
+
+use super::{A_varied, C1, T_dot_psi_dot, tangent_inverse};
+use crate::quotients::Quotients;
+use nalgebra::{Matrix3, Vector3};
+
+/// Which angular velocity stands for the rate of a rotation vector θ, R = Rₙ R(θ).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spins {
+    /// The material one, Ω = T θ̇ and Ω̇ = T θ̈ + Ṫ θ̇ (\[M04\] (50)): components turn with the body.
+    Material,
+    /// The spatial one in the components of Rₙ, w = Rₙᵀ ω = R(θ) Ω = Tᵀ θ̇ and ẇ = Rₙᵀ ω̇ = R(θ) Ω̇:
+    /// components stay where they are, and sums of w are those of ω.
+    Spatial,
+}
+
+impl Spins {
+    /// Tᵀ(θ) = T(−θ): spatial spins of θ are material ones of −θ, with the sign changed.
+    fn sign(self) -> f64 {
+        match self {
+            Self::Material => 1.0,
+            Self::Spatial => -1.0,
+        }
+    }
+}
+
+/// θ̇ and θ̈ of a rotation vector θ whose spins are given, ψ < 2π: unknowns of an equation may be θ, Ω and
+/// Ω̇ in place of θ, θ̇ and θ̈.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// Which spins they are.
+    pub spins: Spins,
+    /// θ̇ = T⁻¹ Ω.
+    pub theta_dot: Vector3<f64>,
+    /// θ̈ = T⁻¹ (Ω̇ − Ṫ θ̇).
+    pub theta_ddot: Vector3<f64>,
+}
+
+impl Spin {
+    /// The rates at θ with the spins Ω and Ω̇, or w and ẇ.
+    #[must_use]
+    pub fn rates(
+        spins: Spins,
+        theta: &Vector3<f64>,
+        Omega: &Vector3<f64>,
+        Omega_dot: &Vector3<f64>,
+    ) -> Self {
+        let theta = theta * spins.sign();
+        let T_inverse = tangent_inverse(&theta);
+        let theta_dot = T_inverse * Omega;
+        // Ṫ θ̇ is quadratic in θ̇, whose sign thus does not matter here.
+        let rest = T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm())) * spins.sign();
+        Self {
+            spins,
+            theta_dot,
+            theta_ddot: T_inverse * (Omega_dot - rest),
+        }
+    }
+
+    /// The derivatives of θ̇ and of θ̈ along δθ = K e, δΩ = C e, δΩ̇ = M e for fixed numbers K, C, M
+    /// (3×3, acting on e), from the variation of the definitions:
+    ///
+    /// ```text
+    /// T δθ̇ = δΩ − C₁(θ̇,θ) δθ                                                [M04] (44)
+    /// T δθ̈ = δΩ̇ − (C₅(θ̇,θ) + C₁(θ̈,θ)) δθ − C₄(θ̇,θ) δθ̇                       [M04] (63)
+    /// ```
+    #[must_use]
+    pub fn varied(&self, [K, C, M]: [f64; 3], theta: &Vector3<f64>) -> [Matrix3<f64>; 2] {
+        // Everything changes its sign for spatial spins: derivatives do not.
+        let sign = self.spins.sign();
+        let [theta, theta_dot, theta_ddot] =
+            [theta, &self.theta_dot, &self.theta_ddot].map(|x| x * sign);
+        let c = Quotients::new(theta.norm());
+        let T_inverse = tangent_inverse(&theta);
+        let of = |numbers| A_varied(numbers, &theta_dot, &theta_ddot, &theta, &c);
+        let first = Matrix3::from_diagonal_element(C) - C1(&theta_dot, &theta, &c) * K;
+        let first = T_inverse * first;
+        let second =
+            Matrix3::from_diagonal_element(M) - of([K, 0.0, 0.0]) - of([0.0, 1.0, 0.0]) * first;
+        [first, T_inverse * second]
+    }
+}

@@ -1,0 +1,97 @@
+//! Rates of rotation vectors from spins, against their definitions.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::map::{Increment, Map};
+use pullback_manifold::quotients::Quotients;
+use pullback_manifold::so3::{Spin, Spins, T_dot_psi_dot, rotation, tangent};
+
+fn cases() -> [[Vector3<f64>; 3]; 4] {
+    let [Omega, Omega_dot] = [Vector3::new(1.1, -0.4, 0.7), Vector3::new(-2.0, 0.3, 1.6)];
+    [
+        Vector3::zeros(),
+        Vector3::new(1e-8, -2e-8, 1e-8),
+        Vector3::new(0.3, -0.5, 0.2),
+        Vector3::new(-1.4, 1.2, 2.0),
+    ]
+    .map(|theta| [theta, Omega, Omega_dot])
+}
+
+#[test]
+fn rates_give_the_spins_that_they_come_from() {
+    for [theta, Omega, Omega_dot] in cases() {
+        let s = Spin::rates(Spins::Material, &theta, &Omega, &Omega_dot);
+        let T = tangent(&theta);
+        let more = T_dot_psi_dot(&s.theta_dot, &theta, &Quotients::new(theta.norm()));
+        assert!((T * s.theta_dot - Omega).norm() < 1e-14);
+        assert!((T * s.theta_ddot + more - Omega_dot).norm() < 1e-13);
+        // The same motion by its spatial spins: w = R Ω, and ẇ = R (Ω̇ + Ω×Ω).
+        let R = rotation(&theta);
+        let w = Spin::rates(Spins::Spatial, &theta, &(R * Omega), &(R * Omega_dot));
+        assert!((w.theta_dot - s.theta_dot).norm() < 1e-14);
+        assert!((w.theta_ddot - s.theta_ddot).norm() < 1e-13);
+    }
+}
+
+#[test]
+fn their_variation_is_their_derivative() {
+    let both = [Spins::Material, Spins::Spatial];
+    let cases = cases().into_iter().flat_map(|case| both.map(|s| (s, case)));
+    for (spins, [theta, Omega, Omega_dot]) in cases {
+        let spin = Spin::rates(spins, &theta, &Omega, &Omega_dot);
+        for numbers in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -1.2, 0.8]] {
+            let [K, C, M] = numbers;
+            let along = |e: &Vector3<f64>| {
+                let (Omega, Omega_dot) = (Omega + e * C, Omega_dot + e * M);
+                Spin::rates(spins, &(theta + e * K), &Omega, &Omega_dot)
+            };
+            let found = spin.varied(numbers, &theta);
+            // Central differences extrapolated once after Richardson: an error of h⁴.
+            let mut expected = [Matrix3::zeros(); 2];
+            for k in 0..3 {
+                let slope = |h: f64| {
+                    let e = Vector3::ith(k, h);
+                    let (a, b) = (along(&e), along(&-e));
+                    [a.theta_dot - b.theta_dot, a.theta_ddot - b.theta_ddot].map(|d| d / (2.0 * h))
+                };
+                let (coarse, fine) = (slope(2e-3), slope(1e-3));
+                for i in 0..2 {
+                    expected[i].set_column(k, &((fine[i] * 4.0 - coarse[i]) / 3.0));
+                }
+            }
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).norm() < 1e-8, "{numbers:?} at {theta}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_increment_remembers_where_it_is_centred() {
+    let q = nalgebra::Vector3::new(0.3, -0.2, 0.5);
+    let mut one = Increment::spinning(Spins::Material);
+    // The first rewriting takes rates of coordinates to spins, later ones leave spins alone.
+    assert_eq!(Map::<3, 3>::spins(&one), None);
+    let v = Vector3::new(1.0, 2.0, 3.0);
+    let new = one.rewrite(0.0, &q, &v).unwrap();
+    assert!((new.v - tangent(&q) * v).norm() < 1e-15);
+    assert_eq!(Map::<3, 3>::spins(&one), Some(Spins::Material));
+    assert_eq!(one.rewrite(0.0, &q, &v).unwrap().v, v);
+    // Spatial ones stay where they are: seen from the new Rₙ they have turned back.
+    let mut spatial = Increment::spinning(Spins::Spatial);
+    spatial.rewrite(0.0, &q, &v).unwrap();
+    let new = spatial.rewrite(0.0, &q, &v).unwrap();
+    assert!((rotation(&q) * new.v - v).norm() < 1e-14);
+    assert!((rotation(&q) * new.B * v - v).norm() < 1e-14 && new.c == Vector3::zeros());
+    // From its memory another one goes on at the same place.
+    let memory = Map::<3, 3>::memory(&one);
+    let mut other = Increment::spinning(Spins::Material);
+    assert!(Map::<3, 3>::recall(&mut other, &memory));
+    assert_eq!(one, other);
+    let R = rotation(&q) * rotation(&q) * rotation(&q);
+    assert!((rotation(&other.phi(0.0, &q)) - R).norm() < 1e-14);
+    for wrong in [&[][..], &[1.0, 0.0, 0.0], &[2.0, 0.0, 0.0, 0.0, 1.0]] {
+        assert!(!Map::<3, 3>::recall(&mut other, wrong), "{wrong:?}");
+    }
+    assert_eq!(one, other);
+}

@@ -1,0 +1,99 @@
+//! What becomes of energies and momenta along a run.
+
+use super::sample::Sample;
+use nalgebra::Vector3;
+use pullback_integrators::dynamics::EnergyBalance;
+use serde::Serialize;
+
+/// Energies and momenta that the motion keeps, as the reference shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Kept {
+    /// The energy: kinetic, stored, and the potential of loads.
+    pub energy: bool,
+    /// Components of the linear momentum.
+    pub momentum: [bool; 3],
+    /// Components of the angular momentum about the origin.
+    pub angular_momentum: [bool; 3],
+}
+
+/// The largest changes since the start, at the common times, of what the motion keeps, and the
+/// balance of energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Drift {
+    /// Of the energy, where it is kept.
+    pub energy: Option<f64>,
+    /// Of those components of the linear momentum that are kept.
+    pub momentum: Option<f64>,
+    /// Of those components of the angular momentum that are kept.
+    pub angular_momentum: Option<f64>,
+    /// Largest defect of the balance of energy over all steps: kinetic and stored less supplied, the
+    /// work by the trapezoidal rule.
+    pub balance: Option<f64>,
+    /// Mean change of the energy in the last quarter of the run less that in the first, where it is
+    /// kept, or else of the defect of its balance: what grows with time, not what comes and goes.
+    pub trend: Option<f64>,
+    /// The largest |h| of the equations with which loops close, each over its size, where there are
+    /// such.
+    pub violation: Option<f64>,
+    /// The largest energy: the magnitudes of kinetic, stored and load potential.
+    pub largest_energy: Option<f64>,
+}
+
+/// Samples below which quarters of a run say nothing.
+const FEW: usize = 8;
+
+impl Drift {
+    /// That of a run.
+    pub(super) fn of(samples: &[Sample], kept: Kept, balance: Option<EnergyBalance>) -> Self {
+        let energy = |s: &Sample| {
+            if kept.energy {
+                Some(s.energy)
+            } else {
+                s.defect
+            }
+        };
+        let values: Vec<f64> = samples.iter().filter_map(energy).collect();
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let quarter = values.len() / 4;
+        let quarters = (values.len() >= FEW).then(|| values.len() - quarter);
+        let largest = samples.iter().map(|s| s.gross_energy).reduce(f64::max);
+        let violations = samples.iter().filter_map(|s| s.violation);
+        let worse = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+        Self {
+            violation: violations.reduce(worse),
+            energy: kept.energy.then(|| drift(samples, &|s| s.energy)),
+            momentum: drift_of(samples, kept.momentum, &|s| s.momenta[0]),
+            angular_momentum: drift_of(samples, kept.angular_momentum, &|s| s.momenta[1]),
+            balance: balance.map(|e| e.largest_defect),
+            trend: quarters.map(|last| mean(&values[last..]) - mean(&values[..quarter])),
+            largest_energy: largest.filter(|e| *e > 0.0),
+        }
+    }
+
+    /// A change of energy over the largest energy.
+    pub fn relative(&self, change: Option<f64>) -> Option<f64> {
+        Some(change? / self.largest_energy?)
+    }
+}
+
+/// The largest difference from the start.
+pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
+    let Some(first) = samples.first().map(value) else {
+        return f64::NAN;
+    };
+    let differences = samples.iter().map(|s| (value(s) - first).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// The largest change since the start of those components of a vector that are kept; `None` where
+/// none is.
+fn drift_of(
+    samples: &[Sample],
+    kept: [bool; 3],
+    vector: &dyn Fn(&Sample) -> Vector3<f64>,
+) -> Option<f64> {
+    let drifts = (0..3)
+        .filter(|&i| kept[i])
+        .map(|i| drift(samples, &|s| vector(s)[i]));
+    drifts.reduce(f64::max)
+}

@@ -1,0 +1,99 @@
+//! Errors of schemes that cost the same.
+
+use super::{Quantity, Row, Values};
+use serde::Serialize;
+
+/// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
+/// neighbouring step sizes. The cost is in the middle (of logarithms) of what all schemes have in
+/// common; where that is nothing, in the middle of the gap, and the nearest two runs are extrapolated.
+#[derive(Clone, Debug, Serialize)]
+pub struct EqualCost {
+    /// The cost: seconds of the integration alone where they were taken, or else evaluations.
+    pub cost: f64,
+    /// Whether it is a time.
+    pub seconds: bool,
+    /// Schemes, their errors, and whether these are extrapolated; schemes that came to no end in equal
+    /// steps at two step sizes are missing.
+    pub schemes: Vec<(String, Values, bool)>,
+}
+
+/// Finds a cost for all schemes, and their errors there.
+pub(super) fn find(schemes: &[String], rows: &[Row]) -> Option<EqualCost> {
+    let seconds = rows.iter().any(|row| row.seconds_alone.is_some());
+    let cost = |row: &Row| match seconds {
+        true => row.seconds_alone,
+        false => Some(row.counts.evaluations as f64),
+    };
+    let mut curves = Vec::new();
+    for scheme in schemes {
+        let own = rows
+            .iter()
+            .filter(|row| row.scheme == *scheme && row.is_regular());
+        let mut points: Vec<(f64, Values)> = own
+            .filter_map(|row| Some((cost(row)?.ln(), row.error?)))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if points.len() >= 2 {
+            curves.push((scheme, points));
+        }
+    }
+    let ends = curves
+        .iter()
+        .filter_map(|(_, p)| Some((p.first()?.0, p.last()?.0)));
+    let common = ends.reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))?;
+    let cost = 0.5 * (common.0 + common.1);
+    let schemes = curves.iter().map(|(name, points)| {
+        let errors = Quantity::ALL.map(|q| at(points, cost, q).unwrap_or(f64::NAN));
+        let beyond = points.iter().all(|p| p.0 > cost) || points.iter().all(|p| p.0 < cost);
+        ((*name).clone(), Values(errors), beyond)
+    });
+    Some(EqualCost {
+        cost: cost.exp(),
+        seconds,
+        schemes: schemes.collect(),
+    })
+}
+
+/// The error in a quantity at a cost, on the line of the two runs beside it, or nearest to it.
+fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
+    let behind = points.iter().position(|p| p.0 >= cost);
+    let behind = behind.unwrap_or(points.len()).clamp(1, points.len() - 1);
+    let [(from, a), (to, b)] = [points[behind - 1], points[behind]];
+    let [a, b] = [a, b].map(|v| v.of(quantity).ln());
+    let part = match to > from {
+        true => (cost - from) / (to - from),
+        false => 1.0,
+    };
+    // Errors of zero have no logarithm: there is nothing between them.
+    Some((a + (b - a) * part).exp()).filter(|e| e.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs of an error e and a cost c.
+    fn points(all: &[(f64, f64)]) -> Vec<(f64, Values)> {
+        all.iter().map(|&(c, e)| (c.ln(), Values([e; 6]))).collect()
+    }
+
+    #[test]
+    fn errors_lie_on_the_line_through_the_nearest_runs() {
+        // Error 1/c² up to c = 2, and 2/c³ from there.
+        let points = points(&[(1.0, 1.0), (2.0, 0.25), (4.0, 0.031_25)]);
+        for (cost, error) in [
+            (0.5, 4.0),
+            (1.5, 1.0 / 2.25),
+            (3.0, 2.0 / 27.0),
+            (8.0, 2.0 / 512.0),
+        ] {
+            let found = at(&points, f64::ln(cost), Quantity::Rotation);
+            assert!(
+                found.is_some_and(|e| (e / error - 1.0).abs() < 1e-12),
+                "{cost}: {found:?}"
+            );
+        }
+        let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; 6])));
+        assert_eq!(at(&none, 1.5, Quantity::Position), None);
+    }
+}

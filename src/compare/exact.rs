@@ -1,0 +1,204 @@
+//! An exact solution in place of a reference: by a function of time, or from a file.
+
+use super::CompareError;
+use super::reference::{Reference, kept_by};
+use super::sample::{Pose, Sample, Values, sizes};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::so3;
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Round-off of a quantity over its largest size.
+const ROUND_OFF: f64 = 1e-14;
+
+/// A trajectory that is known: what the frame nodes do at a time.
+///
+/// The function is given a sample with all frame nodes in the order of their definition, in which
+/// nothing is known (NaN), and writes what it knows; errors are measured of that alone.
+#[derive(Clone)]
+pub struct Exact {
+    name: String,
+    at: Arc<Trajectory>,
+}
+
+type Trajectory = dyn Fn(&mut Sample) + Send + Sync;
+
+impl fmt::Debug for Exact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Exact({})", self.name)
+    }
+}
+
+impl Exact {
+    /// A trajectory by a function that fills a sample at its time.
+    pub fn new(name: impl Into<String>, at: impl Fn(&mut Sample) + Send + Sync + 'static) -> Self {
+        Self {
+            name: name.into(),
+            at: Arc::new(at),
+        }
+    }
+
+    /// The trajectory as a reference at the times of a comparison.
+    pub(super) fn reference(&self, times: &[f64], nodes: usize) -> Reference {
+        let samples: Vec<Sample> = times
+            .iter()
+            .map(|&t| {
+                let mut sample = Sample::unknown(t, nodes);
+                (self.at)(&mut sample);
+                sample
+            })
+            .collect();
+        let size = sizes(&samples);
+        let error = Values(size.0.map(|size| ROUND_OFF * size));
+        Reference {
+            scheme: self.name.clone(),
+            steps: [0.0; 3],
+            order: Values([f64::NAN; 6]),
+            extrapolated: [false; 6],
+            error,
+            kept: kept_by(&samples),
+            evaluations: 0,
+            chart_changes: 0,
+            samples,
+        }
+    }
+}
+
+/// What a column of a file of exact values is of.
+#[derive(Clone, Copy)]
+enum Column {
+    Time,
+    Energy,
+    /// Node, quantity (in the order of [`FIELDS`]), component.
+    Node(usize, usize, usize),
+}
+
+const FIELDS: [&str; 5] = [
+    "place",
+    "rotation",
+    "velocity",
+    "angular_velocity",
+    "acceleration",
+];
+
+/// Reads exact values from a CSV file: a column `t`, `energy` if it is known, and columns
+/// `NODE.place.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
+/// `NODE.angular_velocity.x`, `NODE.acceleration.x`, the three components of each. Rows are needed at
+/// the times of the comparison; others may be there.
+///
+/// # Errors
+/// [`CompareError::Exact`] with the place in the file.
+pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, CompareError> {
+    let refuse = |problem: String| CompareError::Exact {
+        path: path.to_owned(),
+        problem,
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
+    let mut lines = text.lines().enumerate();
+    let (_, head) = lines
+        .next()
+        .ok_or_else(|| refuse("it is empty".to_owned()))?;
+    let columns: Vec<Column> = head
+        .split(',')
+        .map(|name| column(name.trim(), nodes).map_err(&refuse))
+        .collect::<Result<_, _>>()?;
+    let Some(of_time) = columns.iter().position(|c| matches!(c, Column::Time)) else {
+        return Err(refuse("it has no column `t`".to_owned()));
+    };
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (k, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let cells = line.split(',').map(|cell| {
+            let number = cell.trim().parse::<f64>().ok();
+            let number = number.filter(|x| x.is_finite());
+            number.ok_or_else(|| refuse(format!("line {}: `{}` is no number", k + 1, cell.trim())))
+        });
+        let cells = cells.collect::<Result<Vec<_>, _>>()?;
+        if cells.len() != columns.len() {
+            let (found, wanted) = (cells.len(), columns.len());
+            return Err(refuse(format!(
+                "line {}: {found} cells, not {wanted}",
+                k + 1
+            )));
+        }
+        rows.push(cells);
+    }
+    let near = 1e-9 * times.last().copied().unwrap_or(1.0);
+    let mut samples = Vec::with_capacity(times.len());
+    for (k, &t) in times.iter().enumerate() {
+        let Some(row) = rows.iter().find(|row| (row[of_time] - t).abs() <= near) else {
+            let (n, to) = (times.len() - 1, times.last().copied().unwrap_or(0.0));
+            return Err(refuse(format!(
+                "there is no row for t = {t}; the comparison looks at the times k * {to}/{n}, k = 0 to \
+                 {n} (this is k = {k})"
+            )));
+        };
+        samples.push(sample(t, row, &columns, nodes.len()));
+    }
+    let name = format!("exact, {}", path.display());
+    Ok(Exact::new(name, move |out| {
+        let known = samples.iter().find(|known| known.t == out.t);
+        known.into_iter().for_each(|known| *out = known.clone());
+    }))
+}
+
+fn column(name: &str, nodes: &[String]) -> Result<Column, String> {
+    match name {
+        "t" => return Ok(Column::Time),
+        "energy" => return Ok(Column::Energy),
+        _ => {}
+    }
+    let mut parts = name.rsplitn(3, '.');
+    let (component, field, node) = (parts.next(), parts.next(), parts.next());
+    let component = component.and_then(|c| ["x", "y", "z"].iter().position(|k| *k == c));
+    let field = field.and_then(|f| FIELDS.iter().position(|k| *k == f));
+    let (Some(component), Some(field), Some(node)) = (component, field, node) else {
+        return Err(format!(
+            "column `{name}` is none of t, energy, NODE.{}.x (or y, z)",
+            FIELDS.join(".x, NODE.")
+        ));
+    };
+    match nodes.iter().position(|known| known == node) {
+        Some(node) => Ok(Column::Node(node, field, component)),
+        None => Err(format!(
+            "column `{name}`: the model has no node `{node}`, but {}",
+            nodes.join(", ")
+        )),
+    }
+}
+
+fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
+    let mut out = Sample::unknown(t, nodes);
+    let mut turns = vec![Vector3::repeat(f64::NAN); nodes];
+    for (value, column) in row.iter().zip(columns) {
+        match *column {
+            Column::Time => {}
+            Column::Energy => {
+                out.energy = *value;
+                out.gross_energy = value.abs();
+            }
+            Column::Node(node, field, k) => {
+                let Pose {
+                    place,
+                    velocity,
+                    omega,
+                    acceleration,
+                    ..
+                } = &mut out.nodes[node];
+                let of = [place, &mut turns[node], velocity, omega, acceleration];
+                for (known, vector) in of.into_iter().enumerate() {
+                    if known == field {
+                        vector[k] = *value;
+                    }
+                }
+            }
+        }
+    }
+    for (node, turn) in out.nodes.iter_mut().zip(turns) {
+        node.R = match turn.iter().all(|x| x.is_finite()) {
+            true => so3::rotation(&turn),
+            false => Matrix3::repeat(f64::NAN),
+        };
+    }
+    out
+}

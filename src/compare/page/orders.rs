@@ -1,0 +1,122 @@
+//! Tables of orders and of the reference.
+
+use super::{cells, end_table, escaped, exact, names, put, table};
+use crate::compare::order::{ABOVE_REFERENCE, NEAR, STRAIGHT};
+use crate::compare::tables::{order, short, theory};
+use crate::compare::{Comparison, Quantity, Reference};
+
+pub(super) fn orders(out: &mut String, c: &Comparison) {
+    let columns: Vec<String> = (["scheme", "theory"].map(str::to_owned).into_iter())
+        .chain(names())
+        .collect();
+    let caption = format!(
+        "Slope of log error over log step by least squares, ± half of its 95 % confidence interval \
+         (Student), and the number of step sizes on that line: from the two \
+         finest on while slopes between neighbours differ by at most {STRAIGHT}, errors below {} \
+         times the error of the reference and runs with rejected steps left out. It is an order where \
+         three steps at least lie on the line and its slope is within {NEAR} of theory; any other \
+         slope is <span class=\"slope\">grey, in brackets</span>, and no order: steps are not (or \
+         not seen to be) in the asymptotic range. – stands where fewer than two errors can be used.",
+        ABOVE_REFERENCE as usize
+    );
+    table(out, &caption, &columns, 1);
+    for scheme in &c.orders {
+        let mut row = vec![
+            escaped(&scheme.scheme),
+            theory(scheme.theory).replace('-', "–"),
+        ];
+        row.extend(Quantity::ALL.map(|q| match scheme.of(q) {
+            None => "–".to_owned(),
+            Some(o) => {
+                let steps = format!("<br/><small>{} steps</small>", o.points);
+                match (scheme.is_asymptotic(q), escaped(&order(&o))) {
+                    (true, slope) => slope + &steps,
+                    (false, slope) => format!("<span class=\"slope\">({slope})</span>{steps}"),
+                }
+            }
+        }));
+        cells(out, false, 1, &row);
+    }
+    end_table(out);
+    formulations(out, c);
+}
+
+/// What the rotations are in each scheme, where they are not the same in all.
+fn formulations(out: &mut String, c: &Comparison) {
+    let first = c.orders.first().map(|o| o.formulation);
+    if c.orders.iter().all(|o| Some(o.formulation) == first) {
+        return;
+    }
+    put(
+        out,
+        "<p>Rotations of frames are unknowns in these formulations:</p>\n<ul>\n",
+    );
+    for scheme in &c.orders {
+        let line = format!(
+            "<li><code>{}</code>: {}</li>\n",
+            escaped(&scheme.scheme),
+            escaped(scheme.formulation)
+        );
+        put(out, &line);
+    }
+    put(out, "</ul>\n");
+}
+
+pub(super) fn describe(out: &mut String, r: &Reference) {
+    let [a, b, c] = r.steps;
+    if c == 0.0 {
+        let name = escaped(&r.scheme);
+        put(
+            out,
+            &format!(
+                "<p>Errors are those against a solution that is given: <code>{name}</code>. It knows the \
+                 quantities that have errors below.</p>"
+            ),
+        );
+        return;
+    }
+    put(
+        out,
+        &format!(
+            "<p>Reference: <code>{}</code> with step sizes A = {}, B = {} and C = {}. A quantity \
+             whose observed order is that in theory is extrapolated from B and C after Richardson, \
+             and the estimate of its error is twice the distance from the extrapolation of A and B. {} \
+             evaluations, {} changes of chart in C.</p>",
+            escaped(&r.scheme),
+            exact(a),
+            exact(b),
+            exact(c),
+            r.evaluations,
+            r.chart_changes
+        ),
+    );
+    let columns: Vec<String> = std::iter::once(String::new()).chain(names()).collect();
+    table(out, "The reference's own error", &columns, 1);
+    let row = |name: &str, value: &dyn Fn(Quantity) -> String| {
+        let values = Quantity::ALL.into_iter().map(value);
+        std::iter::once(name.to_owned())
+            .chain(values)
+            .collect::<Vec<_>>()
+    };
+    let observed = row("observed order", &|q| match r.order.of(q) {
+        order if order.is_finite() => format!("{order:.2}"),
+        _ => "–".to_owned(),
+    });
+    cells(out, false, 1, &observed);
+    let extrapolated = row("extrapolated", &|q| {
+        if r.extrapolated[q as usize] {
+            "yes"
+        } else {
+            "no"
+        }
+        .to_owned()
+    });
+    cells(out, false, 1, &extrapolated);
+    cells(
+        out,
+        false,
+        1,
+        &row("error (rms)", &|q| short(r.error.of(q))),
+    );
+    end_table(out);
+}

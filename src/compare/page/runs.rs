@@ -1,0 +1,159 @@
+//! Tables of the runs: errors, cost, reasons of failures.
+
+use super::{cells, end_table, escaped, exact, first, names, put, step, table};
+use crate::compare::tables::{short, status};
+use crate::compare::{Comparison, Quantity, Row};
+
+pub(super) fn errors(out: &mut String, c: &Comparison) {
+    let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
+        .chain(names())
+        .collect();
+    let caption = format!(
+        "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
+         angle of the relative rotation in radians. Where the error is below that of the reference \
+         itself, that stands instead.{}",
+        c.times,
+        changed_steps(c)
+    );
+    table(out, &caption, &columns, 1);
+    for (k, row) in c.rows.iter().enumerate() {
+        let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
+        // An error below that of the reference is only known to be no larger than that.
+        let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
+        let error = |q| match row.error.map(|e| e.of(q)) {
+            None => "–".to_owned(),
+            Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
+            Some(error) => short(error),
+        };
+        line.extend(Quantity::ALL.map(error));
+        cells(out, first(&c.rows, k), 1, &line);
+    }
+    end_table(out);
+}
+
+/// Which step sizes were made of those asked for, where they are others.
+fn changed_steps(c: &Comparison) -> String {
+    let mut made: Vec<String> = Vec::new();
+    for row in &c.rows {
+        if (row.step - row.asked).abs() > 1e-9 * row.asked {
+            let pair = format!("{} for {}", exact(row.step), exact(row.asked));
+            if !made.contains(&pair) {
+                made.push(pair);
+            }
+        }
+    }
+    if made.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Steps end at kinks of the functions of time and at common times: h is {}.",
+        made.join(", ")
+    )
+}
+
+/// What there is to say about a run, in a word.
+fn note(row: &Row) -> &'static str {
+    match status(row) {
+        "complete" if row.counts.rejected > 0 => "steps halved",
+        "complete" => "",
+        other => other,
+    }
+}
+
+/// Errors of all schemes at a cost that they have in common.
+pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
+    let Some(equal) = &c.equal_cost else { return };
+    let what = match equal.seconds {
+        true => format!("{} s of integration alone", short(equal.cost)),
+        false => format!("{} evaluations of the model", equal.cost.round()),
+    };
+    let caption = format!(
+        "Errors at equal cost, {what}: log error interpolated over log cost between neighbouring step \
+         sizes, or extrapolated from the nearest two (≈); in brackets, over that of the first scheme."
+    );
+    let columns: Vec<String> = std::iter::once("scheme".to_owned())
+        .chain(names())
+        .collect();
+    table(out, &caption, &columns, 1);
+    for (name, errors, beyond) in &equal.schemes {
+        let about = if *beyond { "≈ " } else { "" };
+        let mut line = vec![escaped(name)];
+        line.extend(Quantity::ALL.map(|q| {
+            let over = errors.of(q) / equal.schemes[0].1.of(q);
+            match (errors.of(q), over) {
+                (e, _) if !e.is_finite() => "–".to_owned(),
+                (e, over) if over.is_finite() => format!("{about}{} ({over:.2})", short(e)),
+                (e, _) => format!("{about}{}", short(e)),
+            }
+        }));
+        cells(out, false, 1, &line);
+    }
+    end_table(out);
+}
+
+pub(super) fn cost(out: &mut String, c: &Comparison) {
+    let columns = [
+        "scheme",
+        "h",
+        "steps",
+        "rejected",
+        "solutions per step",
+        "evaluations",
+        "factorisations",
+        "changes of chart",
+        "time / s",
+        "alone / s",
+    ];
+    let beside = match c.threads {
+        1 => "one run at a time".to_owned(),
+        n => format!("{n} runs side by side on one machine, which makes each of them slower"),
+    };
+    let caption = format!(
+        "Time is wall-clock time with the audits of energy and momentum, {beside}; alone, where it was \
+         taken, that of the integration and nothing else, the least of some repetitions. An evaluation with \
+         a tangent assembles the model three times where rates are spins."
+    );
+    table(out, &caption, &columns.map(str::to_owned), 1);
+    for (k, row) in c.rows.iter().enumerate() {
+        let n = &row.counts;
+        let per_step = match n.steps {
+            0 => "–".to_owned(),
+            _ => format!("{:.2}", row.iterations_per_step()),
+        };
+        let line = [
+            escaped(&row.scheme),
+            step(row),
+            n.steps.to_string(),
+            n.rejected.to_string(),
+            per_step,
+            n.evaluations.to_string(),
+            n.factorisations.to_string(),
+            n.chart_changes.to_string(),
+            short(row.seconds),
+            row.seconds_alone.map_or("–".to_owned(), short),
+        ];
+        cells(out, first(&c.rows, k), 1, &line);
+    }
+    end_table(out);
+}
+
+pub(super) fn failures(out: &mut String, c: &Comparison) {
+    if c.rows.iter().all(|row| row.failure.is_none()) {
+        return;
+    }
+    put(out, "<h2>Runs without an end</h2>");
+    let columns = ["scheme", "h", "reason"].map(str::to_owned);
+    table(out, "", &columns, 3);
+    for row in &c.rows {
+        if let Some(failure) = &row.failure {
+            let line = format!(
+                "<tr><td class=\"l\">{}</td><td class=\"l\">{}</td><td class=\"reason\">{}</td></tr>",
+                escaped(&row.scheme),
+                step(row),
+                escaped(failure)
+            );
+            put(out, &line);
+        }
+    }
+    end_table(out);
+}

@@ -1,0 +1,238 @@
+//! All runs of a comparison, and what they give.
+
+use super::grid::Grid;
+use super::order::orders;
+use super::run::{self, Failure, Maker, Ran, Task, Watch, dynamic, side_by_side};
+use super::{CompareError, Comparison, Contender, Drift, Options, Reference, Row};
+use super::{equal_cost, reference, sample};
+use crate::solve::{Counts, begin};
+use pullback_elements::model::Formulation;
+use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
+use std::num::NonZeroUsize;
+use std::sync::{Mutex, PoisonError};
+
+/// What has been checked before anything runs.
+pub(super) struct Prepared {
+    grid: Grid,
+    reference: Scheme,
+    unknowns: usize,
+    nodes: usize,
+    enforced: bool,
+    title: Option<String>,
+}
+
+/// What a comparison looks at: the names of all frame nodes, and the common times of runs with these
+/// step sizes, the start first.
+///
+/// # Errors
+/// [`CompareError`].
+pub fn looked_at(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f64>), CompareError> {
+    let job = make(Formulation::Total)?;
+    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
+    let grid = Grid::new(plan.options.to, steps)?;
+    let nodes = job.model.frames().map(|(_, name)| name.to_owned());
+    Ok((nodes.collect(), grid.all_times()))
+}
+
+pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
+    let mut job = make(Formulation::Total)?;
+    let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
+    let grid = Grid::new(plan.options.to, &options.steps)?;
+    if let Some(value) = options.residual.filter(|r| !(*r > 0.0 && r.is_finite())) {
+        return Err(CompareError::Residual { value });
+    }
+    if let Some(value) = options.long.filter(|f| !(*f >= 1.0 && f.is_finite())) {
+        return Err(CompareError::Longer { value });
+    }
+    if options.schemes.is_empty() {
+        return Err(CompareError::NoScheme);
+    }
+    for (k, scheme) in options.schemes.iter().enumerate() {
+        let name = scheme.to_string();
+        if options.schemes[..k].iter().any(|s| s.to_string() == name) {
+            return Err(CompareError::SchemeTwice { name });
+        }
+    }
+    for method in &options.schemes {
+        // A formulation that the model does not take is refused before anything runs.
+        make(method.formulation())?;
+    }
+    let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
+    let reference = options.reference.unwrap_or_else(Scheme::radau);
+    if !usable(&reference) {
+        let name = reference.to_string();
+        return Err(CompareError::Reference { name });
+    }
+    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
+    let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
+    // By the reference's scheme: that of the file may be none for this model.
+    let beginning = DynamicOptions {
+        scheme: reference,
+        adaptivity: None,
+        ..plan.options
+    };
+    begin(&mut job.model, &beginning, &mut Progress::new(start))?;
+    Ok(Prepared {
+        grid,
+        reference,
+        unknowns,
+        nodes: job.model.frames().count(),
+        enforced,
+        title: job.title,
+    })
+}
+
+/// Compares schemes on the model that `make` makes; `model` is what results call it.
+///
+/// # Errors
+/// [`CompareError`] for what no run can begin with. A run that fails is a row with the reason, and
+/// so is the reference.
+pub fn compare(
+    make: &Maker<'_>,
+    model: &str,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<Comparison, CompareError> {
+    let prepared = prepare(make, options)?;
+    Ok(carry_out(make, model, options, watch, prepared))
+}
+
+pub(super) fn carry_out(
+    make: &Maker<'_>,
+    model: &str,
+    options: &Options,
+    watch: &Watch<'_>,
+    prepared: Prepared,
+) -> Comparison {
+    let Prepared {
+        grid,
+        reference,
+        unknowns,
+        nodes,
+        enforced,
+        title,
+    } = prepared;
+    let relative = options.residual.unwrap_or(f64::INFINITY);
+    let mut tasks = match options.exact {
+        Some(_) => Vec::new(),
+        None => reference::tasks(&reference, &grid).to_vec(),
+    };
+    let behind = tasks.len();
+    let own = options.schemes.iter().flat_map(|&contender| {
+        grid.counts.iter().map(move |&steps| Task {
+            name: contender.to_string(),
+            contender,
+            steps,
+            relative,
+        })
+    });
+    tasks.extend(own);
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let threads = options.threads.map_or(cores, NonZeroUsize::get);
+    let threads = threads.min(tasks.len());
+    let long = options.long.map(|factor| grid.longer(factor));
+    let first = tasks.len();
+    if let Some(long) = &long {
+        let steps = long.counts[0];
+        let task = |&contender: &Contender| Task {
+            name: contender.to_string(),
+            contender,
+            steps,
+            relative,
+        };
+        tasks.extend(options.schemes.iter().map(task));
+    }
+    let grid_of = |k: usize| long.as_ref().filter(|_| k >= first).unwrap_or(&grid);
+    let mut ran = run_all(make, &tasks, &grid_of, threads, watch);
+    let lasting = ran.split_off(first);
+    let own = ran.split_off(behind);
+    let judged = match &options.exact {
+        Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
+        None if ran.iter().any(|r| r.failure.is_some()) => None,
+        None => reference::judge(&reference, &grid, &ran),
+    };
+    let failure = ran.iter().find_map(|r| r.failure.as_ref());
+    let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
+    let mut complete = !ran.iter().chain(&own).chain(&lasting).any(interrupted);
+    let mut rows = Vec::with_capacity(own.len());
+    for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
+        let asked = options.steps[k % options.steps.len()];
+        let mut row = row(ran, task, asked, &grid, judged.as_ref());
+        if options.timed && complete && row.failure.is_none() {
+            let time = run::clock(make, task, &grid, watch);
+            row.seconds_alone = time.map(|t| t.as_secs_f64());
+            complete = (watch.flow)().is_continue();
+        }
+        rows.push(row);
+    }
+    let kept = judged.as_ref().map(|r| r.kept).unwrap_or_default();
+    let lasting = lasting.into_iter().zip(&tasks[first..]).map(|(ran, task)| {
+        let row = row(ran, task, options.steps[0], grid_of(first), None);
+        Row {
+            drift: Drift::of(&row.samples, kept, row.counts.energy),
+            ..row
+        }
+    });
+    let long = lasting.collect();
+    let names: Vec<String> = options.schemes.iter().map(Contender::to_string).collect();
+    Comparison {
+        program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
+        model: model.to_owned(),
+        title,
+        command: None,
+        complete,
+        to: grid.to,
+        times: grid.times,
+        unknowns,
+        enforced,
+        threads,
+        orders: orders(&options.schemes, &rows, judged.as_ref()),
+        reference_failure: failure.map(|f| format!("{reference}: {f}")),
+        equal_cost: equal_cost::find(&names, &rows),
+        reference: judged,
+        rows,
+        long,
+    }
+}
+
+/// Runs all tasks, those with most steps first.
+fn run_all<'g>(
+    make: &Maker<'_>,
+    tasks: &[Task],
+    grid_of: &(dyn Fn(usize) -> &'g Grid + Sync),
+    threads: usize,
+    watch: &Watch<'_>,
+) -> Vec<Ran> {
+    let mut turn: Vec<usize> = (0..tasks.len()).collect();
+    turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
+    let ended = Mutex::new(0);
+    let ran = side_by_side(tasks.len(), threads, &|k| {
+        let task = &tasks[turn[k]];
+        let ran = run::drive(make, task, grid_of(turn[k]), watch);
+        let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+        *ended += 1;
+        (watch.ended)(*ended, tasks.len(), &task.name);
+        ran
+    });
+    let mut ran: Vec<(usize, Ran)> = turn.into_iter().zip(ran).collect();
+    ran.sort_by_key(|(k, _)| *k);
+    ran.into_iter().map(|(_, ran)| ran).collect()
+}
+
+fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Reference>) -> Row {
+    let reference = reference.filter(|_| ran.failure.is_none());
+    let kept = reference.map(|r| r.kept).unwrap_or_default();
+    let counts = Counts::of_motion(&ran.summary);
+    Row {
+        scheme: task.name.clone(),
+        asked,
+        step: grid.step(task.steps),
+        failure: ran.failure.as_ref().map(ToString::to_string),
+        drift: Drift::of(&ran.samples, kept, counts.energy),
+        counts,
+        error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
+        seconds: ran.time.as_secs_f64(),
+        seconds_alone: None,
+        samples: ran.samples,
+    }
+}

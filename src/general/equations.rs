@@ -1,0 +1,139 @@
+//! A system of the second order as one of the first.
+
+#![allow(non_snake_case)]
+
+use pullback_integrators::dynamics::DynamicsError;
+use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+/// ẏ of y = (q, q̇) and its derivative, with a count of what they cost. What cannot be evaluated is not
+/// a number, and the reason is kept.
+pub(super) struct Equations<'a, Y: ?Sized> {
+    pub system: &'a mut Y,
+    solver: AutoSolver,
+    n: usize,
+    r: Vec<f64>,
+    M: Vec<f64>,
+    K: Vec<f64>,
+    C: Vec<f64>,
+    zero: Vec<f64>,
+    a: Vec<f64>,
+    /// Where K, C and the factors of M are those of: time and y.
+    at: Option<(f64, Vec<f64>)>,
+    pub evaluations: usize,
+    pub factorisations: usize,
+    pub failure: Option<String>,
+}
+
+impl<'a, Y: System + ?Sized> Equations<'a, Y> {
+    pub fn new(system: &'a mut Y) -> Result<Self, DynamicsError> {
+        let mut solver = AutoSolver::new();
+        solver
+            .analyse(system.pattern(), Symmetry::General)
+            .map_err(|source| DynamicsError::Analysis { source })?;
+        let (n, len) = (system.pattern().dim(), system.pattern().len());
+        Ok(Self {
+            system,
+            solver,
+            n,
+            r: vec![0.0; n],
+            M: vec![0.0; len],
+            K: vec![0.0; len],
+            C: vec![0.0; len],
+            zero: vec![0.0; n],
+            a: vec![0.0; n],
+            at: None,
+            evaluations: 0,
+            factorisations: 0,
+            failure: None,
+        })
+    }
+
+    /// q̈ into `a`, the factors of M in the solver.
+    fn accelerate(&mut self, t: f64, y: &[f64]) -> Result<(), String> {
+        self.at = None;
+        if y.iter().any(|y| !y.is_finite()) {
+            return Err("it asks for a state that is not finite".to_owned());
+        }
+        let (q, v) = y.split_at(self.n);
+        let a = &self.zero[..];
+        let out = Evaluation::with_tangent(&mut self.r, Weights::MASS, &mut self.M);
+        self.evaluations += 1;
+        self.system
+            .evaluate(Point { t, q, v, a }, out)
+            .map_err(|error| error.to_string())?;
+        self.factorisations += 1;
+        self.a.copy_from_slice(&self.r);
+        self.solver
+            .factorise_and_solve(&self.M, &mut self.a)
+            .map_err(|error| format!("the mass matrix: {error}"))
+    }
+
+    /// ẏ; not a number where there is none.
+    pub fn rate(&mut self, t: f64, y: &[f64], out: &mut [f64]) {
+        match self.accelerate(t, y) {
+            Ok(()) => {
+                out[..self.n].copy_from_slice(&y[self.n..]);
+                out[self.n..].copy_from_slice(&self.a);
+            }
+            Err(reason) => {
+                self.failure = Some(reason);
+                out.fill(f64::NAN);
+            }
+        }
+    }
+
+    /// K and C at y.
+    fn linearise(&mut self, t: f64, y: &[f64]) -> Result<(), String> {
+        if (self.at.as_ref()).is_some_and(|(known, state)| *known == t && state == y) {
+            return Ok(());
+        }
+        self.accelerate(t, y)?;
+        let (q, v) = y.split_at(self.n);
+        let parts = [
+            (Weights::STATIC, true),
+            (
+                Weights {
+                    K: 0.0,
+                    C: 1.0,
+                    M: 0.0,
+                },
+                false,
+            ),
+        ];
+        for (weights, stiffness) in parts {
+            let S = if stiffness { &mut self.K } else { &mut self.C };
+            let out = Evaluation::with_tangent(&mut self.r, weights, S);
+            let a = &self.a[..];
+            self.evaluations += 1;
+            self.system
+                .evaluate(Point { t, q, v, a }, out)
+                .map_err(|error| error.to_string())?;
+        }
+        self.at = Some((t, y.to_vec()));
+        Ok(())
+    }
+
+    /// The derivative of ẏ in the direction `dy`.
+    pub fn derivative(&mut self, t: f64, y: &[f64], dy: &[f64], out: &mut [f64]) {
+        let (dq, dv) = dy.split_at(self.n);
+        let solved = self.linearise(t, y).and_then(|()| {
+            let pattern = self.system.pattern();
+            self.r.fill(0.0);
+            pattern.multiply_add(-1.0, &self.K, dq, &mut self.r);
+            pattern.multiply_add(-1.0, &self.C, dv, &mut self.r);
+            let solved = self.solver.solve(Some(&self.M), &mut self.r);
+            solved.map_err(|error| format!("the mass matrix: {error}"))
+        });
+        match solved {
+            Ok(()) => {
+                out[..self.n].copy_from_slice(dv);
+                out[self.n..].copy_from_slice(&self.r);
+            }
+            Err(reason) => {
+                self.failure = Some(reason);
+                out.fill(f64::NAN);
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! General solvers of ordinary differential equations on a model, to see what they would cost.
+//!
+//! The model is handed over as a system of the first order with its exact tangents,
+//!
+//! ```text
+//! y = (q, q̇),   ẏ = (q̇, q̈),   M q̈ = r(t, q, q̇, 0),   ∂q̈ = −M⁻¹ (K ∂q + C ∂q̇)
+//! ```
+//!
+//! and the solver, of the library diffsol, chooses its steps by a tolerance. It knows nothing of
+//! charts: where one changes it is started anew, as it is at kinks of functions of time. A mass matrix
+//! that depends on q is nothing that it takes, so every evaluation factorises M, and its own
+//! linear algebra is that of full matrices. The cargo feature `diffsol` builds it in.
+
+#[cfg(feature = "diffsol")]
+mod equations;
+#[cfg(feature = "diffsol")]
+mod solver;
+
+#[cfg(feature = "diffsol")]
+pub use solver::{Observer, integrate};
+
+use pullback_integrators::dynamics::DynamicsError;
+use std::fmt;
+use std::str::FromStr;
+
+/// Why a general solver came to no end.
+#[derive(Debug, thiserror::Error)]
+pub enum GeneralError {
+    /// Multipliers are no differential equation.
+    #[error(
+        "the solver {solver} takes ordinary differential equations, and {multiplier} is a \
+         multiplier: close the loop by a map"
+    )]
+    Multiplier {
+        /// The solver.
+        solver: String,
+        /// The first multiplier.
+        multiplier: String,
+    },
+    /// The motion cannot begin, or go on.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// The model cannot be evaluated where the solver wants it.
+    #[error("the solver {solver} at time {t:.6}: {reason}")]
+    Solver {
+        /// The solver.
+        solver: String,
+        /// Time.
+        t: f64,
+        /// What the model, or the solver, says.
+        reason: String,
+    },
+}
+
+/// A method of the library diffsol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// Backward differences of variable order, 1 to 5.
+    Bdf,
+    /// A diagonally implicit Runge-Kutta method of order 3 with an explicit first stage.
+    Esdirk,
+}
+
+/// A general solver and its relative tolerance, from a word such as `diffsol-bdf` or
+/// `diffsol-esdirk:1e-6`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct General {
+    /// The method.
+    pub rule: Rule,
+    /// Relative tolerance, in a comparison that at its largest step size.
+    pub tolerance: f64,
+    /// Whether the tolerance was given.
+    given: bool,
+}
+
+/// Words and methods.
+const RULES: [(&str, Rule); 2] = [("diffsol-bdf", Rule::Bdf), ("diffsol-esdirk", Rule::Esdirk)];
+/// What words of general solvers begin with.
+pub(crate) const PREFIX: &str = "diffsol";
+/// Relative tolerance unless something else is said.
+const TOLERANCE: f64 = 1e-4;
+
+impl General {
+    /// A method with a relative tolerance.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Parameter`] unless the tolerance is in [1e-13, 0.1].
+    pub fn new(rule: Rule, tolerance: f64) -> Result<Self, DynamicsError> {
+        let [from, to] = [1e-13, 0.1];
+        if !(tolerance >= from && tolerance <= to) {
+            return Err(DynamicsError::Parameter {
+                name: "tolerance of a general solver",
+                value: tolerance,
+                from,
+                to,
+            });
+        }
+        Ok(Self {
+            rule,
+            tolerance,
+            given: true,
+        })
+    }
+
+    /// The same at a step size of a comparison whose largest one is `largest`: errors of schemes of
+    /// order two fall with h², and so does the tolerance, as far as rounding lets it.
+    pub fn at(&self, step: f64, largest: f64) -> Self {
+        let tolerance = (self.tolerance * (step / largest).powi(2)).max(1e-13);
+        Self { tolerance, ..*self }
+    }
+
+    /// What it is, for reports.
+    pub fn about(&self) -> &'static str {
+        match self.rule {
+            Rule::Bdf => {
+                "backward differences of variable order and step (diffsol), total rotation vectors, \
+                 a system of the first order; h stands for a tolerance that falls with h²"
+            }
+            Rule::Esdirk => {
+                "ESDIRK of order 3 with variable step (diffsol), total rotation vectors, a system of \
+                 the first order; h stands for a tolerance that falls with h²"
+            }
+        }
+    }
+}
+
+impl FromStr for General {
+    type Err = DynamicsError;
+
+    /// `diffsol-bdf` or `diffsol-esdirk`, with a tolerance behind a colon if it is not 1e-4. An error
+    /// in programs that are built without the feature `diffsol`.
+    fn from_str(text: &str) -> Result<Self, DynamicsError> {
+        let refuse = |problem: String| DynamicsError::Word {
+            word: text.to_owned(),
+            problem,
+        };
+        let (word, number) = match text.split_once(':') {
+            Some((word, number)) => (word, Some(number)),
+            None => (text, None),
+        };
+        let Some((_, rule)) = RULES.iter().find(|(known, _)| *known == word) else {
+            return Err(refuse(
+                "no general solver is called so; there are diffsol-bdf and diffsol-esdirk, or \
+                 diffsol-bdf:TOLERANCE"
+                    .to_owned(),
+            ));
+        };
+        if !cfg!(feature = "diffsol") {
+            return Err(refuse(
+                "this program is built without general solvers; build it with them: \
+                 cargo build --release --features diffsol"
+                    .to_owned(),
+            ));
+        }
+        let tolerance = match number {
+            None => TOLERANCE,
+            Some(number) => {
+                (number.trim().parse()).map_err(|_| refuse(format!("`{number}` is no number")))?
+            }
+        };
+        Ok(Self {
+            given: number.is_some(),
+            ..Self::new(*rule, tolerance)?
+        })
+    }
+}
+
+impl fmt::Display for General {
+    /// The word that makes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = RULES.iter().find(|(_, rule)| *rule == self.rule);
+        f.write_str(word.map_or("", |(word, _)| word))?;
+        if self.given {
+            write!(f, ":{}", self.tolerance)?;
+        }
+        Ok(())
+    }
+}
