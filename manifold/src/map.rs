@@ -223,6 +223,11 @@ pub trait Parametrization: Send + Sync {
         true
     }
 
+    /// Whether φ is linear in q, so that K_σ(f) vanishes and nobody has to ask for it.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
     /// changed in place; whether they were. Nothing to do by default.
     fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {

@@ -360,9 +360,6 @@ impl ModelBuilder {
             loose: None,
             mapped: false,
             held: false,
-            pulled: 0,
-            blocks: 0,
-            first_block: 0,
             first_place: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))

@@ -22,6 +22,7 @@ mod motion;
 mod placement;
 mod query;
 mod rates;
+mod scatter;
 mod sheets;
 mod slots;
 
@@ -38,10 +39,9 @@ pub use query::Reaction;
 use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::{MAX_NODES, Workspace};
-use dependence::{Dependence, Operators};
+use dependence::Dependence;
 use nalgebra::Vector3;
 use placement::Placement;
-use pullback_manifold::pullback::Slot;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
 use std::ops::{Deref, Range};
@@ -128,18 +128,6 @@ impl Node {
         }
     }
 
-    /// The node in a pull-back: the identity, or the operators of its dependence.
-    fn slot<'a>(&self, operators: &'a Operators, moving: bool) -> Slot<'a> {
-        match &self.source {
-            Source::Own => Slot {
-                n: self.dim,
-                d: self.dim,
-                ..Slot::default()
-            },
-            Source::Mapped(d) => d.slot(self.dim, operators, moving),
-        }
-    }
-
     /// Name of coordinate `k` of this node.
     fn coordinate_name(&self, k: usize) -> String {
         if self.is_frame() {
@@ -205,10 +193,6 @@ struct Attached {
     dead: bool,
     /// Whether it stands for applied loads.
     load: bool,
-    /// Number of coordinates after the pull-back to own nodes.
-    pulled: usize,
-    blocks: usize,
-    first_block: usize,
     first_place: usize,
 }
 
