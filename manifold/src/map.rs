@@ -190,7 +190,7 @@ pub struct KinematicsMut<'a> {
 /// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
 /// says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
-    /// The name of the map's type.
+    /// What the map is called in reports: the name of its type unless it has a better one.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
     }

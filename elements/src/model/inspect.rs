@@ -7,7 +7,7 @@ use super::{Form, Model, Node, Source};
 use crate::check::Frame;
 use crate::element::Element;
 use nalgebra::{DVector, Vector3};
-use pullback_manifold::check::{Group, Layout, State, shortened};
+use pullback_manifold::check::{Group, Layout, State, plain};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
 use std::f64::consts::{PI, TAU};
@@ -45,7 +45,7 @@ impl Model {
         let own = self.extent(&e.nodes).unwrap_or(0.0);
         let unit = |n: usize| if own > 0.0 { own } else { units[n] };
         self.component(
-            format!("{what} {} ({})", e.name, shortened(e.element.kind())),
+            format!("{what} {} ({})", e.name, plain(e.element.kind())),
             &*e.element,
             nodes,
             &unit,
@@ -76,8 +76,13 @@ impl Model {
             return None;
         };
         let masters = d.masters().iter().map(|&m| m as usize);
+        let what = if node.is_frame() {
+            "joint"
+        } else {
+            "coordinate"
+        };
         Some(self.component(
-            format!("joint {} ({})", node.name, shortened(d.map.kind())),
+            format!("{what} {} ({})", node.name, plain(d.map.kind())),
             &*d.map,
             masters,
             &|n| units[n],
@@ -238,14 +243,16 @@ impl Model {
     }
 
     /// Writes rotations of a state in their other charts, with everything that follows from that, as
-    /// at the end of a step; how many. Those too close to 0 or 2π, where the other chart ends, stay.
+    /// at the end of a step; how many. Those near 0 or 2π, where the other chart ends, stay.
     pub(crate) fn switch(
         &mut self,
         rotations: &[Rotation],
         s: &mut State,
     ) -> Result<usize, SystemError> {
         self.look_before(s.t, s.x.as_slice());
-        let count = rotations.iter().filter(|r| complement(r, s)).count();
+        let clear = TURNED..TAU - TURNED;
+        let count = rotations.iter().filter(|r| complement(r, s, &clear));
+        let count = count.count();
         self.update_maps(s.t, s.x.as_slice())?;
         self.follow_element_charts(s.t);
         Ok(count)
@@ -258,7 +265,7 @@ impl Model {
         for unknowns in self.free_rotations() {
             let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
             if parts.sum::<f64>().sqrt() > PI {
-                complement(&unknowns, s);
+                complement(&unknowns, s, &(PI..TAU));
             }
         }
         self.update_maps(s.t, s.x.as_slice())?;
@@ -330,14 +337,15 @@ pub(crate) struct Snapshot {
     pub frames: Vec<[Vector3<f64>; 5]>,
 }
 
-/// Writes a rotation of a state, in motion or at rest, in its other chart; whether it has one.
-fn complement(unknowns: &Rotation, s: &mut State) -> bool {
+/// Writes a rotation of a state, in motion or at rest, in its other chart, where its angle is among
+/// those given; whether it is.
+fn complement(unknowns: &Rotation, s: &mut State, angles: &std::ops::Range<f64>) -> bool {
     let take = |from: &DVector<f64>| {
         let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
         Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))
     };
     let mut all = [take(&s.x), take(&s.v), take(&s.a)];
-    if !(CLEAR..TAU - CLEAR).contains(&all[0].norm()) {
+    if !angles.contains(&all[0].norm()) {
         return false;
     }
     let [x, v, a] = &mut all;
@@ -352,8 +360,9 @@ fn complement(unknowns: &Rotation, s: &mut State) -> bool {
     true
 }
 
-/// Rotation vectors closer than this to 0 or 2π keep their chart.
-const CLEAR: f64 = 0.2;
+/// Rotation vectors closer than this to 0 or 2π keep their chart: there the change of charts enlarges
+/// round-off by 2π/ψ, and nothing could be told from it.
+const TURNED: f64 = 1.0;
 
 impl Node {
     /// Its coordinates in groups: which, what they are called, what they measure.

@@ -14,6 +14,7 @@ mod dependence;
 mod enforced;
 mod error;
 mod gather;
+mod inside;
 mod inspect;
 mod line;
 mod local;

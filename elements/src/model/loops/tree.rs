@@ -383,6 +383,10 @@ pub(super) struct Part {
 }
 
 impl Parametrization for Part {
+    fn kind(&self) -> &'static str {
+        "in a loop"
+    }
+
     fn dims(&self) -> (usize, usize) {
         (self.of, self.len)
     }

@@ -2,6 +2,8 @@
 
 #![allow(non_snake_case)]
 
+use std::ops::Range;
+
 /// out = A B, with A m×k and B k×n.
 pub(super) fn product([m, k, n]: [usize; 3], A: &[f64], B: &[f64], out: &mut [f64]) {
     for j in 0..n {
@@ -32,8 +34,24 @@ pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+/// Four sums side by side: the loop is then done by vectors.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    let (mut a, mut b) = (a.chunks_exact(4), b.chunks_exact(4));
+    for (a, b) in a.by_ref().zip(b.by_ref()) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest = a.remainder().iter().zip(b.remainder());
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest.map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// x −= (d·x) d; false where there is nothing along d.
+fn subtract(d: &[f64], x: &mut [f64]) -> bool {
+    let along = dot(d, x);
+    x.iter_mut().zip(d).for_each(|(x, d)| *x -= along * d);
+    along != 0.0
 }
 
 /// Columns of a matrix in the order in which they add most to the span of those before: a QR
@@ -44,10 +62,8 @@ pub(super) struct Pivoted {
     rest: Vec<f64>,
     /// What of each column is left, squared.
     squares: Vec<f64>,
-    /// Which rows of each column may not be zero, a bit each: a coordinate takes part in few
-    /// equations, and columns without a common row are orthogonal as they are.
-    support: Vec<u64>,
-    along: Vec<u64>,
+    /// The rows of each column that may not be zero.
+    ranges: Vec<Range<usize>>,
     /// Columns, the largest first; only the first `steps` entries are pivots.
     pub order: Vec<usize>,
     /// What of each column, in this order, is not in the span of those before: |r_kk|.
@@ -57,7 +73,8 @@ pub(super) struct Pivoted {
 }
 
 impl Pivoted {
-    /// Factorises `A`, of `rows` rows. Every column is made orthogonal twice, which is enough.
+    /// Factorises `A`, of `rows` rows. A column of which little is left is made
+    /// orthogonal twice, which is enough.
     pub(super) fn run(&mut self, rows: usize, A: &[f64]) {
         let columns = A.len().checked_div(rows).unwrap_or(0);
         let steps = rows.min(columns);
@@ -70,16 +87,15 @@ impl Pivoted {
         self.left.resize(columns, 0.0);
         self.basis.clear();
         self.basis.resize(rows * steps, 0.0);
-        let words = rows.div_ceil(64);
-        self.support.clear();
-        self.support.resize(words * columns, 0);
         self.squares.clear();
+        self.ranges.clear();
         for c in 0..columns {
             let column = &A[c * rows..(c + 1) * rows];
             self.squares.push(dot(column, column));
-            for (i, _) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-                self.support[c * words + i / 64] |= 1 << (i % 64);
-            }
+            let mut some = (0..rows).filter(|&i| column[i] != 0.0);
+            let first = some.next().unwrap_or(0);
+            let last = some.next_back().unwrap_or(first);
+            self.ranges.push(first..last + 1);
         }
         for k in 0..steps {
             // The first of equal ones, so that rounding does not decide between ties.
@@ -101,24 +117,22 @@ impl Pivoted {
             for (d, x) in direction.iter_mut().zip(&self.rest[c * rows..]) {
                 *d = x / left;
             }
-            self.along.clear();
-            self.along
-                .extend_from_slice(&self.support[c * words..(c + 1) * words]);
+            let range = self.ranges[c].clone();
+            let direction = &direction[range.clone()];
             for &j in &self.order[k + 1..] {
-                let support = &mut self.support[j * words..(j + 1) * words];
-                if support.iter().zip(&self.along).all(|(a, b)| a & b == 0) {
+                let column = &mut self.rest[j * rows..(j + 1) * rows];
+                let before = self.squares[j];
+                if before == 0.0 || !subtract(direction, &mut column[range.clone()]) {
                     continue;
                 }
-                support
-                    .iter_mut()
-                    .zip(&self.along)
-                    .for_each(|(a, b)| *a |= b);
-                let column = &mut self.rest[j * rows..(j + 1) * rows];
-                for _ in 0..2 {
-                    let along: f64 = bits(&self.along).map(|i| direction[i] * column[i]).sum();
-                    bits(&self.along).for_each(|i| column[i] -= along * direction[i]);
+                let all = &mut self.ranges[j];
+                *all = all.start.min(range.start)..all.end.max(range.end);
+                let mut now = dot(&column[all.clone()], &column[all.clone()]);
+                if now < 0.5 * before {
+                    subtract(direction, &mut column[range.clone()]);
+                    now = dot(&column[all.clone()], &column[all.clone()]);
                 }
-                self.squares[j] = bits(support).map(|i| column[i] * column[i]).sum();
+                self.squares[j] = now;
             }
         }
     }
@@ -134,15 +148,6 @@ impl Pivoted {
     pub(super) fn direction(&self, k: usize) -> &[f64] {
         &self.basis[k * self.rows..(k + 1) * self.rows]
     }
-}
-
-/// The numbers of the bits that are set, ascending.
-fn bits(words: &[u64]) -> impl Iterator<Item = usize> + '_ {
-    words.iter().enumerate().flat_map(|(k, &word)| {
-        let next = |w: &u64| Some(w & (w - 1)).filter(|w| *w != 0);
-        let some = Some(word).filter(|w| *w != 0);
-        std::iter::successors(some, next).map(move |w| 64 * k + w.trailing_zeros() as usize)
-    })
 }
 
 /// The inverse of a matrix, by triangular factors of which only what is not zero is walked through:

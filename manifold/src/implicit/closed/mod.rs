@@ -151,6 +151,10 @@ impl Closed {
 }
 
 impl Parametrization for Closed {
+    fn kind(&self) -> &'static str {
+        "closed loop"
+    }
+
     fn dims(&self) -> (usize, usize) {
         let core = self.core();
         (core.D + core.p, core.X)
