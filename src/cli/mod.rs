@@ -248,8 +248,15 @@ fn complain(error: &dyn Diagnostic) {
 }
 
 fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -> u8 {
+    let mut notes = String::new();
     let report = match registry.load(model) {
-        Ok(mut job) => crate::check::job(&mut job, seed),
+        Ok(mut job) => {
+            if job.model.hung().next().is_some() {
+                notes = job.model.notes().join("\n") + "\n";
+                notes = format!("{}{}\n\n", notes.trim_start(), job.model.mobility());
+            }
+            crate::check::job(&mut job, seed)
+        }
         Err(error) => {
             complain(&error);
             return REFUSED;
@@ -264,9 +271,9 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
             }
         }
     } else if all {
-        crate::check::table(&report)
+        notes + &crate::check::table(&report)
     } else {
-        crate::check::summary(&report)
+        notes + &crate::check::summary(&report)
     };
     match print(&text) {
         0 if report.is_ok() => 0,

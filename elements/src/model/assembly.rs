@@ -101,7 +101,7 @@ impl Model {
     /// Coordinates (and velocities, accelerations where given) of all nodes at a point, into the
     /// workspace: own nodes first, then the mapped ones.
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
-        let statics = at.v.is_empty();
+        let statics = at.is_static();
         let w = &mut self.work;
         w.t = at.t;
         for (&c, q) in self.coordinates.iter().zip(at.q) {
@@ -257,7 +257,7 @@ impl System for Model {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let statics = at.v.is_empty();
+        let statics = at.is_static();
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
         self.check_left_out()?;

@@ -18,6 +18,7 @@ impl ModelBuilder {
     /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let length = size(&self.nodes);
+        self.keep_one_free()?;
         let forces = self.enforce_closings(length)?;
         let Self {
             mut nodes,
@@ -25,13 +26,20 @@ impl ModelBuilder {
             prescribed,
             closings,
             starts,
+            mut preferred,
             ..
         } = self;
         if nodes.is_empty() {
             return Err(ModelError::Empty);
         }
         let held = loops::Held(&prescribed);
-        let mut reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
+        preferred.extend(starts.keys().map(|&(n, _)| n));
+        preferred.extend(elements.iter().flat_map(|e| e.nodes.iter().map(|&n| NodeId(n))));
+        let wishes = loops::Wishes {
+            starts: &starts,
+            preferred,
+        };
+        let mut reports = loops::close(&mut nodes, &closings, &held, &wishes, length)?;
         reports.extend(forces);
         let mut total = 0;
         for node in &mut nodes {
@@ -72,12 +80,9 @@ impl ModelBuilder {
             }
         }
         if coordinates.is_empty() {
-            let locked = |r: &&loops::Report| !r.closures.is_empty();
-            return Err(match reports.iter().find(locked) {
-                Some(r) => ModelError::LockedLoop {
-                    joints: nodes[r.closures[0].0 as usize].name.clone(),
-                },
-                None => ModelError::NothingFree,
+            let locked = reports.iter().find_map(|r| r.closures.first());
+            return Err(ModelError::LockedLoop {
+                joints: locked.map_or_else(String::new, |&(n, _)| nodes[n as usize].name.clone()),
             });
         }
 

@@ -9,7 +9,7 @@ use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::collections::hash_map::Entry;
 
 /// Coordinates of a frame node.
@@ -80,6 +80,8 @@ pub struct ModelBuilder {
     pub(super) closings: Vec<Closing>,
     /// Where coordinates of loops should start.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
+    /// Coordinates that loops rather leave free.
+    pub(super) preferred: HashSet<NodeId>,
     /// Coordinates that follow another one through gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
 }

@@ -144,7 +144,7 @@ impl Model {
                     place: node.place,
                 }),
                 Form::Rotation => rotations.push(first),
-                Form::Coordinates | Form::Multipliers => {}
+                Form::Coordinates | Form::Multipliers | Form::Idle => {}
             }
             first += node.dim;
         }
@@ -374,7 +374,7 @@ impl Node {
                 (3..6, format!("rotation of node {name}"), Kind::Angle),
             ],
             Form::Rotation => vec![(0..3, name.clone(), Kind::Angle)],
-            Form::Coordinates | Form::Multipliers => (0..self.dim)
+            Form::Coordinates | Form::Multipliers | Form::Idle => (0..self.dim)
                 .map(|k| (k..k + 1, self.coordinate_name(k), self.kinds[k]))
                 .collect(),
         }

@@ -14,11 +14,13 @@ mod dependence;
 mod enforced;
 mod error;
 mod gather;
+mod idle;
 mod inside;
 mod inspect;
 mod line;
 mod local;
 mod loops;
+mod mobility;
 mod motion;
 mod placement;
 mod query;
@@ -34,6 +36,7 @@ pub use closures::Closure;
 pub use error::ModelError;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
+pub use mobility::Mobility;
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
 
@@ -69,6 +72,8 @@ enum Form {
     Multipliers,
     /// Any others, of one chart.
     Coordinates,
+    /// The one unknown of a model of which everything is prescribed.
+    Idle,
 }
 
 /// Where a node's coordinates are in the vector of all nodes' coordinates.
@@ -125,7 +130,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Coordinates | Form::Multipliers => None,
+            Form::Coordinates | Form::Multipliers | Form::Idle => None,
         }
     }
 
