@@ -46,8 +46,18 @@ fn the_table_and_the_rows_of_a_model() {
     let directory = directory("program_check");
     let path = write(&directory, MODEL);
     let path = path.to_str().unwrap();
-    let (code, table, errors) = run(&[path]);
+    // A line for each component by default.
+    let (code, short, errors) = run(&[path]);
+    assert_eq!((code, errors.as_str()), (Some(0), ""), "{short}");
+    let beams: Vec<&str> = (short.lines())
+        .filter(|l| l.starts_with("element beam:* (beam), 8 of them  "))
+        .collect();
+    assert_eq!(beams.len(), 1, "{short}");
+    assert!(beams[0].contains(" (worst of "), "{short}");
+    assert!(!short.contains("Beam<"), "{short}");
+    let (code, table, errors) = run(&[path, "--all"]);
     assert_eq!((code, errors.as_str()), (Some(0), ""), "{table}");
+    assert!(table.lines().count() > 2 * short.lines().count());
     for words in [
         "component",
         "K = -dr/dx",
@@ -113,4 +123,45 @@ fn failures_are_told_one_by_one() {
     let entries = check::entries(&report);
     assert!(!entries[0].passed);
     assert_eq!(entries[0].blocks[0].factor, Some(0.5));
+}
+
+#[test]
+fn a_mechanism_by_the_names_of_its_file() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let (code, said, _) = run(&[models.join("four_bar.toml").to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{said}");
+    for words in [
+        "joint C closes a loop; independent: A angle; redundant: ",
+        "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are redundant",
+        "joint A (revolute)",
+        "joint crank tip (offset)",
+        "coordinate B angle (in a loop)",
+        "coordinate coordinates of C (closed loop)",
+        "element crank (rigid body)",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+}
+
+/// A bead on a beam, `start` from its beginning.
+fn bead(start: f64) -> String {
+    with(
+        "[analysis",
+        &format!(
+            "[[joints]]\nname = \"bead\"\ntype = \"slide\"\nlines = [\"beam\"]\nstart = {start}\n\
+             spring = {{ k = 1 }}\n\n[[loads]]\nnode = \"bead\"\nforce = [0, 0, -1]\n\n[analysis"
+        ),
+    )
+}
+
+#[test]
+fn a_slide_may_start_at_the_end_of_its_chain() {
+    let directory = directory("program_check_slide");
+    for start in [0.0, 1.0] {
+        let path = write(&directory, &bead(start));
+        for seed in 0..3 {
+            let report = check::file(&path, seed).unwrap();
+            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
+        }
+    }
 }

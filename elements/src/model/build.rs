@@ -34,7 +34,11 @@ impl ModelBuilder {
         }
         let held = loops::Held(&prescribed);
         preferred.extend(starts.keys().map(|&(n, _)| n));
-        preferred.extend(elements.iter().flat_map(|e| e.nodes.iter().map(|&n| NodeId(n))));
+        preferred.extend(
+            elements
+                .iter()
+                .flat_map(|e| e.nodes.iter().map(|&n| NodeId(n))),
+        );
         let wishes = loops::Wishes {
             starts: &starts,
             preferred,

@@ -9,8 +9,8 @@ use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
-use std::collections::{HashMap, HashSet};
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;

@@ -37,9 +37,11 @@ impl ModelBuilder {
         let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
             .map(|(n, k, _)| (n.0 as usize, *k))
             .collect();
-        let free = self.nodes.iter().enumerate().any(|(n, node)| {
-            node.is_own() && (0..node.dim).any(|k| !given.contains(&(n, k)))
-        });
+        let free = self
+            .nodes
+            .iter()
+            .enumerate()
+            .any(|(n, node)| node.is_own() && (0..node.dim).any(|k| !given.contains(&(n, k))));
         if free || self.nodes.is_empty() {
             return Ok(());
         }

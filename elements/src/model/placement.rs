@@ -300,3 +300,70 @@ fn visit_block(
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::body::RigidBody;
+    use crate::joint::{offset, revolute};
+    use crate::model::{Dof, Model, ModelBuilder};
+    use nalgebra::{Matrix3, Vector3};
+
+    /// Bars one after the other.
+    fn chain(count: usize) -> Model {
+        let mut b = ModelBuilder::new();
+        let mut end = b.node("ground", [0.0; 3]).unwrap();
+        b.support(end, &Dof::ALL);
+        for k in 0..count {
+            let pin = revolute(&mut b, &format!("pin {k}"), end, [0.0, 0.0, 1.0]).unwrap();
+            let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+            b.element(format!("bar {k}"), body, &[pin.frame]).unwrap();
+            let place = [k as f64 + 1.0, 0.0, 0.0];
+            end = offset(&mut b, &format!("end {k}"), pin.frame, place).unwrap();
+        }
+        b.build().unwrap()
+    }
+
+    /// The work and the room for a chain grow with the square of its length, as its mass matrix does;
+    /// tangents of every body for every pair of coordinates before it would make that the third power.
+    #[test]
+    fn chains_grow_with_the_square_of_their_length() {
+        let sizes = [20, 40, 80].map(|count| {
+            let model = chain(count);
+            let (p, w) = (&model.placement, &model.work);
+            assert_eq!(model.pattern.len(), count * count);
+            [w.operators.B.len(), w.panels.len(), p.places.len()]
+        });
+        for k in 0..3 {
+            for pair in sizes.windows(2) {
+                let growth = pair[1][k] as f64 / pair[0][k] as f64;
+                assert!((1.9..4.3).contains(&growth), "{k}: {sizes:?}");
+            }
+        }
+    }
+
+    /// Every coordinate stands once in the operators of a frame, however many joints bring it there.
+    #[test]
+    fn coordinates_are_counted_once() {
+        let mut b = ModelBuilder::new();
+        let ground = b.node("ground", [0.0; 3]).unwrap();
+        b.support(ground, &Dof::ALL);
+        let pin = revolute(&mut b, "pin", ground, [0.0, 0.0, 1.0]).unwrap();
+        let other = b
+            .hang(
+                "other",
+                [0.0; 3],
+                crate::joint::Revolute::new([0.0, 0.0, 1.0]).unwrap(),
+                &[pin.frame, pin.angle],
+            )
+            .unwrap();
+        let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+        b.element("body", body, &[other]).unwrap();
+        let model = b.build().unwrap();
+        let super::Source::Mapped(d) = &model.nodes[other.0 as usize].source else {
+            panic!("it follows others");
+        };
+        assert_eq!(d.pulled, 7);
+        assert_eq!(d.ancestors.len(), 2);
+    }
+}
