@@ -136,8 +136,8 @@ fn a_mechanism_by_the_names_of_its_file() {
         "joint A (revolute)",
         "joint crank tip (offset)",
         "coordinate B angle (in a loop)",
-        "coordinate coordinates of C (closed loop)",
-        "element crank (rigid body)",
+        "\ncoordinates of C (closed loop)",
+        "element body crank (rigid body)",
     ] {
         assert!(said.contains(words), "{words}\n{said}");
     }

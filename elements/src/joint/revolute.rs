@@ -2,7 +2,7 @@
 
 mod closed;
 
-use super::{AxisError, Joint, JointNodes, Pose, Released, RevoluteNodes, Sheet, direction};
+use super::{AxisError, Joint, Pose, Released, RevoluteNodes, Sheet, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::map::Kinematics;
@@ -73,7 +73,7 @@ pub fn revolute(
     axis: [f64; 3],
 ) -> Result<RevoluteNodes, ModelError> {
     let joint = Revolute::new(axis).map_err(|e| e.of(name))?;
-    let JointNodes { frame, released } = b.attach(name, master, joint)?;
-    let angle = released[0];
+    let made = b.attach(name, master, joint)?;
+    let (frame, angle) = (made.frame, made.released[0]);
     Ok(RevoluteNodes { frame, angle })
 }

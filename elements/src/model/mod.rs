@@ -22,6 +22,7 @@ mod local;
 mod loops;
 mod mobility;
 mod motion;
+mod other_charts;
 mod placement;
 mod query;
 mod rates;
