@@ -141,13 +141,14 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     };
     all(&mut model);
     let region = Region::new(GLOBAL);
-    all(&mut model);
-    let change = region.change();
-    assert_eq!(
-        (change.allocations, change.reallocations),
-        (0, 0),
-        "{change:?}"
-    );
+    // The thread of the test runner may allocate meanwhile: what the model needs, it needs each time.
+    let least = (0..3).map(|_| {
+        let before = region.change();
+        all(&mut model);
+        let after = region.change();
+        after.allocations + after.reallocations - before.allocations - before.reallocations
+    });
+    assert_eq!(least.min(), Some(0));
     // The counter counts.
     let seen = std::hint::black_box(vec![0_u8; 64]);
     assert!(region.change().allocations > 0, "{seen:?}");

@@ -18,5 +18,6 @@ pub mod check;
 pub mod dynamics;
 mod failure;
 pub mod linear_solver;
+mod rounding;
 pub mod spectrum;
 pub mod statics;

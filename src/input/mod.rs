@@ -227,6 +227,25 @@ fn unknown_key(message: &str) -> Option<Problem> {
     })
 }
 
+/// Refuses values of an option that are negative (or not finite).
+fn not_negative(
+    source: &Text<'_>,
+    path: &[&str],
+    key: &'static str,
+    value: f64,
+) -> Result<(), InputError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let expected = "zero or a positive number";
+    let problem = Problem::Range {
+        key,
+        value,
+        expected,
+    };
+    Err(source.value(path, problem))
+}
+
 /// Refuses values of an option that are not positive (or not finite).
 fn positive(
     source: &Text<'_>,

@@ -4,7 +4,7 @@ use super::assemble::Names;
 use super::file::{
     Analysis, ArcLength, Direction, Dynamic, NewtonSettings, Predictor, Static, Stop, TangentRule,
 };
-use super::{InputError, Problem, Text, positive};
+use super::{InputError, Problem, Text, not_negative, positive};
 use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
 use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
@@ -80,11 +80,12 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     }
     for (key, value) in [
         ("relative", d.newton.relative),
-        ("absolute", d.newton.absolute),
         ("max_iterations", d.newton.max_iterations as f64),
     ] {
         positive(source, &newton(key), key, value)?;
     }
+    let absolute = d.newton.absolute;
+    not_negative(source, &newton("absolute"), "absolute", absolute)?;
     positive(
         source,
         &at("record_every"),
@@ -178,13 +179,14 @@ fn newton(
 ) -> Result<NewtonOptions, InputError> {
     let numbers = [
         ("relative", settings.relative),
-        ("absolute", settings.absolute),
         ("correction", settings.correction),
         ("max_iterations", settings.max_iterations as f64),
     ];
     for (key, value) in numbers {
         positive(source, &["analysis", kind, "newton", key], key, value)?;
     }
+    let path = ["analysis", kind, "newton", "absolute"];
+    not_negative(source, &path, "absolute", settings.absolute)?;
     let path = ["analysis", kind, "newton", "max_iterations"];
     few(source, &path, settings.max_iterations)?;
     Ok(NewtonOptions {

@@ -50,7 +50,8 @@ pub struct NewtonOptions {
     /// Residual relative to the largest force (moment) of the step at which it has converged:
     /// applied, reaction, or out of balance after the prediction.
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment).
+    /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
+    /// unmended, whatever the size of the model.
     pub absolute: f64,
     /// Iterations per step at most.
     pub max_iterations: usize,
@@ -64,7 +65,7 @@ impl Default for NewtonOptions {
     fn default() -> Self {
         Self {
             relative: 1e-9,
-            absolute: 1e-12,
+            absolute: 0.0,
             max_iterations: 15,
             tangent: Tangent::default(),
             predictor: Predictor::default(),

@@ -7,6 +7,7 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
+use crate::rounding::is_rounding;
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
@@ -35,9 +36,6 @@ pub enum Tangent {
     Once,
 }
 
-/// Corrections relative to the scales of their coordinates that are nothing but rounding.
-const ROUNDING: f64 = 1e-13;
-
 /// Buffers of the step routine, made once per run.
 pub(crate) struct Stepper {
     pub r: Vec<f64>,
@@ -54,6 +52,8 @@ pub(crate) struct Stepper {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
+    /// Room for the test of rounding errors.
+    room: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
 }
 
@@ -93,6 +93,7 @@ impl Stepper {
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
+            room: [zeros(), zeros()],
             options: newton,
         })
     }
@@ -146,12 +147,17 @@ impl Stepper {
             if first {
                 allowed = self.allow(system, residual);
             }
-            let ratio = (0..3).map(|k| residual[k] / allowed[k]).fold(0.0, f64::max);
-            // Corrections of the size of rounding errors that change nothing any more.
-            let stalled = self.history[earlier..]
-                .last()
-                .is_some_and(|i| i.correction <= ROUNDING && ratio > 0.1 * i.ratio);
-            let converged = ratio <= 1.0 || stalled;
+            let mut ratio = 0.0_f64;
+            for (allowed, residual) in allowed.iter_mut().zip(residual) {
+                // What was in balance at first is measured by the first that is not.
+                if *allowed == 0.0 {
+                    *allowed = self.options.relative * residual;
+                }
+                ratio = ratio.max(residual / allowed.max(f64::MIN_POSITIVE));
+            }
+            let before = self.history[earlier..].last();
+            let stagnates = before.is_some_and(|i| ratio > 0.1 * i.ratio);
+            let converged = ratio <= 1.0 || (stagnates && self.is_rounding(system, group));
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {
@@ -291,6 +297,18 @@ impl Stepper {
         force[0] = f.max(m / length);
         force[1] = m.max(f * length);
         force.map(|f| (self.options.relative * f).max(self.options.absolute))
+    }
+
+    /// Whether the residuals of a group are rounding errors only, which no correction can mend.
+    fn is_rounding<Y: System + ?Sized>(&mut self, system: &Y, group: &Group) -> bool {
+        group.range().enumerate().all(|(i, k)| {
+            for (c, r) in self.r.iter_mut().enumerate() {
+                *r = self.dq[place(&self.together, group, i, c)];
+            }
+            let q = &self.stages[k].state.q;
+            let [sizes, floor] = &mut self.room;
+            is_rounding(system, &self.S, q, &self.r, [sizes, floor])
+        })
     }
 
     /// Solves for the corrections of a group.

@@ -23,7 +23,8 @@ pub use path::{ArcLengthOptions, Event, PathSummary};
 pub struct NewtonOptions {
     /// Residual relative to applied and reaction forces (moments) at which a step has converged.
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment).
+    /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
+    /// unmended, whatever the size of the model.
     pub absolute: f64,
     /// Correction, relative to the size of the model (and to one radian), below which round-off
     /// is all that is left: a second way to have converged.
@@ -41,7 +42,7 @@ impl Default for NewtonOptions {
     fn default() -> Self {
         Self {
             relative: 1e-9,
-            absolute: 1e-12,
+            absolute: 0.0,
             correction: 1e-9,
             max_iterations: 20,
             full_corrections: 6,

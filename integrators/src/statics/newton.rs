@@ -21,6 +21,7 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
+use crate::rounding::is_rounding;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -58,6 +59,8 @@ pub(super) struct Newton {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
+    /// First residual per kind of a step that is not zero.
+    unbalanced: [f64; 3],
     options: NewtonOptions,
 }
 
@@ -84,6 +87,7 @@ impl Newton {
             history: Vec::with_capacity(options.max_iterations.min(100) + 1),
             evaluations: 0,
             factorisations: 0,
+            unbalanced: [0.0; 3],
             options: *options,
         }
     }
@@ -174,16 +178,32 @@ impl Newton {
         largest
     }
 
+    /// Whether the last correction left rounding errors only, which the next one cannot mend.
+    fn is_rounding<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], ratio: f64) -> bool {
+        let stagnates = |i: &Iteration| i.damping > 0.0 && ratio > 0.1 * i.ratio;
+        self.history.last().is_some_and(stagnates) && {
+            let room = [&mut self.trial[..], &mut self.simplified[..]];
+            is_rounding(system, &self.S, q, &self.r, room)
+        }
+    }
+
     /// Residual per kind, and the worst of them over what the convergence test allows.
-    fn test<Y: System + ?Sized>(&self, system: &Y) -> ([f64; 3], f64) {
+    fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
         let scales = system.scales();
-        let ratio = (0..3)
-            .map(|k| {
-                let allowed = (self.options.relative * scales.force[k]).max(self.options.absolute);
-                largest[k] / allowed
-            })
-            .fold(0.0, f64::max);
+        let mut ratio = 0.0_f64;
+        for k in 0..3 {
+            let mut force = scales.force[k];
+            // Without loads or reactions the first that is out of balance is the measure.
+            if force == 0.0 {
+                if self.unbalanced[k] == 0.0 {
+                    self.unbalanced[k] = largest[k];
+                }
+                force = self.unbalanced[k];
+            }
+            let allowed = (self.options.relative * force).max(self.options.absolute);
+            ratio = ratio.max(largest[k] / allowed.max(f64::MIN_POSITIVE));
+        }
         (largest, ratio)
     }
 
@@ -199,6 +219,7 @@ impl Newton {
         previous: Option<(f64, &[f64])>,
     ) -> Result<(), Failure> {
         let options = self.options;
+        self.unbalanced = [0.0; 3];
         self.evaluate(system, previous, q, *lambda)
             .map_err(Failure::System)?;
         loop {
@@ -209,7 +230,10 @@ impl Newton {
                 .is_some_and(|i| i.damping > 0.0 && i.correction * i.damping <= options.correction);
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
-            let stop = on_condition && (ratio <= 1.0 || (small_correction && ratio <= 1e6));
+            let balanced = ratio <= 1.0
+                || (small_correction && ratio <= 1e6)
+                || self.is_rounding(system, q, ratio);
+            let stop = on_condition && balanced;
             if stop || self.history.len() > options.max_iterations {
                 self.history.push(Iteration {
                     residual,

@@ -199,7 +199,9 @@ pub struct Adaptive {
 pub struct DynamicNewton {
     /// Residual relative to the largest forces (moments) of the step.
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment).
+    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors
+    /// are left.
+    #[schemars(range(min = 0.0))]
     pub absolute: f64,
     /// Most iterations per step.
     #[schemars(range(min = 1))]
@@ -249,7 +251,9 @@ pub enum Predictor {
 pub struct NewtonSettings {
     /// Residual relative to the applied and reaction forces (moments).
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment).
+    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors
+    /// are left.
+    #[schemars(range(min = 0.0))]
     pub absolute: f64,
     /// Correction relative to the size of the model (and to one radian) below which only
     /// round-off is left.
