@@ -165,3 +165,32 @@ fn a_slide_may_start_at_the_end_of_its_chain() {
         }
     }
 }
+
+/// Two rigid links from the coupler of a linkage to the same frame, one of them by a stiff penalty:
+/// what it does cancels, and leaves its round-off in the tangent.
+#[test]
+fn a_redundant_rigid_link_by_a_penalty_is_no_error() {
+    let link = r#"[[joints]]
+name = "link"
+type = "offset"
+master = "B"
+place = [0.5, 1.5, 0]
+
+[[joints]]
+name = "again"
+type = "offset"
+master = "link"
+place = [1.2, 1.9, 0]
+child = "coupler tip"
+closure = "penalty"
+penalty = 1e9
+penalty_damping = 1e-3
+
+[[bodies]]"#;
+    let text = include_str!("../examples/models/four_bar.toml").replacen("[[bodies]]", link, 1);
+    for seed in 0..13 {
+        let mut job = pullback::input::assemble_text("model.toml", &text).unwrap();
+        let report = check::job(&mut job, seed);
+        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
+    }
+}

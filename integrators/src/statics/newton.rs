@@ -192,17 +192,17 @@ impl Newton {
         let largest = self.largest(system, &self.r);
         let scales = system.scales();
         let mut ratio = 0.0_f64;
-        for k in 0..3 {
+        for (k, &most) in largest.iter().enumerate() {
             let mut force = scales.force[k];
             // Without loads or reactions the first that is out of balance is the measure.
             if force == 0.0 {
                 if self.unbalanced[k] == 0.0 {
-                    self.unbalanced[k] = largest[k];
+                    self.unbalanced[k] = most;
                 }
                 force = self.unbalanced[k];
             }
             let allowed = (self.options.relative * force).max(self.options.absolute);
-            ratio = ratio.max(largest[k] / allowed.max(f64::MIN_POSITIVE));
+            ratio = ratio.max(most / allowed.max(f64::MIN_POSITIVE));
         }
         (largest, ratio)
     }
