@@ -214,7 +214,9 @@ fn every_joint_is_data_and_a_map_in_under_sixty_lines() {
         }
         let text = std::fs::read_to_string(&path).unwrap();
         let code = text.lines().map(str::trim);
-        let code = code.filter(|l| !l.is_empty() && !l.starts_with("//"));
+        // Pictures are documents too.
+        let text = |l: &str| l.is_empty() || l.starts_with("//") || l.starts_with("#[doc");
+        let code = code.filter(|l| !text(l));
         let lines = code.count();
         assert!(lines < 60, "{name} has {lines} lines");
         joints += 1;
