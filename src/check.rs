@@ -3,7 +3,8 @@
 //! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
 //! [`element`] and [`same`] are the conformance kit for elements of one's own, [`map`] is that for
 //! joints (of [`Hung`](crate::prelude::Hung) of them), [`scheme`] that for integrators, and [`manifold::check`](crate::manifold::check)
-//! has more for maps and charts. All hand back one [`Report`]: [`table`] and [`entries`] make it readable.
+//! has more for maps and charts. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
+//! it readable.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,6 +17,7 @@
 use crate::input::{self, InputError, Job, Plan};
 use pullback_manifold::system::System;
 use serde::Serialize;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -147,40 +149,70 @@ pub fn entries(report: &Report) -> Vec<Entry<'_>> {
     out
 }
 
-/// A report as a table: a line for each component and property, where it came closest to failing;
-/// elements of one line of a model share theirs. Failures follow one by one, with the blocks that
-/// are wrong.
+/// A report as a table: a line for each component, with the property that came closest to failing and
+/// how many there are; elements of one line of a model share theirs. Failures follow one by one, with
+/// the blocks that are wrong.
+pub fn summary(report: &Report) -> String {
+    lines(report, false)
+}
+
+/// As [`summary`], with a line for each component and property.
 pub fn table(report: &Report) -> String {
-    let mut lines: Vec<(String, &Row, usize)> = Vec::new();
-    let mut places = std::collections::HashMap::new();
+    lines(report, true)
+}
+
+/// Rows that share a line: the one closest to failing, the components, and how many rows.
+struct Line<'a> {
+    family: String,
+    worst: &'a Row,
+    components: HashSet<&'a str>,
+    laws: HashSet<&'a str>,
+}
+
+fn lines(report: &Report, all: bool) -> String {
+    let mut lines: Vec<Line<'_>> = Vec::new();
+    let mut places = HashMap::new();
     for row in report.rows() {
-        let key = (family(&row.component), row.law.as_str());
-        let k = *places.entry(key.clone()).or_insert(lines.len());
-        match lines.get_mut(k) {
-            None => lines.push((key.0, row, 1)),
-            Some((_, worst, count)) => {
-                *count += 1;
-                if row.measure.strain() > worst.measure.strain() {
-                    *worst = row;
-                }
-            }
+        let law = if all { row.law.as_str() } else { "" };
+        let family = family(&row.component);
+        let k = *places.entry((family.clone(), law)).or_insert(lines.len());
+        if k == lines.len() {
+            lines.push(Line {
+                family,
+                worst: row,
+                components: HashSet::new(),
+                laws: HashSet::new(),
+            });
+        }
+        let line = &mut lines[k];
+        line.components.insert(&row.component);
+        line.laws.insert(&row.law);
+        if row.measure.strain() > line.worst.measure.strain() {
+            line.worst = row;
         }
     }
-    let named = |(family, row, count): &(String, &Row, usize)| match count {
-        1 => row.component.clone(),
-        _ => format!("{family}, {count} of them"),
+    let named = |line: &Line<'_>| match line.components.len() {
+        1 => line.worst.component.clone(),
+        count => format!("{}, {count} of them", line.family),
     };
     let names: Vec<String> = lines.iter().map(named).collect();
+    let laws: Vec<String> = (lines.iter())
+        .map(|line| match line.laws.len() {
+            1 => line.worst.law.clone(),
+            count => format!("{} (worst of {count})", line.worst.law),
+        })
+        .collect();
     let width =
         |texts: &mut dyn Iterator<Item = &str>| texts.map(|t| t.chars().count()).max().unwrap_or(0);
     let first = width(&mut names.iter().map(String::as_str)).max("component".len());
-    let second = width(&mut lines.iter().map(|l| l.1.law.as_str())).max("property".len());
+    let second = width(&mut laws.iter().map(String::as_str)).max("property".len());
     let mut out = format!(
         "{:first$}  {:second$}  {:>15}  {:>9}\n",
         "component", "property", "measured", "limit"
     );
     let mut last = "";
-    for (name, (_, row, _)) in names.iter().zip(&lines) {
+    for ((name, law), line) in names.iter().zip(&laws).zip(&lines) {
+        let row = line.worst;
         let shown = if name == last { "" } else { name };
         last = name;
         let (measured, limit) = match &row.measure {
@@ -197,8 +229,7 @@ pub fn table(report: &Report) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "{shown:first$}  {:second$}  {measured:>15}  {limit:>9}  {verdict}",
-            row.law
+            "{shown:first$}  {law:second$}  {measured:>15}  {limit:>9}  {verdict}",
         );
     }
     let failures = report.failures();
@@ -225,8 +256,7 @@ pub fn table(report: &Report) -> String {
     out
 }
 
-/// What the elements of one line have in common: `element arm:7 (Beam<2>)` is of `element arm:*
-/// (Beam<2>)`.
+/// What the elements of one line have in common: `element arm:7 (beam)` is of `element arm:* (beam)`.
 fn family(component: &str) -> String {
     let numbered = component.split_once(':').and_then(|(line, rest)| {
         let rest = rest.trim_start_matches(|c: char| c.is_ascii_digit());

@@ -154,7 +154,10 @@ fn execute(
         geometry: &geometry,
         output,
     };
-    let notes = model.notes();
+    let mut notes = model.notes();
+    if model.hung().next().is_some() {
+        notes.push(model.mobility().to_string());
+    }
     // Whatever refuses to begin leaves the directory as it is.
     let mut progress = Progress::default();
     let mut every = 0;
@@ -169,10 +172,14 @@ fn execute(
         };
         begin(&mut model, &plan.options, &mut progress)?;
     }
-    let warnings = match &checkpoint {
-        None => strained(&model, &file, &progress),
-        Some(_) => Vec::new(),
-    };
+    let mut warnings = Vec::new();
+    if checkpoint.is_none() {
+        warnings = strained(&model, &file, &progress);
+        if matches!(plan, Plan::Dynamic(_)) {
+            warnings.extend(immobile(&model));
+            warnings.extend(massless(&mut model, &progress));
+        }
+    }
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
@@ -262,6 +269,38 @@ fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String>
             all => format!("{} are", all.join(", ")),
         }
     )]
+}
+
+/// A word about loops that cannot move.
+fn immobile(model: &Model) -> impl Iterator<Item = String> {
+    model.locked().into_iter().map(|(joint, x, equations)| {
+        format!(
+            "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
+             {x} coordinates free. If it should, see whether axes and places are given with all \
+             their digits; if not, weld it"
+        )
+    })
+}
+
+/// Names that a message lists.
+const LISTED: usize = 4;
+
+/// A word about coordinates on which no mass acts.
+fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
+    let state = &progress.state;
+    // A state outside of a domain is told of by the first step.
+    let names = model.massless(state.t, &state.q, &state.v).ok()?;
+    let more = match names.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    (!names.is_empty()).then(|| {
+        format!(
+            "no mass acts on {}{more}: they follow forces at once. Give `rho` to the sections of \
+             lines, and bodies to joints that carry none",
+            names[..names.len().min(LISTED)].join("; ")
+        )
+    })
 }
 
 /// Records a step, and where it is due a checkpoint.

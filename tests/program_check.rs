@@ -46,12 +46,22 @@ fn the_table_and_the_rows_of_a_model() {
     let directory = directory("program_check");
     let path = write(&directory, MODEL);
     let path = path.to_str().unwrap();
-    let (code, table, errors) = run(&[path]);
+    // A line for each component by default.
+    let (code, short, errors) = run(&[path]);
+    assert_eq!((code, errors.as_str()), (Some(0), ""), "{short}");
+    let beams: Vec<&str> = (short.lines())
+        .filter(|l| l.starts_with("element beam:* (beam), 8 of them  "))
+        .collect();
+    assert_eq!(beams.len(), 1, "{short}");
+    assert!(beams[0].contains(" (worst of "), "{short}");
+    assert!(!short.contains("Beam<"), "{short}");
+    let (code, table, errors) = run(&[path, "--all"]);
     assert_eq!((code, errors.as_str()), (Some(0), ""), "{table}");
+    assert!(table.lines().count() > 2 * short.lines().count());
     for words in [
         "component",
         "K = -dr/dx",
-        "element beam:* (Beam<2>), 8 of them",
+        "element beam:* (beam), 8 of them",
         "load load 1",
         "10 components, 0 wrong",
     ] {
@@ -71,7 +81,7 @@ fn the_table_and_the_rows_of_a_model() {
     }
     let components = rows.iter().map(|r| r["component"].as_str().unwrap());
     assert!(components.clone().any(|c| c == "model"));
-    assert!(components.clone().any(|c| c == "element beam:8 (Beam<2>)"));
+    assert!(components.clone().any(|c| c == "element beam:8 (beam)"));
 }
 
 #[test]
@@ -113,4 +123,74 @@ fn failures_are_told_one_by_one() {
     let entries = check::entries(&report);
     assert!(!entries[0].passed);
     assert_eq!(entries[0].blocks[0].factor, Some(0.5));
+}
+
+#[test]
+fn a_mechanism_by_the_names_of_its_file() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let (code, said, _) = run(&[models.join("four_bar.toml").to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{said}");
+    for words in [
+        "joint C closes a loop; independent: A angle; redundant: ",
+        "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are redundant",
+        "joint A (revolute)",
+        "joint crank tip (offset)",
+        "coordinate B angle (in a loop)",
+        "\ncoordinates of C (closed loop)",
+        "element body crank (rigid body)",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+}
+
+/// A bead on a beam, `start` from its beginning.
+fn bead(start: f64) -> String {
+    with(
+        "[analysis",
+        &format!(
+            "[[joints]]\nname = \"bead\"\ntype = \"slide\"\nlines = [\"beam\"]\nstart = {start}\n\
+             spring = {{ k = 1 }}\n\n[[loads]]\nnode = \"bead\"\nforce = [0, 0, -1]\n\n[analysis"
+        ),
+    )
+}
+
+#[test]
+fn a_slide_may_start_at_the_end_of_its_chain() {
+    let directory = directory("program_check_slide");
+    for start in [0.0, 1.0] {
+        let path = write(&directory, &bead(start));
+        for seed in 0..3 {
+            let report = check::file(&path, seed).unwrap();
+            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
+        }
+    }
+}
+
+/// Two rigid links from the coupler of a linkage to the same frame, one of them by a stiff penalty:
+/// what it does cancels, and leaves its round-off in the tangent.
+#[test]
+fn a_redundant_rigid_link_by_a_penalty_is_no_error() {
+    let link = r#"[[joints]]
+name = "link"
+type = "offset"
+master = "B"
+place = [0.5, 1.5, 0]
+
+[[joints]]
+name = "again"
+type = "offset"
+master = "link"
+place = [1.2, 1.9, 0]
+child = "coupler tip"
+closure = "penalty"
+penalty = 1e9
+penalty_damping = 1e-3
+
+[[bodies]]"#;
+    let text = include_str!("../examples/models/four_bar.toml").replacen("[[bodies]]", link, 1);
+    for seed in 0..13 {
+        let mut job = pullback::input::assemble_text("model.toml", &text).unwrap();
+        let report = check::job(&mut job, seed);
+        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
+    }
 }

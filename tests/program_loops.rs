@@ -176,3 +176,94 @@ fn a_singular_start_is_named() {
     assert!(said.contains("singular"), "{said}");
     assert!(said.contains("joint C"), "{said}");
 }
+
+/// The notes of a model file.
+fn notes(text: &str) -> Vec<String> {
+    pullback::input::assemble_text("model.toml", text)
+        .unwrap()
+        .model
+        .notes()
+}
+
+#[test]
+fn the_loop_leaves_the_crank_free_and_what_carries_something() {
+    // The crank by its rate and place; as they are drawn other angles are better by less than 10.
+    assert!(notes(FOUR_BAR)[0].contains("independent: A angle;"));
+    let none = with(&[("rate = 4.5", "")]);
+    assert!(notes(&none)[0].contains("independent: A angle;"));
+    for joint in ["B", "C", "D"] {
+        let name = format!("name = \"{joint}\"\ntype = \"revolute\"");
+        let sprung = format!("{name}\nspring = {{ k = 1 }}");
+        let text = with(&[("rate = 4.5", ""), (&name, &sprung)]);
+        let said = &notes(&text)[0];
+        assert!(
+            said.contains(&format!("independent: {joint} angle;")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn degrees_of_freedom_are_told() {
+    let said = "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are \
+                redundant";
+    let out = directory("loops-mobility");
+    let model = write(&out, &with(&[("to = 4", "to = 0.01")]));
+    let ran = program(&[&model]);
+    assert!(String::from_utf8(ran.stdout).unwrap().contains(said));
+    assert_eq!(ran.stderr, b"", "no warning");
+    // The same by multipliers.
+    let closure = "child = \"rocker tip\"\nclosure = \"multipliers\"";
+    let text = with(&[("child = \"rocker tip\"", closure)]);
+    let text = text.replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8");
+    let job = pullback::input::assemble_text("model.toml", &text).unwrap();
+    assert_eq!(job.model.mobility().to_string(), said);
+}
+
+#[test]
+fn a_linkage_that_cannot_move_is_warned_of() {
+    let out = directory("loops-locked");
+    // The coupler's first axis lies in the plane: nothing can turn. A pendulum beside it can.
+    let wrong = with(&[
+        ("to = 4", "to = 0.01"),
+        ("rate = 4.5\n", ""),
+        (
+            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 0, 1]",
+            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 1, 0]",
+        ),
+        (
+            "[[supports]]",
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\n\
+             [[bodies]]\nname = \"bob\"\nnode = \"P\"\nmass = 1\ncenter = [1, 0, 0]\ninertia = [1, 1, 1]\n\n\
+             [[supports]]",
+        ),
+    ]);
+    let ran = run(&write(&out, &wrong), Some(&out.join("wrong")), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let warnings = ran.unwrap().warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let said =
+        "the loop closed by joint C cannot move: its 6 equations leave none of 4 coordinates";
+    assert!(warnings[0].starts_with(said), "{warnings:?}");
+}
+
+#[test]
+fn coordinates_without_mass_are_warned_of() {
+    let out = directory("loops-massless");
+    let bare = with(&[
+        ("to = 4", "to = 0.01"),
+        (
+            "[[supports]]",
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\
+             spring = { k = 1 }\n\n[[supports]]",
+        ),
+    ]);
+    let ran = run(&write(&out, &bare), Some(&out.join("bare")), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let warnings = ran.unwrap().warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let said = "no mass acts on P angle: they follow forces at once. Give `rho` to";
+    assert!(warnings[0].starts_with(said), "{warnings:?}");
+}

@@ -198,3 +198,28 @@ fn a_joint_that_forgets_a_coordinate_is_told_so() {
         "{error}"
     );
 }
+
+/// What has no size of its own: lists, what several joints share, the way to make nodes.
+const SHARED: [&str; 3] = ["mod.rs", "nodes.rs", "axes.rs"];
+
+#[test]
+fn every_joint_is_data_and_a_map_in_under_sixty_lines() {
+    let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/joint");
+    let mut joints = 0;
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if path.is_dir() || SHARED.contains(&name.as_str()) {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.lines().map(str::trim);
+        // Pictures are documents too.
+        let text = |l: &str| l.is_empty() || l.starts_with("//") || l.starts_with("#[doc");
+        let code = code.filter(|l| !text(l));
+        let lines = code.count();
+        assert!(lines < 60, "{name} has {lines} lines");
+        joints += 1;
+    }
+    assert_eq!(joints, 13);
+}

@@ -215,7 +215,7 @@ pub struct KinematicsMut<'a> {
 /// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
 /// says; matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
-    /// The name of the map's type.
+    /// What the map is called in reports: the name of its type unless it has a better one.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
@@ -246,6 +246,11 @@ pub trait Parametrization: Send + Sync {
     /// See [`Map::is_objective`].
     fn is_objective(&self) -> bool {
         true
+    }
+
+    /// Whether φ is linear in q, so that K_σ(f) vanishes and nobody has to ask for it.
+    fn is_linear(&self) -> bool {
+        false
     }
 
     /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are

@@ -88,7 +88,7 @@ pub fn tangent(
             // work = (W B + Y Ḃ + Z B̈) e_column: all rows of the element, one pulled-back column.
             work.fill(0.0);
             match sj.B {
-                None => weighted_column(work, tangents, weights, x_j + column, n, [1.0, 0.0, 0.0]),
+                None => add_column(work, tangents, weights, x_j + column, [1.0, 0.0, 0.0]),
                 Some(B) => {
                     for k in 0..sj.n {
                         let at = column * sj.n + k;
@@ -97,9 +97,7 @@ pub fn tangent(
                             sj.B_dot.get(at).copied().unwrap_or(0.0),
                             sj.B_ddot.get(at).copied().unwrap_or(0.0),
                         ];
-                        if factors != [0.0; 3] {
-                            weighted_column(work, tangents, weights, x_j + k, n, factors);
-                        }
+                        add_column(work, tangents, weights, x_j + k, factors);
                     }
                 }
             }
@@ -117,15 +115,17 @@ pub fn tangent(
     }
 }
 
-/// out += b W e_k + ḃ Y e_k + b̈ Z e_k.
-fn weighted_column(
+/// out += (b W + ḃ Y + b̈ Z) e_k, with `factors` b, ḃ, b̈: what column k of the tangents adds to one
+/// column of S_mr before its rows are pulled back. `out` has the element's n rows.
+pub fn add_column(
     out: &mut [f64],
     tangents: Tangents<'_>,
     weights: Weights,
     k: usize,
-    n: usize,
-    [b, b_dot, b_ddot]: [f64; 3],
+    factors: [f64; 3],
 ) {
+    let n = out.len();
+    let [b, b_dot, b_ddot] = factors;
     let mut add = |matrix: Option<&[f64]>, factor: f64| {
         if let Some(matrix) = matrix
             && factor != 0.0

@@ -5,8 +5,6 @@
 //! values of one block stand together in memory, column by column. A scalar sparse matrix is the
 //! special case in which every block has size one.
 
-use std::collections::BTreeSet;
-
 /// The fixed, structurally symmetric pattern of a square block-sparse matrix.
 ///
 /// Block columns are stored one after the other; within a block column, blocks come in ascending
@@ -32,23 +30,33 @@ impl BlockPattern {
         G: IntoIterator,
         G::Item: AsRef<[u32]>,
     {
-        let mut neighbours: Vec<BTreeSet<u32>> = (0..sizes.len())
-            .map(|i| BTreeSet::from([i as u32]))
-            .collect();
-        for group in groups {
-            let group = group.as_ref();
-            for &i in group {
-                neighbours[i as usize].extend(group.iter().copied());
+        let groups: Vec<G::Item> = groups.into_iter().collect();
+        let mut of_block: Vec<Vec<u32>> = vec![Vec::new(); sizes.len()];
+        for (g, group) in groups.iter().enumerate() {
+            for &i in group.as_ref() {
+                of_block[i as usize].push(g as u32);
             }
         }
+        // Last block column in which each block was seen.
+        let mut seen = vec![usize::MAX; sizes.len()];
+        let mut column = Vec::new();
         let mut offsets = vec![0];
         let mut columns = vec![0];
         let mut rows = Vec::new();
         let mut values = vec![0];
         let mut count = 0;
-        for (j, column) in neighbours.iter().enumerate() {
+        for (j, of_block) in of_block.iter().enumerate() {
             offsets.push(offsets[j] + sizes[j]);
-            for &i in column {
+            seen[j] = j;
+            column.clear();
+            column.push(j as u32);
+            for &i in of_block.iter().flat_map(|&g| groups[g as usize].as_ref()) {
+                if std::mem::replace(&mut seen[i as usize], j) != j {
+                    column.push(i);
+                }
+            }
+            column.sort_unstable();
+            for &i in &column {
                 rows.push(i);
                 count += sizes[i as usize] * sizes[j];
                 values.push(count);

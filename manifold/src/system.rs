@@ -10,8 +10,8 @@
 
 use crate::sparse::BlockPattern;
 
-/// Time and state at which a system is evaluated. In statics t is the load parameter and the
-/// velocity and acceleration are zero.
+/// Time and state at which a system is evaluated. In statics t is the load parameter, and
+/// velocities and accelerations are empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
     /// Time, or load parameter.
@@ -22,6 +22,14 @@ pub struct Point<'a> {
     pub v: &'a [f64],
     /// Accelerations q̈.
     pub a: &'a [f64],
+}
+
+impl Point<'_> {
+    /// Whether this is statics: without velocities and accelerations. Systems have at least one
+    /// unknown, so that a motion always has some.
+    pub fn is_static(&self) -> bool {
+        self.v.is_empty()
+    }
 }
 
 /// Factors of the combined tangent S = K·(∂r/∂q part) + C·(...) + M·(...).

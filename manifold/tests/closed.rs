@@ -45,6 +45,7 @@ fn about(starts: &[Option<f64>], equations: usize) -> Description {
         name: format!("x{k}"),
         size: 1.0,
         start: *start,
+        preference: 0.0,
     };
     Description {
         unknowns: starts.iter().enumerate().map(unknown).collect(),

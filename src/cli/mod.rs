@@ -54,14 +54,17 @@ enum Command {
     /// Checks every element, load and joint of a model file and the assembled system: tangents
     /// against residuals, symmetry, objectivity, changes of chart, the balance of power.
     ///
-    /// Prints a table, and for what is wrong which block of which component and by how much. Exit
-    /// code 0: all is well; 1: something is wrong; 2: the model file is refused.
+    /// Prints a line for each component with the property that came closest to failing, and for what
+    /// is wrong which block of which component and by how much. Exit code 0: all is well; 1: something is wrong; 2: the model file is refused.
     Check {
         /// Model file (TOML; see docs/model_file.md).
         model: PathBuf,
         /// Seed of the random states and directions.
         #[arg(long, default_value_t = 0)]
         seed: u64,
+        /// Prints a line for each property of each component.
+        #[arg(long)]
+        all: bool,
         /// Prints the rows as JSON.
         #[arg(long)]
         json: bool,
@@ -123,7 +126,12 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
             resume,
             quiet,
         } => run_model(registry, &model, out, resume, quiet),
-        Command::Check { model, seed, json } => check(registry, &model, seed, json),
+        Command::Check {
+            model,
+            seed,
+            all,
+            json,
+        } => check(registry, &model, seed, [all, json]),
         Command::Compare(asked) => compare::compare(registry, asked, &command_line),
         Command::Spectrum(asked) => spectrum::spectrum(asked, &command_line),
         Command::Schema => print_schema(registry),
@@ -240,9 +248,16 @@ fn complain(error: &dyn Diagnostic) {
     }
 }
 
-fn check(registry: &Registry, model: &Path, seed: u64, json: bool) -> u8 {
+fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -> u8 {
+    let mut notes = String::new();
     let report = match registry.load(model) {
-        Ok(mut job) => crate::check::job(&mut job, seed),
+        Ok(mut job) => {
+            if job.model.hung().next().is_some() {
+                notes = job.model.notes().join("\n") + "\n";
+                notes = format!("{}{}\n\n", notes.trim_start(), job.model.mobility());
+            }
+            crate::check::job(&mut job, seed)
+        }
         Err(error) => {
             complain(&error);
             return REFUSED;
@@ -256,8 +271,10 @@ fn check(registry: &Registry, model: &Path, seed: u64, json: bool) -> u8 {
                 return REFUSED;
             }
         }
+    } else if all {
+        notes + &crate::check::table(&report)
     } else {
-        crate::check::table(&report)
+        notes + &crate::check::summary(&report)
     };
     match print(&text) {
         0 if report.is_ok() => 0,

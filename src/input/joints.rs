@@ -251,6 +251,9 @@ fn act(
     if let Some(value) = acts.value {
         builder.start(coordinate, 0, value);
     }
+    if acts.rate.is_some() {
+        builder.prefer(coordinate);
+    }
     if let Some(time) = &acts.driven {
         for (key, given) in [
             ("spring", acts.spring.is_some()),

@@ -53,6 +53,9 @@ impl Default for Options {
 /// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
 /// coordinates the model has then is for its next change of charts to say.
 ///
+/// Joints that start at the edge of their domain, such as a slide at the end of its chain, are looked
+/// at a little inside.
+///
 /// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
 ///
 /// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
@@ -64,6 +67,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
     let mut random = Random::new(options.seed);
     let units = model.node_units();
     let mut layout = model.layout(&units);
+    model.step_inside(options.t, &mut q, &units);
 
     let mut plan = vec![("start".to_owned(), Size::NONE)];
     for k in 0..options.states {

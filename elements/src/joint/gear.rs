@@ -69,14 +69,10 @@ fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Res
     // x₁ = r₁ x_a and x₂ = r₂ x_z with coordinates a, z that follow no gear.
     let ((a, r1), (z, r2)) = (b.behind_gears(first), b.behind_gears(second));
     if a == z {
-        let found = r2 / r1;
-        let agrees = (found - ratio).abs() <= 1e-12 * ratio.abs();
-        return if agrees {
-            Ok(())
-        } else {
-            let given = ratio;
-            Err(GearError::Contradiction { found, given })
-        };
+        let (found, given) = (r2 / r1, ratio);
+        let agrees = (found - given).abs() <= 1e-12 * given.abs();
+        let contradiction = GearError::Contradiction { found, given };
+        return agrees.then_some(()).ok_or(contradiction);
     }
     let ratio = ratio * r1 / r2;
     let (leader, follower, ratio) = if a < z {

@@ -1,6 +1,6 @@
 //! Joints in a model: the frame that hangs on one, and the coordinates that it releases.
 
-use super::{Hung, Joint, Released, RevoluteNodes, SlideNodes, SphericalNodes};
+use super::{Hung, Joint, Released, SlideNodes, SphericalNodes};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use pullback_manifold::map::Map;
 
@@ -11,6 +11,15 @@ pub struct JointNodes {
     pub frame: NodeId,
     /// A node for each of the coordinates that it releases, in their order.
     pub released: Vec<NodeId>,
+}
+
+/// The nodes of a revolute joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RevoluteNodes {
+    /// The frame that hangs on the joint.
+    pub frame: NodeId,
+    /// The angle about the axis: the released coordinate, in radians, any number of turns.
+    pub angle: NodeId,
 }
 
 impl From<NodeId> for JointNodes {

@@ -2,8 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use super::charts::Rewriting;
 use super::dependence::Operators;
 use super::local::Local;
+use super::scatter::{Group, Into};
 use super::sheets::{Sheets, TOO_FAR};
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
@@ -39,11 +41,15 @@ pub(super) struct Workspace {
     stirred: bool,
     /// Kinematic operators of nodes that follow others.
     pub operators: Operators,
+    /// Rows of the tangent at these nodes, on their way to own ones.
+    pub panels: Vec<f64>,
     pub local: Local,
     /// Accelerations of a map's coordinates, while it changes their meaning.
     pub accelerations: Vec<Vec<f64>>,
     /// Parts C and M of a tangent, while rates are spins.
     pub parts: [Vec<f64>; 2],
+    /// Coordinates of the maps that may change their meaning.
+    pub rewriting: Vec<Rewriting>,
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
@@ -80,24 +86,16 @@ impl Workspace {
     pub(super) fn new(
         nodes: &[Node],
         elements: &[Attached],
-        operators: usize,
+        [operators, panels]: [usize; 2],
         length: f64,
     ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
-        let dependence = |node: &Node| match &node.source {
-            Source::Own => (0, node.dim),
-            Source::Mapped(d) => (d.direct, d.most.max(node.dim).max(d.direct)),
+        let direct = |node: &Node| match &node.source {
+            Source::Own => 0,
+            Source::Mapped(d) => d.direct,
         };
-        let masters = nodes.iter().map(|n| dependence(n).0).max().unwrap_or(0);
-        let pulled = |e: &Attached| {
-            let most = |&n: &u32| dependence(&nodes[n as usize]).1;
-            e.nodes.iter().map(most).sum::<usize>()
-        };
-        let elements = elements.iter().map(|e| e.element.dim().max(pulled(e)));
-        let n = elements
-            .chain(nodes.iter().map(|n| dependence(n).1))
-            .max()
-            .unwrap_or(0);
+        let masters = nodes.iter().map(direct).max().unwrap_or(0);
+        let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
         let mut scales = Scales::default();
         scales.coordinate[Kind::Length.index()] = length;
@@ -113,9 +111,11 @@ impl Workspace {
             moving: false,
             stirred: false,
             operators: Operators::new(operators),
+            panels: zeros(panels),
             local: Local::new(n, masters),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
+            rewriting: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
             accelerations_asked: None,
@@ -134,7 +134,7 @@ impl Model {
     /// Coordinates (and velocities, accelerations where given) of all nodes at a point, into the
     /// workspace: own nodes first, then the mapped ones.
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
-        let statics = at.v.is_empty();
+        let statics = at.is_static();
         let w = &mut self.work;
         if !statics {
             for ((&c, v), a) in self.coordinates.iter().zip(at.v).zip(at.a) {
@@ -260,10 +260,28 @@ impl Model {
             if rates {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
-            if let Some((weights, values)) = S {
-                local.combine(e, &self.nodes, *weights, [statics, rates], &w.operators);
+            let Some((weights, values)) = S else {
+                continue;
+            };
+            if !e.mapped {
+                local.combine(e, *weights, [statics, rates]);
                 self.placement.scatter(e, &self.spans, &local.S, values);
+                continue;
             }
+            let (tangents, work) = local.tangents(e, statics);
+            let group = Group {
+                nodes: &e.nodes,
+                first_place: e.first_place,
+                tangents,
+                weights: *weights,
+            };
+            let mut into = Into {
+                values,
+                panels: &mut w.panels,
+                work,
+            };
+            self.placement
+                .scatter_group(&self.nodes, &w.operators, &group, &mut into);
         }
         Ok(())
     }
@@ -289,7 +307,7 @@ impl Model {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        let statics = at.v.is_empty();
+        let statics = at.is_static();
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
         self.check_left_out()?;
@@ -303,6 +321,8 @@ impl Model {
         }
         if let Some((_, values)) = &mut S {
             self.placement.clear_unwritten(values);
+            self.work.panels.fill(0.0);
+            self.chain_operators(!statics);
         }
         let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
         self.add_elements(at.t, statics, borrow, rates)?;
@@ -349,7 +369,7 @@ impl System for Model {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        if self.spins() && !at.v.is_empty() && out.S.is_some() {
+        if self.spins() && !at.is_static() && out.S.is_some() {
             self.evaluate_spinning(at, out)
         } else {
             self.assemble(at, out)

@@ -64,7 +64,7 @@ impl Model {
 
     /// The audit; without its momenta they stay zero.
     pub(super) fn account(&mut self, at: Point<'_>, momenta: bool) -> Result<Audit, SystemError> {
-        let statics = at.v.is_empty();
+        let statics = at.is_static();
         self.expand(at)?;
         let mut audit = Audit::default();
         let Energies {

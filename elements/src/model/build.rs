@@ -1,6 +1,6 @@
 //! The end of building: one check of the whole, the numbering, the pattern.
 
-use super::ancestry;
+use super::ancestry::{self, Alternatives};
 use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
 use super::formulation;
@@ -9,6 +9,7 @@ use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
+use std::collections::HashSet;
 
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
@@ -18,6 +19,7 @@ impl ModelBuilder {
     /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let length = size(&self.nodes);
+        self.keep_one_free()?;
         let forces = self.enforce_closings(length)?;
         let Self {
             mut nodes,
@@ -26,13 +28,24 @@ impl ModelBuilder {
             closings,
             starts,
             formulation,
+            mut preferred,
             ..
         } = self;
         if nodes.is_empty() {
             return Err(ModelError::Empty);
         }
         let held = loops::Held(&prescribed);
-        let mut reports = loops::close(&mut nodes, &closings, &held, &starts, length)?;
+        preferred.extend(starts.keys().map(|&(n, _)| n));
+        preferred.extend(
+            elements
+                .iter()
+                .flat_map(|e| e.nodes.iter().map(|&n| NodeId(n))),
+        );
+        let wishes = loops::Wishes {
+            starts: &starts,
+            preferred,
+        };
+        let mut reports = loops::close(&mut nodes, &closings, &held, &wishes, length)?;
         reports.extend(forces);
         formulation::apply(formulation, &mut nodes, &mut prescribed);
         let mut total = 0;
@@ -41,7 +54,8 @@ impl ModelBuilder {
             total += node.dim;
         }
         let dependent = ancestry::order(&nodes);
-        let operators = ancestry::arrange(&mut nodes, &dependent);
+        let alternatives = Alternatives::new(&nodes, &dependent);
+        let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
         check_connections(&nodes, &dependent, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_rewritten(&nodes, &elements, &prescribed)?;
@@ -73,25 +87,23 @@ impl ModelBuilder {
             }
         }
         if coordinates.is_empty() {
-            let locked = |r: &&loops::Report| !r.closures.is_empty();
-            return Err(match reports.iter().find(locked) {
-                Some(r) => ModelError::LockedLoop {
-                    joints: nodes[r.closures[0].0 as usize].name.clone(),
-                },
-                None => ModelError::NothingFree,
+            let locked = reports.iter().find_map(|r| r.closures.first());
+            return Err(ModelError::LockedLoop {
+                joints: locked.map_or_else(String::new, |&(n, _)| nodes[n as usize].name.clone()),
             });
         }
 
-        // The pattern has room for whatever an element or a joint may come to depend on.
-        let blocks_of = |set: Vec<u32>| -> Vec<u32> {
-            let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
-            set.iter().filter_map(block).collect()
-        };
-        let groups = elements.iter().map(|e| &e.nodes[..]);
-        let groups = groups.chain(dependent.iter().map(std::slice::from_ref));
-        let groups = groups.flat_map(|group| ancestry::alternatives(&nodes, group));
-        let pattern = BlockPattern::new(&sizes, groups.map(blocks_of));
-        placement.locate(&nodes, &mut elements, &pattern);
+        // The pattern has room for whatever an element may come to depend on; a joint without
+        // elements behind it carries no force. Elements at one body all have the same set.
+        let mut sets = HashSet::new();
+        for e in &elements {
+            sets.extend(alternatives.of(&e.nodes));
+        }
+        let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+        let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
+        let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of));
+        let panels = placement.arrange(&nodes, &dependent, &elements, &alternatives);
+        placement.locate(&nodes, &dependent, &mut elements, &pattern);
 
         let driven_rotations = (0..nodes.len())
             .filter(|&n| {
@@ -104,7 +116,7 @@ impl ModelBuilder {
         let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
         let multipliers = nodes.iter().flat_map(of_form).collect();
-        let work = Workspace::new(&nodes, &elements, operators, length);
+        let work = Workspace::new(&nodes, &elements, [operators, panels], length);
         let span = |node: &Node| Span {
             first: node.first as u32,
             dim: node.dim as u32,

@@ -10,8 +10,8 @@ use crate::time::{Constant, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
@@ -81,6 +81,8 @@ pub struct ModelBuilder {
     pub(super) closings: Vec<Closing>,
     /// Where coordinates of loops should start.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
+    /// Coordinates that loops rather leave free.
+    pub(super) preferred: HashSet<NodeId>,
     /// Coordinates that follow another one through gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
     pub(super) formulation: Formulation,
@@ -363,9 +365,6 @@ impl ModelBuilder {
             loose: None,
             mapped: false,
             held: false,
-            pulled: 0,
-            blocks: 0,
-            first_block: 0,
             first_place: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))

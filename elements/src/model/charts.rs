@@ -1,11 +1,21 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
+use super::dependence::Dependence;
 use super::gather::collect;
 use super::slots::Complement;
-use super::{Model, Node, Source};
+use super::{Form, Model, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::{PI, TAU};
+
+/// The coordinates of a map that may change their meaning.
+#[derive(Default)]
+pub(super) struct Rewriting {
+    node: u32,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<Vec<f64>>,
+}
 
 impl Model {
     /// What the maps that nodes follow through remember of their way, map by map: the coordinates
@@ -121,16 +131,54 @@ impl Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> usize {
+        let mut changed = self.rewrite_increments(t, q, v, accelerations);
+        let mut next = 0;
+        if !self
+            .dependent
+            .iter()
+            .any(|&n| rewriting(&self.nodes, n).is_some())
+        {
+            return changed;
+        }
+        while self.collect_rewriting(t, q, v, accelerations) {
+            let mut all = std::mem::take(&mut self.work.rewriting);
+            let later = all[next..].iter_mut().enumerate();
+            let rewritten = later.into_iter().find_map(|(k, c)| {
+                let Source::Mapped(d) = &mut self.nodes[c.node as usize].source else {
+                    return None;
+                };
+                let a = &mut c.a[..accelerations.len()];
+                d.map.rewrite(t, &mut c.q, &mut c.v, a).then_some(k)
+            });
+            if let Some(k) = rewritten {
+                self.write_back(&all[next + k], q, v, accelerations);
+                changed += 1;
+                next += k + 1;
+            }
+            self.work.rewriting = all;
+            // The next ones may depend on coordinates that have just changed.
+            if rewritten.is_none() {
+                break;
+            }
+        }
+        changed
+    }
+
+    /// The same for the rotations of frames by increments, each of which reads its own unknowns only.
+    fn rewrite_increments(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
         let mut changed = 0;
         for k in 0..self.dependent.len() {
             let n = self.dependent[k] as usize;
-            let rewrites = match &self.nodes[n].source {
-                Source::Mapped(d) => d.map.rewrites(),
-                Source::Own => false,
-            };
-            if !rewrites || !self.collect_masters(n, t, q, v, accelerations) {
+            if !by_increments(&self.nodes, &self.nodes[n]) {
                 continue;
             }
+            self.collect_increments(n, t, q, v, accelerations);
             let Source::Mapped(d) = &mut self.nodes[n].source else {
                 continue;
             };
@@ -161,22 +209,40 @@ impl Model {
         changed
     }
 
-    /// Coordinates, velocities and all accelerations of the masters of node n, into the workspace;
-    /// false where the point is outside a chart, which the next evaluation says.
-    fn collect_masters(
+    /// The new coordinates of a map, into the state.
+    fn write_back(
+        &self,
+        new: &Rewriting,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) {
+        let Source::Mapped(d) = &self.nodes[new.node as usize].source else {
+            return;
+        };
+        let range = self.spans[d.masters()[0] as usize].range();
+        for (i, c) in range.enumerate() {
+            let u = self.unknowns[c] as usize;
+            q[u] = new.q[i];
+            if !v.is_empty() {
+                v[u] = new.v[i];
+            }
+            for (a, new) in accelerations.iter_mut().zip(&new.a) {
+                a[u] = new[i];
+            }
+        }
+    }
+
+    /// Coordinates, velocities and all accelerations of the masters of all maps that may change
+    /// their meaning, into the workspace; false where the point is outside a chart, which the next
+    /// evaluation says.
+    fn collect_rewriting(
         &mut self,
-        n: usize,
         t: f64,
         q: &[f64],
         v: &[f64],
         accelerations: &[&mut [f64]],
     ) -> bool {
-        if let Source::Mapped(d) = &self.nodes[n].source
-            && self.nodes[d.masters()[0] as usize].form == super::Form::Increment
-        {
-            self.collect_increments(n, t, q, v, accelerations);
-            return true;
-        }
         let rest: Vec<f64> = match (accelerations.is_empty(), v.is_empty()) {
             (true, false) => vec![0.0; v.len()],
             _ => Vec::new(),
@@ -186,17 +252,28 @@ impl Model {
             if self.expand(Point { t, q, v, a }).is_err() {
                 return false;
             }
-            let Source::Mapped(d) = &self.nodes[n].source else {
-                return false;
-            };
             let w = &mut self.work;
-            collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
-            collect(d.masters(), &self.spans, &w.v, &mut w.local.qv);
-            if w.accelerations.len() <= k {
-                w.accelerations.push(Vec::new());
+            let mut count = 0;
+            for &node in &self.dependent {
+                let Some(d) = rewriting(&self.nodes, node) else {
+                    continue;
+                };
+                if w.rewriting.len() <= count {
+                    w.rewriting.push(Rewriting::default());
+                }
+                let to = &mut w.rewriting[count];
+                count += 1;
+                if to.a.len() <= k {
+                    to.a.push(Vec::new());
+                }
+                to.node = node;
+                for to in [&mut to.q, &mut to.v, &mut to.a[k]] {
+                    to.resize(d.direct, 0.0);
+                }
+                collect(d.masters(), &self.spans, &w.x, &mut to.q);
+                collect(d.masters(), &self.spans, &w.v, &mut to.v);
+                collect(d.masters(), &self.spans, &w.a, &mut to.a[k]);
             }
-            w.accelerations[k].resize(d.direct, 0.0);
-            collect(d.masters(), &self.spans, &w.a, &mut w.accelerations[k]);
         }
         true
     }
@@ -256,5 +333,22 @@ impl Model {
             }
         }
         changed
+    }
+}
+
+/// Whether a node is a frame by increments.
+fn by_increments(nodes: &[Node], node: &Node) -> bool {
+    match &node.source {
+        Source::Mapped(d) => nodes[d.masters()[0] as usize].form == Form::Increment,
+        Source::Own => false,
+    }
+}
+
+/// The dependence of a node whose map may choose other coordinates, increments apart.
+fn rewriting(nodes: &[Node], n: u32) -> Option<&Dependence> {
+    let node = &nodes[n as usize];
+    match &node.source {
+        Source::Mapped(d) if d.map.rewrites() && !by_increments(nodes, node) => Some(d),
+        _ => None,
     }
 }

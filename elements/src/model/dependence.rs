@@ -6,6 +6,8 @@
 use super::ancestry::find_ancestors;
 use super::assembly::Workspace;
 use super::gather::collect;
+use super::local::Local;
+use super::scatter::{Group, Into};
 use super::{Model, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
@@ -16,14 +18,15 @@ pub(super) struct Dependence {
     pub map: Box<dyn Parametrization>,
     /// Masters for each segment that the map can be on; a single set for most maps.
     pub segments: Vec<Vec<u32>>,
-    /// Own nodes behind the masters in use, in their order; a node may stand there twice.
+    /// Own nodes behind the masters in use, each once.
     pub ancestors: Vec<u32>,
-    /// Coordinates of the masters.
+    /// For each master and each own node behind it the first of its columns in the operators.
+    pub columns: Vec<u32>,
+    /// Coordinates of the masters, and of the ancestors.
     pub direct: usize,
-    /// Coordinates of the ancestors in use, and the most of any segment.
     pub pulled: usize,
-    pub most: usize,
-    /// Whether a master follows other nodes itself: the operators are then multiplied.
+    /// Whether a master follows other nodes itself, or stands there twice: the operators are then
+    /// multiplied.
     pub chained: bool,
     /// First values of the operators with respect to the masters and to the ancestors.
     pub local: usize,
@@ -58,9 +61,9 @@ impl Dependence {
             map,
             segments,
             ancestors: Vec::new(),
+            columns: Vec::new(),
             direct,
             pulled: 0,
-            most: 0,
             chained: false,
             local: 0,
             total: 0,
@@ -70,28 +73,6 @@ impl Dependence {
     /// The nodes that the map reads at present.
     pub(super) fn masters(&self) -> &[u32] {
         &self.segments[self.map.segment()]
-    }
-
-    /// Kinematic operators as a slot of an element at a node of `n` coordinates. The geometric
-    /// stiffness is added once per node, for the sum of its forces.
-    pub(super) fn slot<'a>(&self, n: usize, operators: &'a Operators, moving: bool) -> Slot<'a> {
-        let range = self.total..self.total + n * self.pulled;
-        Slot {
-            n,
-            d: self.pulled,
-            B: Some(&operators.B[range.clone()]),
-            B_dot: if moving {
-                &operators.B_dot[range.clone()]
-            } else {
-                &[]
-            },
-            B_ddot: if moving {
-                &operators.B_ddot[range]
-            } else {
-                &[]
-            },
-            K_sigma: &[],
-        }
     }
 
     /// r·B v of the masters: the part of the power of a force `r` at a dependent node that comes
@@ -113,50 +94,80 @@ impl Dependence {
         columns.zip(B).map(power).sum()
     }
 
-    /// Operators with respect to the ancestors from those with respect to the masters.
-    fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators) {
+    /// Operators with respect to the ancestors from those with respect to the masters: B, and Ḃ and
+    /// B̈ where something is `moving`.
+    fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators, moving: bool) {
+        let (len, total) = (n * self.direct, n * self.pulled);
         // Everything that the masters need lies before this node's own values.
-        let (B_of, B) = operators.B.split_at_mut(self.local);
-        let (B_dot_of, B_dot) = operators.B_dot.split_at_mut(self.local);
-        let (B_ddot_of, B_ddot) = operators.B_ddot.split_at_mut(self.local);
-        let len = n * self.direct;
-        let (b, B) = B.split_at_mut(len);
-        let (b_dot, B_dot) = B_dot.split_at_mut(len);
-        let (b_ddot, B_ddot) = B_ddot.split_at_mut(len);
-        let (mut row, mut column) = (0, 0);
-        for &master in self.masters() {
-            let master = &nodes[master as usize];
-            match &master.source {
-                Source::Own => {
-                    let (from, len) = (row * n, master.dim * n);
-                    let to = column * n;
-                    B[to..to + len].copy_from_slice(&b[from..from + len]);
-                    B_dot[to..to + len].copy_from_slice(&b_dot[from..from + len]);
-                    B_ddot[to..to + len].copy_from_slice(&b_ddot[from..from + len]);
-                    column += master.dim;
+        let parts = [
+            &mut operators.B,
+            &mut operators.B_dot,
+            &mut operators.B_ddot,
+        ];
+        let [
+            (above, own, out),
+            (above_dot, own_dot, out_dot),
+            (above_ddot, own_ddot, out_ddot),
+        ] = parts.map(|all| {
+            let (above, rest) = all.split_at_mut(self.local);
+            let (own, out) = rest.split_at_mut(len);
+            (&*above, &*own, &mut out[..total])
+        });
+        out.fill(0.0);
+        if moving {
+            out_dot.fill(0.0);
+            out_ddot.fill(0.0);
+        }
+        let (mut row, mut entry) = (0, 0);
+        for m in self.masters() {
+            let master = &nodes[*m as usize];
+            let dim = master.dim;
+            let local = row * n..(row + dim) * n;
+            row += dim;
+            let Source::Mapped(from) = &master.source else {
+                let to = self.columns[entry] as usize * n;
+                entry += 1;
+                add(&mut out[to..], &own[local.clone()], 1.0);
+                if moving {
+                    add(&mut out_dot[to..], &own_dot[local.clone()], 1.0);
+                    add(&mut out_ddot[to..], &own_ddot[local], 1.0);
                 }
-                Source::Mapped(above) => {
-                    for c in 0..above.pulled {
-                        let of = above.total + c * master.dim;
-                        for i in 0..n {
-                            let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
-                            for k in 0..master.dim {
-                                let at = i + (row + k) * n;
-                                let (P, P_dot) = (B_of[of + k], B_dot_of[of + k]);
-                                x += b[at] * P;
-                                v += b_dot[at] * P + b[at] * P_dot;
-                                a += b_ddot[at] * P
-                                    + 2.0 * b_dot[at] * P_dot
-                                    + b[at] * B_ddot_of[of + k];
-                            }
-                            let to = i + (column + c) * n;
-                            (B[to], B_dot[to], B_ddot[to]) = (x, v, a);
+                continue;
+            };
+            let mut of = from.total;
+            for &a in &from.ancestors {
+                let first = self.columns[entry] as usize;
+                entry += 1;
+                for c in first..first + nodes[a as usize].dim {
+                    let to = c * n..(c + 1) * n;
+                    for (k, b) in local.clone().step_by(n).enumerate() {
+                        let b = b..b + n;
+                        let x = above[of + k];
+                        let P = &own[b.clone()];
+                        add(&mut out[to.clone()], P, x);
+                        if !moving {
+                            continue;
                         }
+                        let (v, a) = (above_dot[of + k], above_ddot[of + k]);
+                        let (P_dot, P_ddot) = (&own_dot[b.clone()], &own_ddot[b]);
+                        add(&mut out_dot[to.clone()], P_dot, x);
+                        add(&mut out_dot[to.clone()], P, v);
+                        add(&mut out_ddot[to.clone()], P_ddot, x);
+                        add(&mut out_ddot[to.clone()], P_dot, 2.0 * v);
+                        add(&mut out_ddot[to.clone()], P, a);
                     }
-                    column += above.pulled;
+                    of += dim;
                 }
             }
-            row += master.dim;
+        }
+    }
+}
+
+/// out += factor x.
+fn add(out: &mut [f64], x: &[f64], factor: f64) {
+    if factor != 0.0 {
+        for (o, x) in out.iter_mut().zip(x) {
+            *o += factor * x;
         }
     }
 }
@@ -198,15 +209,24 @@ impl Model {
             };
             let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
             d.map.kinematics(t, q, v, a, out);
-            if d.chained {
-                d.multiply(node.dim, &self.nodes, &mut w.operators);
-            }
         }
         Ok(())
     }
 
-    /// Hands the forces at dependent nodes to their masters, the last link of a chain first, and
-    /// adds the geometric stiffness of each map.
+    /// Operators of all nodes that follow others, with respect to own nodes: what tangents need.
+    pub(super) fn chain_operators(&mut self, moving: bool) {
+        for &n in &self.dependent {
+            let node = &self.nodes[n as usize];
+            if let Source::Mapped(d) = &node.source
+                && d.chained
+            {
+                d.multiply(node.dim, &self.nodes, &mut self.work.operators, moving);
+            }
+        }
+    }
+
+    /// Hands the forces at dependent nodes to their masters, the last link of a chain first. The
+    /// tangent's rows at these nodes go the same way, with the geometric stiffness of each map.
     pub(super) fn pull_back_nodes(
         &mut self,
         t: f64,
@@ -223,39 +243,40 @@ impl Model {
             let Some((weights, values)) = &mut S else {
                 continue;
             };
-            let k = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
-            let local = &mut w.local;
-            let K_sigma = &mut local.K_sigma[..k * k];
-            d.map
-                .geometric_stiffness(t, &local.q[..k], &w.r[node.range()], K_sigma);
-            if K_sigma.iter().all(|k| *k == 0.0) {
-                continue;
-            }
-            // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
-            let minus = Weights {
-                K: -weights.K,
-                C: 0.0,
-                M: 0.0,
+            let Local {
+                q, K_sigma, work, ..
+            } = &mut w.local;
+            let mut into = Into {
+                values,
+                panels: &mut w.panels,
+                work,
             };
-            let pulled = if d.chained {
-                let mut slots = [Slot::default(); super::assembly::MAX_NODES];
-                for (slot, &m) in slots.iter_mut().zip(d.masters()) {
-                    *slot = self.nodes[m as usize].slot(&w.operators, false);
+            if let Some(first_place) = self.placement.bent(n).filter(|_| !d.map.is_linear()) {
+                let k = collect(d.masters(), &self.spans, &w.x, q);
+                let K_sigma = &mut K_sigma[..k * k];
+                d.map
+                    .geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
+                if K_sigma.iter().any(|k| *k != 0.0) {
+                    // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
+                    let group = Group {
+                        nodes: d.masters(),
+                        first_place,
+                        tangents: Tangents {
+                            K: Some(K_sigma),
+                            ..Tangents::default()
+                        },
+                        weights: Weights {
+                            K: -weights.K,
+                            C: 0.0,
+                            M: 0.0,
+                        },
+                    };
+                    self.placement
+                        .scatter_group(&self.nodes, &w.operators, &group, &mut into);
                 }
-                let stiffness = Tangents {
-                    K: Some(K_sigma),
-                    ..Tangents::default()
-                };
-                let slots = &slots[..d.masters().len()];
-                pullback::tangent(slots, stiffness, minus, &mut local.S, &mut local.work);
-                &local.S[..d.pulled * d.pulled]
-            } else {
-                K_sigma.iter_mut().for_each(|k| *k *= minus.K);
-                &*K_sigma
-            };
-            let (own, pulled) = (&d.ancestors, (pulled, d.pulled));
+            }
             self.placement
-                .scatter_nodes(own, &self.spans, pulled, &self.pattern, values);
+                .hand_back(n, &self.nodes, &w.operators, &mut into);
         }
     }
 
@@ -302,8 +323,12 @@ impl Model {
             for &n in &self.dependent {
                 find_ancestors(&mut self.nodes, n as usize);
             }
-            self.placement
-                .locate(&self.nodes, &mut self.elements, &self.pattern);
+            self.placement.locate(
+                &self.nodes,
+                &self.dependent,
+                &mut self.elements,
+                &self.pattern,
+            );
         }
         if changed {
             self.expand(at)?;

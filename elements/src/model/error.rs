@@ -171,9 +171,4 @@ pub enum ModelError {
          are given with all their digits"
     )]
     LockedLoop { joints: String },
-    #[error(
-        "all coordinates are prescribed; there is nothing to solve for: leave one free, if need be \
-         that of a body or spring of its own"
-    )]
-    NothingFree,
 }

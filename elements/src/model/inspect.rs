@@ -2,15 +2,13 @@
 //! last set.
 
 use super::assembly::named;
-use super::slots::Complement;
 use super::{Form, Model, Node, Source};
 use crate::check::Frame;
 use crate::element::Element;
 use nalgebra::{DVector, Vector3};
-use pullback_manifold::check::{Group, Layout, State, shortened};
+use pullback_manifold::check::{Group, Layout, State, plain};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
-use std::f64::consts::{PI, TAU};
 
 /// One component, with its coordinates.
 pub(crate) struct Component<T> {
@@ -45,7 +43,7 @@ impl Model {
         let own = self.extent(&e.nodes).unwrap_or(0.0);
         let unit = |n: usize| if own > 0.0 { own } else { units[n] };
         self.component(
-            format!("{what} {} ({})", e.name, shortened(e.element.kind())),
+            format!("{what} {} ({})", e.name, plain(e.element.kind())),
             &*e.element,
             nodes,
             &unit,
@@ -76,8 +74,15 @@ impl Model {
             return None;
         };
         let masters = d.masters().iter().map(|&m| m as usize);
+        let what = if node.is_frame() {
+            "joint "
+        } else if self.reports.iter().any(|r| r.map == Some(n)) {
+            ""
+        } else {
+            "coordinate "
+        };
         Some(self.component(
-            format!("joint {} ({})", node.name, shortened(d.map.kind())),
+            format!("{what}{} ({})", node.name, plain(d.map.kind())),
             &*d.map,
             masters,
             &|n| units[n],
@@ -139,7 +144,7 @@ impl Model {
                     place: node.place,
                 }),
                 Form::Rotation => rotations.push(first),
-                Form::Increment | Form::Coordinates | Form::Multipliers => {}
+                Form::Increment | Form::Coordinates | Form::Multipliers | Form::Idle => {}
             }
             first += node.dim;
         }
@@ -230,42 +235,6 @@ impl Model {
         self.coordinates.iter().map(of).collect()
     }
 
-    /// Rotations that are free and whose chart may be changed.
-    pub(crate) fn free_rotations(&self) -> Vec<Rotation> {
-        (0..self.nodes.len())
-            .filter_map(|n| self.free_rotation(n))
-            .collect()
-    }
-
-    /// Writes rotations of a state in their other charts, with everything that follows from that, as
-    /// at the end of a step; how many. Those too close to 0 or 2π, where the other chart ends, stay.
-    pub(crate) fn switch(
-        &mut self,
-        rotations: &[Rotation],
-        s: &mut State,
-    ) -> Result<usize, SystemError> {
-        self.look_before(s.t, s.x.as_slice());
-        let count = rotations.iter().filter(|r| complement(r, s)).count();
-        self.update_maps(s.t, s.x.as_slice())?;
-        self.follow_element_charts(s.t);
-        Ok(count)
-    }
-
-    /// Charts as a run that starts here has them, but for maps that would give coordinates another
-    /// meaning.
-    pub(crate) fn settle(&mut self, s: &mut State) -> Result<(), SystemError> {
-        self.fold_driven_rotations(s.t);
-        for unknowns in self.free_rotations() {
-            let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
-            if parts.sum::<f64>().sqrt() > PI {
-                complement(&unknowns, s);
-            }
-        }
-        self.update_maps(s.t, s.x.as_slice())?;
-        self.start(s.t, s.x.as_slice());
-        Ok(())
-    }
-
     /// Whether a map may give coordinates another meaning.
     pub(crate) fn rewrites(&self) -> bool {
         let rewrites = |n: &u32| match &self.nodes[*n as usize].source {
@@ -330,31 +299,6 @@ pub(crate) struct Snapshot {
     pub frames: Vec<[Vector3<f64>; 5]>,
 }
 
-/// Writes a rotation of a state, in motion or at rest, in its other chart; whether it has one.
-fn complement(unknowns: &Rotation, s: &mut State) -> bool {
-    let take = |from: &DVector<f64>| {
-        let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
-        Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))
-    };
-    let mut all = [take(&s.x), take(&s.v), take(&s.a)];
-    if !(CLEAR..TAU - CLEAR).contains(&all[0].norm()) {
-        return false;
-    }
-    let [x, v, a] = &mut all;
-    Complement::default().apply(x.as_mut_slice(), v.as_mut_slice(), a.as_mut_slice());
-    for (to, from) in [&mut s.x, &mut s.v, &mut s.a].into_iter().zip(all) {
-        for (u, x) in unknowns.iter().zip(from.iter()) {
-            if let Some(to) = u.and_then(|u| to.get_mut(u)) {
-                *to = *x;
-            }
-        }
-    }
-    true
-}
-
-/// Rotation vectors closer than this to 0 or 2π keep their chart.
-const CLEAR: f64 = 0.2;
-
 impl Node {
     /// Its coordinates in groups: which, what they are called, what they measure.
     fn groups(&self) -> Vec<(std::ops::Range<usize>, String, Kind)> {
@@ -365,7 +309,7 @@ impl Node {
                 (3..6, format!("rotation of node {name}"), Kind::Angle),
             ],
             Form::Rotation => vec![(0..3, name.clone(), Kind::Angle)],
-            Form::Increment | Form::Coordinates | Form::Multipliers => (0..self.dim)
+            Form::Increment | Form::Coordinates | Form::Multipliers | Form::Idle => (0..self.dim)
                 .map(|k| (k..k + 1, self.coordinate_name(k), self.kinds[k]))
                 .collect(),
         }

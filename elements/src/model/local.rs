@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 use super::assembly::MAX_NODES;
-use super::dependence::Operators;
 use super::gather::{collect, distribute};
 use super::slots::Complement;
 use super::{Attached, Node, Span};
@@ -37,8 +36,7 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// Buffers for elements of at most `n` coordinates (before and after the pull-back) and joints
-    /// of at most `masters`.
+    /// Buffers for elements of at most `n` coordinates and joints that read at most `masters`.
     pub(super) fn new(n: usize, masters: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];
         Self {
@@ -55,7 +53,7 @@ impl Local {
             K2: zeros(n * n),
             C2: zeros(n * n),
             M2: zeros(n * n),
-            work: zeros(n),
+            work: zeros(n.max(masters)),
             K_sigma: zeros(masters * masters),
             q: zeros(masters),
             qv: zeros(masters),
@@ -342,49 +340,34 @@ impl Local {
         self.r[..n].copy_from_slice(&self.work[..n]);
     }
 
-    /// Second stage: from the nodes' coordinates to the unknowns' blocks, with the weights.
-    pub(super) fn combine(
-        &mut self,
-        e: &Attached,
-        nodes: &[Node],
-        weights: Weights,
-        [statics, rates]: [bool; 2],
-        operators: &Operators,
-    ) {
+    /// Second stage where no node follows others: the tangents with their weights.
+    pub(super) fn combine(&mut self, e: &Attached, weights: Weights, [statics, rates]: [bool; 2]) {
         let n = e.element.dim();
-        let moving = (!statics).then_some(());
         if combined(e, statics, rates).is_some() {
             return;
         }
-        if !e.mapped {
-            if statics {
-                std::mem::swap(&mut self.K, &mut self.S);
-                if weights.K != 1.0 {
-                    self.S[..n * n].iter_mut().for_each(|s| *s *= weights.K);
-                }
-            } else {
-                for (k, S) in self.S[..n * n].iter_mut().enumerate() {
-                    *S = weights.K * self.K[k] + weights.C * self.C[k] + weights.M * self.M[k];
-                }
+        if statics {
+            std::mem::swap(&mut self.K, &mut self.S);
+            if weights.K != 1.0 {
+                self.S[..n * n].iter_mut().for_each(|s| *s *= weights.K);
             }
-            return;
+        } else {
+            for (k, S) in self.S[..n * n].iter_mut().enumerate() {
+                *S = weights.K * self.K[k] + weights.C * self.C[k] + weights.M * self.M[k];
+            }
         }
-        let mut slots = [Slot::default(); MAX_NODES];
-        for (slot, &node) in slots.iter_mut().zip(e.nodes.iter()) {
-            *slot = nodes[node as usize].slot(operators, !statics);
-        }
+    }
+
+    /// The element's tangents in the coordinates of its nodes, and room for a column.
+    pub(super) fn tangents(&mut self, e: &Attached, statics: bool) -> (Tangents<'_>, &mut [f64]) {
+        let values = e.element.dim().pow(2);
+        let moving = (!statics).then_some(());
         let tangents = Tangents {
-            K: Some(&self.K[..n * n]),
-            C: moving.map(|()| &self.C[..n * n]),
-            M: moving.map(|()| &self.M[..n * n]),
+            K: Some(&self.K[..values]),
+            C: moving.map(|()| &self.C[..values]),
+            M: moving.map(|()| &self.M[..values]),
         };
-        pullback::tangent(
-            &slots[..e.nodes.len()],
-            tangents,
-            weights,
-            &mut self.S,
-            &mut self.work,
-        );
+        (tangents, &mut self.work)
     }
 }
 

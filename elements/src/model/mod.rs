@@ -15,14 +15,19 @@ mod enforced;
 mod error;
 mod formulation;
 mod gather;
+mod idle;
+mod inside;
 mod inspect;
 mod line;
 mod local;
 mod loops;
+mod mobility;
 mod motion;
+mod other_charts;
 mod placement;
 mod query;
 mod rates;
+mod scatter;
 mod sheets;
 mod slots;
 mod symmetry;
@@ -35,16 +40,16 @@ pub use error::ModelError;
 pub use formulation::Formulation;
 pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
+pub use mobility::Mobility;
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
 
 use crate::element::Element;
 use crate::time::TimeFunction;
 use assembly::{MAX_NODES, Workspace};
-use dependence::{Dependence, Operators};
+use dependence::Dependence;
 use nalgebra::Vector3;
 use placement::Placement;
-use pullback_manifold::pullback::Slot;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
 use std::ops::{Deref, Range};
@@ -73,6 +78,8 @@ enum Form {
     Multipliers,
     /// Any others, of one chart.
     Coordinates,
+    /// The one unknown of a model of which everything is prescribed.
+    Idle,
 }
 
 /// Where a node's coordinates are in the vector of all nodes' coordinates.
@@ -129,19 +136,7 @@ impl Node {
         match self.form {
             Form::Frame => Some(self.first + 3),
             Form::Rotation => Some(self.first),
-            Form::Increment | Form::Coordinates | Form::Multipliers => None,
-        }
-    }
-
-    /// The node in a pull-back: the identity, or the operators of its dependence.
-    fn slot<'a>(&self, operators: &'a Operators, moving: bool) -> Slot<'a> {
-        match &self.source {
-            Source::Own => Slot {
-                n: self.dim,
-                d: self.dim,
-                ..Slot::default()
-            },
-            Source::Mapped(d) => d.slot(self.dim, operators, moving),
+            Form::Increment | Form::Coordinates | Form::Multipliers | Form::Idle => None,
         }
     }
 
@@ -212,10 +207,6 @@ struct Attached {
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
-    /// Number of coordinates after the pull-back to own nodes.
-    pulled: usize,
-    blocks: usize,
-    first_block: usize,
     first_place: usize,
 }
 

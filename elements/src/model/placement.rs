@@ -2,39 +2,63 @@
 
 #![allow(non_snake_case)]
 
+use super::ancestry::{Alternatives, union};
 use super::{Attached, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
 /// Where local matrices go in the pattern: found once, looked up by position afterwards.
 ///
-/// Everything is stored in the order in which an assembly walks through it.
+/// Everything is stored in the order in which an assembly walks through it. Rows of the tangent at
+/// nodes that follow others go to panels first, and from there to their masters the way that forces
+/// go: the work grows with the joints of a chain times the unknowns behind them, not with the
+/// square of these for every body.
 #[derive(Default)]
 pub(super) struct Placement {
     /// Per coordinate: its row inside the block of its own node, [`NONE`] when prescribed.
     pub rows: Vec<u32>,
     /// Per node: number of its block in the pattern, [`NONE`] when all is prescribed.
     pub blocks: Vec<u32>,
-    /// Per element, consecutively: own node of each block.
-    nodes: Vec<u32>,
-    /// Per element, consecutively: the place of each pair of blocks, column by column.
-    places: Vec<Place>,
+    /// Per element, consecutively: the place of each pair of blocks, column by column; then those
+    /// of nodes that follow others.
+    pub places: Vec<Place>,
+    /// Per node.
+    pub panels: Vec<Panel>,
     /// Per value: whether an element writes the block that begins there.
     written: Vec<bool>,
     /// Values that no element writes.
     unwritten: Vec<Range<usize>>,
 }
 
-/// Where a pair of own nodes stands in the pattern.
+/// Rows of the tangent at a node that follows others.
+#[derive(Default)]
+pub(super) struct Panel {
+    /// Own nodes whose coordinates change the forces at this one, ascending, and the first value of
+    /// each of their blocks.
+    pub columns: Vec<u32>,
+    pub starts: Vec<u32>,
+    /// First place of its geometric stiffness, and of its rows at its masters.
+    bent: usize,
+    pub handed: usize,
+}
+
+/// Where the rows of one node and the columns of an own node stand: in the pattern, or in the panel
+/// of a node that follows others.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     /// First value, [`NONE`] when there is no block.
-    start: u32,
+    pub start: u32,
     /// Whether it is written here for the first time in an assembly, so that nothing has to be
     /// cleared beforehand.
-    first: bool,
-    /// Whether both nodes are frames without supports: the block is full, six by six.
-    frames: bool,
+    pub first: bool,
+}
+
+/// The own nodes that a node depends on at present.
+pub(super) fn behind<'a>(nodes: &'a [Node], n: &'a u32) -> &'a [u32] {
+    match &nodes[*n as usize].source {
+        Source::Own => std::slice::from_ref(n),
+        Source::Mapped(d) => &d.ancestors,
+    }
 }
 
 impl Placement {
@@ -47,57 +71,109 @@ impl Placement {
         }
     }
 
-    /// Finds the own nodes behind each element and the places of all their pairs of blocks.
+    /// Number of free coordinates of an own node.
+    pub(super) fn width(&self, node: &Node) -> usize {
+        let rows = &self.rows[node.range()];
+        rows.iter().filter(|&&r| r != NONE).count()
+    }
+
+    /// Makes the panels, with room for whatever the nodes can come to depend on; the number of
+    /// their values.
+    pub(super) fn arrange(
+        &mut self,
+        nodes: &[Node],
+        dependent: &[u32],
+        elements: &[Attached],
+        alternatives: &Alternatives,
+    ) -> usize {
+        let follows = |m: &&u32| !nodes[**m as usize].is_own();
+        let mut columns: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
+        for e in elements
+            .iter()
+            .filter(|e| e.nodes.iter().any(|m| follows(&m)))
+        {
+            let all = alternatives.behind(&e.nodes);
+            for &n in e.nodes.iter().filter(follows) {
+                columns[n as usize] = union(&columns[n as usize], &all);
+            }
+        }
+        for &n in dependent.iter().rev() {
+            if let Source::Mapped(d) = &nodes[n as usize].source {
+                for &m in d.segments.iter().flatten().filter(follows) {
+                    columns[m as usize] = union(&columns[m as usize], &columns[n as usize]);
+                }
+            }
+        }
+        self.panels.resize_with(nodes.len(), Panel::default);
+        let mut len = 0;
+        for &n in dependent {
+            let node = &nodes[n as usize];
+            let columns = std::mem::take(&mut columns[n as usize]);
+            let starts = &mut self.panels[n as usize].starts;
+            starts.reserve_exact(columns.len());
+            for &a in &columns {
+                let rows = &self.rows[nodes[a as usize].range()];
+                self.panels[n as usize].starts.push(len as u32);
+                len += node.dim * rows.iter().filter(|&&r| r != NONE).count();
+            }
+            self.panels[n as usize].columns = columns;
+        }
+        // Room for any places: nothing is allocated when a map is handed over.
+        let most = |group: &[u32]| -> usize {
+            let columns = |&n: &u32| match &nodes[n as usize].source {
+                Source::Own => 1,
+                Source::Mapped(d) => d.ancestors.capacity(),
+            };
+            group.iter().map(columns).sum::<usize>() * group.len()
+        };
+        let mut room: usize = elements.iter().map(|e| most(&e.nodes)).sum();
+        for &n in dependent {
+            if let Source::Mapped(d) = &nodes[n as usize].source {
+                let masters = d.segments.iter().map(Vec::len).max().unwrap_or(0);
+                room += d.segments.iter().map(|s| most(s)).max().unwrap_or(0);
+                room += masters * self.panels[n as usize].columns.len();
+            }
+        }
+        self.places.reserve_exact(room);
+        len
+    }
+
+    /// Finds the places of all blocks of elements, and of nodes that follow others.
     pub(super) fn locate(
         &mut self,
         nodes: &[Node],
+        dependent: &[u32],
         elements: &mut [Attached],
         pattern: &BlockPattern,
     ) {
-        self.nodes.clear();
         self.places.clear();
-        let blocks = &self.blocks;
-        let block_of = |n: u32| Some(blocks[n as usize]).filter(|&b| b != NONE);
-        let written = &mut self.written;
-        written.clear();
-        written.resize(pattern.len(), false);
+        self.written.clear();
+        self.written.resize(pattern.len(), false);
         for e in elements {
-            e.first_block = self.nodes.len();
             e.first_place = self.places.len();
-            e.mapped = false;
             let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
-            for &n in e.nodes.iter() {
-                match &nodes[n as usize].source {
-                    Source::Own => self.nodes.push(n),
-                    Source::Mapped(d) => {
-                        e.mapped = true;
-                        self.nodes.extend(&d.ancestors);
-                    }
-                }
+            e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
+            if !(e.dead && e.mapped) {
+                self.locate_group(nodes, &e.nodes, pattern, !e.dead);
             }
-            let own = &self.nodes[e.first_block..];
-            let frame = |n: u32| {
-                let rows = &self.rows[nodes[n as usize].range()];
-                rows.len() == 6 && !rows.contains(&NONE)
+        }
+        for &n in dependent {
+            let Source::Mapped(d) = &nodes[n as usize].source else {
+                continue;
             };
-            e.blocks = own.len();
-            e.pulled = own.iter().map(|&n| nodes[n as usize].dim).sum();
-            for &nj in own {
-                for &ni in own {
-                    let start = match (block_of(ni), block_of(nj)) {
-                        (Some(i), Some(j)) => pattern.find(i as usize, j as usize),
-                        _ => None,
-                    };
-                    let first = match start {
-                        Some(start) if !e.dead => !std::mem::replace(&mut written[start], true),
-                        _ => false,
-                    };
-                    self.places.push(Place {
-                        start: start.map_or(NONE, |s| s as u32),
-                        first,
-                        frames: frame(ni) && frame(nj),
-                    });
+            if self.panels[n as usize].columns.is_empty() {
+                continue;
+            }
+            self.panels[n as usize].bent = self.places.len();
+            self.locate_group(nodes, d.masters(), pattern, false);
+            self.panels[n as usize].handed = self.places.len();
+            for k in 0..self.panels[n as usize].columns.len() {
+                let a = self.panels[n as usize].columns[k];
+                for &m in d.masters() {
+                    let start = self.find(nodes, m, a, pattern);
+                    let first = false;
+                    self.places.push(Place { start, first });
                 }
             }
         }
@@ -105,8 +181,52 @@ impl Placement {
         self.unwritten.clear();
         // Room for any other places: nothing is allocated when a map is handed over.
         self.unwritten.reserve_exact(all.clone().count());
-        let unwritten = all.filter(|(_, block)| !written[block.start]);
+        let unwritten = all.filter(|(_, block)| !self.written[block.start]);
         self.unwritten.extend(unwritten.map(|(_, block)| block));
+    }
+
+    /// The places of all rows of a group of nodes, for each own node behind each of them.
+    fn locate_group(
+        &mut self,
+        nodes: &[Node],
+        group: &[u32],
+        pattern: &BlockPattern,
+        writes: bool,
+    ) {
+        for j in group {
+            for &a in behind(nodes, j) {
+                for &i in group {
+                    let start = self.find(nodes, i, a, pattern);
+                    let first = writes
+                        && start != NONE
+                        && nodes[i as usize].is_own()
+                        && !std::mem::replace(&mut self.written[start as usize], true);
+                    self.places.push(Place { start, first });
+                }
+            }
+        }
+    }
+
+    /// First value of the block with the rows of node i and the columns of own node a.
+    fn find(&self, nodes: &[Node], i: u32, a: u32, pattern: &BlockPattern) -> u32 {
+        let column = self.blocks[a as usize];
+        if column == NONE {
+            return NONE;
+        }
+        if !nodes[i as usize].is_own() {
+            let panel = &self.panels[i as usize];
+            let found = panel.columns.binary_search(&a);
+            return found.map_or(NONE, |k| panel.starts[k]);
+        }
+        let row = self.blocks[i as usize];
+        let found = (row != NONE).then(|| pattern.find(row as usize, column as usize));
+        found.flatten().map_or(NONE, |start| start as u32)
+    }
+
+    /// First place of a node's geometric stiffness; none where no force can act on it.
+    pub(super) fn bent(&self, n: u32) -> Option<usize> {
+        let panel = &self.panels[n as usize];
+        (!panel.columns.is_empty()).then_some(panel.bent)
     }
 
     /// Clears what no element writes; [`Placement::scatter`] of all elements then fills the rest.
@@ -118,9 +238,9 @@ impl Placement {
 
     /// Writes or adds an element's local matrix `S` (d×d).
     pub(super) fn scatter(&self, e: &Attached, spans: &[Span], S: &[f64], values: &mut [f64]) {
-        let nodes = &self.nodes[e.first_block..e.first_block + e.blocks];
-        let places = &self.places[e.first_place..e.first_place + e.blocks * e.blocks];
-        let d = e.pulled;
+        let nodes = &e.nodes[..];
+        let places = &self.places[e.first_place..][..nodes.len() * nodes.len()];
+        let d = e.element.dim();
         let mut column = 0;
         for (&nj, places) in nodes.iter().zip(places.chunks_exact(nodes.len())) {
             let columns = &self.rows[spans[nj as usize].range()];
@@ -129,9 +249,7 @@ impl Placement {
                 let rows = &self.rows[spans[ni as usize].range()];
                 if place.start != NONE {
                     let (S, values) = (&S[row + column * d..], &mut values[place.start as usize..]);
-                    if place.frames {
-                        add_frames(place.first, S, d, values);
-                    } else if place.first {
+                    if place.first {
                         visit_block(rows, columns, S, d, values, |value, s| *value = s);
                     } else {
                         visit_block(rows, columns, S, d, values, |value, s| *value += s);
@@ -140,53 +258,6 @@ impl Placement {
                 row += rows.len();
             }
             column += columns.len();
-        }
-    }
-
-    /// Adds a matrix (d×d) over the blocks of own nodes, found by search.
-    pub(super) fn scatter_nodes(
-        &self,
-        nodes: &[u32],
-        spans: &[Span],
-        (S, d): (&[f64], usize),
-        pattern: &BlockPattern,
-        values: &mut [f64],
-    ) {
-        let mut column = 0;
-        for &nj in nodes {
-            let columns = &self.rows[spans[nj as usize].range()];
-            let mut row = 0;
-            for &ni in nodes {
-                let rows = &self.rows[spans[ni as usize].range()];
-                let (bi, bj) = (self.blocks[ni as usize], self.blocks[nj as usize]);
-                if bi != NONE
-                    && bj != NONE
-                    && let Some(start) = pattern.find(bi as usize, bj as usize)
-                {
-                    let (S, values) = (&S[row + column * d..], &mut values[start..]);
-                    visit_block(rows, columns, S, d, values, |value, s| *value += s);
-                }
-                row += rows.len();
-            }
-            column += columns.len();
-        }
-    }
-}
-
-/// Takes the block of two frames to its values, or adds it to them; `S` has leading dimension d.
-#[inline(always)]
-fn add_frames(first: bool, S: &[f64], d: usize, values: &mut [f64]) {
-    let values = values[..36].as_chunks_mut::<6>().0;
-    for (values, S) in values.iter_mut().zip(S.chunks(d)) {
-        let Some(S) = S.first_chunk::<6>() else {
-            return;
-        };
-        if first {
-            *values = *S;
-        } else {
-            for (value, s) in values.iter_mut().zip(S) {
-                *value += s;
-            }
         }
     }
 }
@@ -204,6 +275,17 @@ fn visit_block(
 ) {
     let free = |rows: &[u32]| rows.iter().filter(|&&r| r != NONE).count();
     let height = free(rows);
+    if let (Ok(rows), Ok(columns)) = (<&[u32; 6]>::try_from(rows), <&[u32; 6]>::try_from(columns))
+        && free(rows) == 6
+        && free(columns) == 6
+    {
+        for (c, values) in values[..36].chunks_exact_mut(6).enumerate() {
+            for (value, s) in values.iter_mut().zip(&S[c * d..c * d + 6]) {
+                put(value, *s);
+            }
+        }
+        return;
+    }
     for (c, &column) in columns.iter().enumerate() {
         if column == NONE {
             continue;
@@ -216,5 +298,72 @@ fn visit_block(
                 );
             }
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::body::RigidBody;
+    use crate::joint::{offset, revolute};
+    use crate::model::{Dof, Model, ModelBuilder};
+    use nalgebra::{Matrix3, Vector3};
+
+    /// Bars one after the other.
+    fn chain(count: usize) -> Model {
+        let mut b = ModelBuilder::new();
+        let mut end = b.node("ground", [0.0; 3]).unwrap();
+        b.support(end, &Dof::ALL);
+        for k in 0..count {
+            let pin = revolute(&mut b, &format!("pin {k}"), end, [0.0, 0.0, 1.0]).unwrap();
+            let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+            b.element(format!("bar {k}"), body, &[pin.frame]).unwrap();
+            let place = [k as f64 + 1.0, 0.0, 0.0];
+            end = offset(&mut b, &format!("end {k}"), pin.frame, place).unwrap();
+        }
+        b.build().unwrap()
+    }
+
+    /// The work and the room for a chain grow with the square of its length, as its mass matrix does;
+    /// tangents of every body for every pair of coordinates before it would make that the third power.
+    #[test]
+    fn chains_grow_with_the_square_of_their_length() {
+        let sizes = [20, 40, 80].map(|count| {
+            let model = chain(count);
+            let (p, w) = (&model.placement, &model.work);
+            assert_eq!(model.pattern.len(), count * count);
+            [w.operators.B.len(), w.panels.len(), p.places.len()]
+        });
+        for k in 0..3 {
+            for pair in sizes.windows(2) {
+                let growth = pair[1][k] as f64 / pair[0][k] as f64;
+                assert!((1.9..4.3).contains(&growth), "{k}: {sizes:?}");
+            }
+        }
+    }
+
+    /// Every coordinate stands once in the operators of a frame, however many joints bring it there.
+    #[test]
+    fn coordinates_are_counted_once() {
+        let mut b = ModelBuilder::new();
+        let ground = b.node("ground", [0.0; 3]).unwrap();
+        b.support(ground, &Dof::ALL);
+        let pin = revolute(&mut b, "pin", ground, [0.0, 0.0, 1.0]).unwrap();
+        let other = b
+            .hang(
+                "other",
+                [0.0; 3],
+                crate::joint::Revolute::new([0.0, 0.0, 1.0]).unwrap(),
+                &[pin.frame, pin.angle],
+            )
+            .unwrap();
+        let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+        b.element("body", body, &[other]).unwrap();
+        let model = b.build().unwrap();
+        let super::Source::Mapped(d) = &model.nodes[other.0 as usize].source else {
+            panic!("it follows others");
+        };
+        assert_eq!(d.pulled, 7);
+        assert_eq!(d.ancestors.len(), 2);
     }
 }

@@ -186,17 +186,17 @@ impl Newton {
         let largest = self.largest(system, &self.r);
         let scales = system.scales();
         let mut ratio = 0.0_f64;
-        for (k, largest) in largest.into_iter().enumerate() {
+        for (k, &most) in largest.iter().enumerate() {
             let mut force = scales.force[k];
             // Without loads or reactions the first that is out of balance is the measure.
             if force == 0.0 {
                 if self.unbalanced[k] == 0.0 {
-                    self.unbalanced[k] = largest;
+                    self.unbalanced[k] = most;
                 }
                 force = self.unbalanced[k];
             }
             let allowed = (self.options.relative * force).max(self.options.absolute);
-            ratio = ratio.max(largest / allowed.max(f64::MIN_POSITIVE));
+            ratio = ratio.max(most / allowed.max(f64::MIN_POSITIVE));
         }
         (largest, ratio)
     }

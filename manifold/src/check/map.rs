@@ -63,6 +63,22 @@ pub fn shortened(full: &str) -> String {
     out + &word
 }
 
+/// What a type is called by people: the words of its name without what is generic, `on curve` of
+/// `pullback::joint::Hung<pullback::joint::OnCurve<Helix>>`.
+pub fn plain(full: &str) -> String {
+    let short = shortened(full);
+    let bare = short.strip_prefix("Hung<").unwrap_or(&short);
+    let name = bare.split(['<', '>']).next().unwrap_or(bare);
+    let mut out = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && !out.is_empty() {
+            out.push(' ');
+        }
+        out.extend(c.to_lowercase());
+    }
+    out
+}
+
 /// All laws of a map at one time and point.
 #[allow(clippy::too_many_arguments, reason = "what is checked, where and how")]
 pub(super) fn laws<M, const D: usize, const N: usize>(

@@ -52,7 +52,7 @@ pub use forces::{Forces, State, forces, forces_at, sizes, states};
 pub use implicit::{implicit, rewriting};
 pub use kinematics::{Mapped, kinematics};
 pub use layout::{Group, Layout};
-pub use map::{map, shortened};
+pub use map::{map, plain, shortened};
 pub use report::{Measure, Report, Row};
 pub use sample::Random;
 pub use system::{dense, system, system_at, system_sizes};

@@ -27,7 +27,7 @@ use chain::{Chain, coordinates};
 use nalgebra::Vector3;
 use pullback_manifold::map::Map;
 use set::close_set;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 pub(super) use tree::Coincide;
 
 /// What the equations of a frame at a joint are called, in the order of [`Coincide`].
@@ -85,6 +85,21 @@ impl ModelBuilder {
     pub fn start(&mut self, node: NodeId, k: usize, value: f64) {
         self.starts.insert((node, k), value);
     }
+
+    /// Says that a loop should rather leave this joint coordinate free, and let others follow from it:
+    /// it does so where that is about as good. Coordinates with a spring, a motor or a value to start
+    /// with are preferred already; next come those near the root of the loop.
+    pub fn prefer(&mut self, node: NodeId) {
+        self.preferred.insert(node);
+    }
+}
+
+/// What is said about the coordinates of loops.
+pub(super) struct Wishes<'a> {
+    /// Values that they should start with.
+    pub starts: &'a HashMap<(NodeId, usize), f64>,
+    /// Those that should rather be left free.
+    pub preferred: HashSet<NodeId>,
 }
 
 /// What prescribes the coordinates of the builder's nodes.
@@ -123,7 +138,7 @@ pub(super) fn close(
     nodes: &mut Vec<Node>,
     closings: &[Closing],
     held: &Held<'_>,
-    starts: &HashMap<(NodeId, usize), f64>,
+    wishes: &Wishes<'_>,
     length: f64,
 ) -> Result<Vec<Report>, ModelError> {
     let mut reports = Vec::new();
@@ -165,7 +180,7 @@ pub(super) fn close(
         nodes[child.0 as usize].source = Source::Mapped(Box::new(dependence));
     }
     for set in connected(nodes, &loops, held)? {
-        reports.push(close_set(nodes, &set, held, starts, length)?);
+        reports.push(close_set(nodes, &set, held, wishes, length)?);
     }
     Ok(reports)
 }

@@ -2,7 +2,7 @@
 
 use super::chain::{self, Chain, coordinates};
 use super::tree::{Coincide, Part, Read, Tree};
-use super::{APART, EQUATIONS, Held, Report};
+use super::{APART, EQUATIONS, Held, Report, Wishes};
 use crate::model::builder::NodeId;
 use crate::model::dependence::Dependence;
 use crate::model::{Form, ModelError, NONE, Node, Source, assembly};
@@ -176,12 +176,35 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     words
 }
 
+/// How gladly a coordinate is left free: more than a half where something is said about it, and more
+/// near the root of its loop.
+fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> f64 {
+    let depth = chains.iter().flat_map(|chain| {
+        [chain.frame, chain.child].into_iter().filter_map(|end| {
+            let path = chain::upwards(nodes, end);
+            let below = path.iter().position(|f| Some(*f) == chain.root);
+            let below = &path[..below.unwrap_or(path.len())];
+            let reads = |f: &u32| match &nodes[*f as usize].source {
+                Source::Mapped(d) => d.masters().contains(&n),
+                Source::Own => false,
+            };
+            below.iter().rev().position(reads)
+        })
+    });
+    let near = 0.5 / (1 + depth.min().unwrap_or(0)) as f64;
+    if wishes.preferred.contains(&NodeId(n)) {
+        0.5 + near
+    } else {
+        near
+    }
+}
+
 /// Closes a set of loops: its coordinates, and what there is to say about it.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
     chains: &[Chain],
     held: &Held<'_>,
-    starts: &HashMap<(NodeId, usize), f64>,
+    wishes: &Wishes<'_>,
     length: f64,
 ) -> Result<Report, ModelError> {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
@@ -213,7 +236,8 @@ pub(super) fn close_set(
             about.unknowns.push(Unknown {
                 name: node.coordinate_name(k),
                 size: if kind == Kind::Length { length } else { 1.0 },
-                start: starts.get(&(NodeId(n), k)).copied(),
+                start: wishes.starts.get(&(NodeId(n), k)).copied(),
+                preference: preference(nodes, chains, n, wishes),
             });
         }
     }

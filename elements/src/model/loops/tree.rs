@@ -49,12 +49,16 @@ struct Link {
     map: Box<dyn Parametrization>,
     /// Where the coordinates come from, and how many there.
     reads: Vec<(Read, usize)>,
+    /// The inputs that it depends on, ascending, and for each read the places of those of its source
+    /// among them.
+    columns: Vec<usize>,
+    places: Vec<Vec<usize>>,
     n: usize,
     d: usize,
     /// Coordinates and their rates, values and theirs.
     q: [Vec<f64>; 3],
     x: [Vec<f64>; 3],
-    /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs.
+    /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs in `columns`.
     own: [Vec<f64>; 3],
     all: [Vec<f64>; 3],
     r: Vec<f64>,
@@ -91,7 +95,20 @@ impl Tree {
     ) -> usize {
         let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (d, n) = map.dims();
-        let N = tree.inputs;
+        let sources: Vec<Vec<usize>> = (reads.iter())
+            .map(|&(read, len)| match read {
+                Read::Input(first) => (first..first + len).collect(),
+                Read::Nothing => Vec::new(),
+                Read::Link(j) => tree.links[j].columns.clone(),
+            })
+            .collect();
+        let mut columns = sources.concat();
+        columns.sort_unstable();
+        columns.dedup();
+        let place = |input: &usize| columns.partition_point(|c| c < input);
+        let places = sources.iter().map(|s| s.iter().map(place).collect());
+        let places = places.collect();
+        let N = columns.len();
         let z = |len: usize| [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
         tree.K.resize(tree.K.len().max(d * d), 0.0);
         tree.stack.resize(tree.stack.len().max(d * N), 0.0);
@@ -99,6 +116,8 @@ impl Tree {
         tree.links.push(Link {
             map,
             reads,
+            columns,
+            places,
             n,
             d,
             q: z(d),
@@ -149,19 +168,24 @@ impl Link {
             let out = &mut self.all[k];
             out.fill(0.0);
             let mut column = 0;
-            for &(read, len) in &self.reads {
+            for (&(read, len), places) in self.reads.iter().zip(&self.places) {
                 match read {
                     Read::Nothing => {}
-                    Read::Input(first) => {
-                        let from = &self.own[k][column * n..(column + len) * n];
-                        for (o, b) in out[first * n..].iter_mut().zip(from) {
-                            *o += b;
+                    Read::Input(_) => {
+                        let from = self.own[k][column * n..(column + len) * n].chunks_exact(n);
+                        for (&place, B) in places.iter().zip(from) {
+                            let out = &mut out[place * n..(place + 1) * n];
+                            out.iter_mut().zip(B).for_each(|(o, b)| *o += b);
                         }
                     }
                     Read::Link(j) => {
                         for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
                             let outer = &self.own[k - inner][column * n..(column + len) * n];
-                            add_product([n, len], factor, outer, &before[j].all[inner], out);
+                            let from = before[j].all[inner].chunks_exact(len);
+                            for (&place, B) in places.iter().zip(from) {
+                                let out = &mut out[place * n..(place + 1) * n];
+                                add_product([n, len], factor, outer, B, out);
+                            }
                         }
                     }
                 }
@@ -215,14 +239,22 @@ impl Inner {
         }
     }
 
-    /// Copies values (rows of 1 column) or operators of the closures, one under the other.
-    fn collect(&self, N: usize, out: &mut [f64], of: impl Fn(&Link) -> &[f64]) {
+    /// Copies values of the closures, one under the other.
+    fn collect(&self, order: usize, out: &mut [f64]) {
+        let first = self.links.len() - self.closures;
+        for (out, link) in out.chunks_exact_mut(6).zip(&self.links[first..]) {
+            out.copy_from_slice(&link.x[order]);
+        }
+    }
+
+    /// Copies operators of the closures, one under the other.
+    fn collect_operators(&self, order: usize, out: &mut [f64]) {
         let M = 6 * self.closures;
+        out.fill(0.0);
         let first = self.links.len() - self.closures;
         for (c, link) in self.links[first..].iter().enumerate() {
-            let from = of(link);
-            for j in 0..N {
-                out[j * M + 6 * c..j * M + 6 * (c + 1)].copy_from_slice(&from[6 * j..6 * j + 6]);
+            for (&j, B) in link.columns.iter().zip(link.all[order].chunks_exact(6)) {
+                out[j * M + 6 * c..j * M + 6 * (c + 1)].copy_from_slice(B);
             }
         }
     }
@@ -242,26 +274,27 @@ impl Inner {
             if link.r.iter().all(|r| *r == 0.0) {
                 continue;
             }
-            let d = link.d;
+            let (d, columns) = (link.d, &link.columns);
             let own = &mut self.K[..d * d];
             link.map.geometric_stiffness(t, &link.q[0], &link.r, own);
             // Operators of the coordinates with respect to the inputs, and Bᵀ r to where they
             // come from.
-            let stack = &mut self.stack[..d * N];
+            let stack = &mut self.stack[..d * columns.len()];
             stack.fill(0.0);
             let mut column = 0;
-            for &(read, len) in &link.reads {
+            for (&(read, len), places) in link.reads.iter().zip(&link.places) {
                 match read {
                     Read::Nothing => {}
-                    Read::Input(first) => {
-                        for i in 0..len {
-                            stack[column + i + (first + i) * d] += 1.0;
+                    Read::Input(_) => {
+                        for (i, &place) in places.iter().enumerate() {
+                            stack[column + i + place * d] += 1.0;
                         }
                     }
                     Read::Link(j) => {
-                        for i in 0..N {
-                            let from = &before[j].all[0][i * len..(i + 1) * len];
-                            stack[i * d + column..i * d + column + len].copy_from_slice(from);
+                        let from = before[j].all[0].chunks_exact(len);
+                        for (&place, from) in places.iter().zip(from) {
+                            let at = place * d + column;
+                            stack[at..at + len].copy_from_slice(from);
                         }
                         let B = &link.own[0][column * link.n..];
                         for (r, B) in before[j].r.iter_mut().zip(B.chunks_exact(link.n)) {
@@ -271,12 +304,11 @@ impl Inner {
                 }
                 column += len;
             }
-            let product = &mut self.product[..d * N];
+            let product = &mut self.product[..d * columns.len()];
             product.fill(0.0);
             add_product([d, d], 1.0, own, stack, product);
-            for j in 0..N {
-                for i in 0..N {
-                    let (s, p) = (&stack[i * d..(i + 1) * d], &product[j * d..(j + 1) * d]);
+            for (&j, p) in columns.iter().zip(product.chunks_exact(d)) {
+                for (&i, s) in columns.iter().zip(stack.chunks_exact(d)) {
                     K[i + j * N] += s.iter().zip(p).map(|(s, p)| s * p).sum::<f64>();
                 }
             }
@@ -321,18 +353,18 @@ impl Parametrization for Tree {
     fn tangent(&self, t: f64, y: &[f64], h: &mut [f64], J: &mut [f64]) {
         let mut tree = self.inner();
         tree.evaluate(t, y, None);
-        tree.collect(1, h, |l| &l.x[0]);
-        tree.collect(tree.inputs, J, |l| &l.all[0]);
+        tree.collect(0, h);
+        tree.collect_operators(0, J);
     }
 
     fn kinematics(&self, t: f64, y: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
         let mut tree = self.inner();
         tree.evaluate(t, y, Some([v, a]));
         for (k, x) in [out.x, out.x_dot, out.x_ddot].into_iter().enumerate() {
-            tree.collect(1, x, |l| &l.x[k]);
+            tree.collect(k, x);
         }
         for (k, B) in [out.B, out.B_dot, out.B_ddot].into_iter().enumerate() {
-            tree.collect(tree.inputs, B, |l| &l.all[k]);
+            tree.collect_operators(k, B);
         }
     }
 
@@ -351,12 +383,20 @@ pub(super) struct Part {
 }
 
 impl Parametrization for Part {
+    fn kind(&self) -> &'static str {
+        "in a loop"
+    }
+
     fn dims(&self) -> (usize, usize) {
         (self.of, self.len)
     }
 
     fn duplicate(&self) -> Box<dyn Parametrization> {
         Box::new(*self)
+    }
+
+    fn is_linear(&self) -> bool {
+        true
     }
 
     fn tangent(&self, _t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {

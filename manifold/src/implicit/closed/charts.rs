@@ -2,6 +2,7 @@
 
 use super::super::chart::RANK;
 use super::super::{Choice, GAIN};
+use super::Unknown;
 use super::core::{Chart, Core};
 use super::dense::product_tr;
 use crate::map::KinematicsMut;
@@ -12,6 +13,11 @@ use std::f64::consts::PI;
 /// A split whose condition number is larger than that of the tangent space by this factor is not
 /// good.
 const POOR: f64 = 1e3;
+/// Condition number of preferred coordinates, relative to that of the best ones, up to which they are
+/// taken at the start.
+const PREFERRED: f64 = 10.0;
+/// Preference of 1 makes an unknown look less dependent by this factor.
+const WEIGHT: f64 = 1e-3;
 /// A condition number, for each unknown, up to which coordinates are good enough to be kept whatever
 /// others there are: a scheme conserves energy in one set of coordinates, and every change costs some.
 /// (The condition number of the identity is one for each unknown.)
@@ -55,6 +61,11 @@ impl Core {
     /// The best equations and coordinates at h_y as it stands, into the trial chart, with A⁻¹ for
     /// them in the workspace; the condition number, infinite where there are none.
     pub(super) fn best(&mut self, choice: Choice) -> f64 {
+        self.best_by(choice, |_| 1.0)
+    }
+
+    /// As [`Core::best`], where unknowns look less dependent by a factor.
+    fn best_by(&mut self, choice: Choice, weight: impl Fn(&Unknown) -> f64) -> f64 {
         let (X, M, D) = (self.X, self.M, self.D);
         self.rank_equations();
         let w = &mut self.work;
@@ -98,7 +109,7 @@ impl Core {
             let used = (0..M).filter(|&i| chart.used[i]);
             for (row, i) in used.enumerate() {
                 for k in 0..X {
-                    columns[row + k * rows] = w.scaled[k + i * X];
+                    columns[row + k * rows] = w.scaled[k + i * X] * weight(&self.about.unknowns[k]);
                 }
             }
             w.columns.run(rows, &columns);
@@ -135,6 +146,32 @@ impl Core {
         } else {
             self.best(Choice::Split)
         }
+    }
+
+    /// As [`Core::choose`], with unknowns that are preferred among those that are about as good: all
+    /// preferences first, then the strong ones alone.
+    pub(super) fn choose_first(&mut self) -> f64 {
+        let best = self.choose();
+        let chosen = self.work.trial.clone();
+        if chosen.independent.is_none() {
+            return best;
+        }
+        let most = (PREFERRED * best).min(BAD * self.X as f64);
+        for least in [0.0, 0.5] {
+            let condition = self.best_by(Choice::Split, |u| {
+                let preference = if u.preference > least {
+                    u.preference
+                } else {
+                    0.0
+                };
+                WEIGHT.powf(preference)
+            });
+            if condition <= most {
+                return condition;
+            }
+        }
+        self.work.trial = chosen;
+        self.factorise(true)
     }
 
     /// Makes a converged state the one that Newton's method starts from.

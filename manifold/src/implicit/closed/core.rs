@@ -6,7 +6,7 @@ use super::super::Trouble;
 use super::super::chart::RANK;
 use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
 use super::Description;
-use super::dense::{Pivoted, invert, norm, product};
+use super::dense::{Inverse, Pivoted, norm, product};
 use crate::map::Parametrization;
 
 /// Iterations from the last converged state at most.
@@ -71,6 +71,7 @@ pub(super) struct Work {
     pub condition: f64,
     A: Vec<f64>,
     inverse: Vec<f64>,
+    factors: Inverse,
     length: Vec<f64>,
     dx: Vec<f64>,
     /// Second and third derivatives of the equations, and motions.
@@ -144,6 +145,7 @@ impl Core {
             stop: z(Q),
             ..Work::default()
         };
+        self.work.factors.reserve(X);
     }
 
     pub(super) fn x(&self) -> &[f64] {
@@ -189,7 +191,7 @@ impl Core {
             }
         }
         let of_A = norm(&w.A);
-        if !invert(X, &mut w.A, &mut w.inverse) {
+        if !w.factors.run(X, &mut w.A, &mut w.inverse) {
             return f64::INFINITY;
         }
         w.condition = of_A * norm(&w.inverse);
@@ -260,12 +262,8 @@ impl Core {
                 return Err(self.singular());
             }
             let w = &mut self.work;
-            for (k, dx) in w.dx.iter_mut().enumerate() {
-                *dx = 0.0;
-                for i in 0..M {
-                    *dx -= w.P[k + i * X] * w.h[i];
-                }
-            }
+            product([X, M, 1], &w.P, &w.h, &mut w.dx);
+            w.dx.iter_mut().for_each(|dx| *dx = -*dx);
             for j in 0..D {
                 let now: f64 = (0..X)
                     .map(|k| self.chart.L[k + j * X] * (w.y[p + k] - self.reference[k]))

@@ -2,6 +2,8 @@
 
 #![allow(non_snake_case)]
 
+use std::ops::Range;
+
 /// out = A B, with A m×k and B k×n.
 pub(super) fn product([m, k, n]: [usize; 3], A: &[f64], B: &[f64], out: &mut [f64]) {
     for j in 0..n {
@@ -32,8 +34,24 @@ pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+/// Four sums side by side: the loop is then done by vectors.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    let (mut a, mut b) = (a.chunks_exact(4), b.chunks_exact(4));
+    for (a, b) in a.by_ref().zip(b.by_ref()) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest = a.remainder().iter().zip(b.remainder());
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest.map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// x −= (d·x) d; false where there is nothing along d.
+fn subtract(d: &[f64], x: &mut [f64]) -> bool {
+    let along = dot(d, x);
+    x.iter_mut().zip(d).for_each(|(x, d)| *x -= along * d);
+    along != 0.0
 }
 
 /// Columns of a matrix in the order in which they add most to the span of those before: a QR
@@ -42,6 +60,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub(super) struct Pivoted {
     rows: usize,
     rest: Vec<f64>,
+    /// What of each column is left, squared.
+    squares: Vec<f64>,
+    /// The rows of each column that may not be zero.
+    ranges: Vec<Range<usize>>,
     /// Columns, the largest first; only the first `steps` entries are pivots.
     pub order: Vec<usize>,
     /// What of each column, in this order, is not in the span of those before: |r_kk|.
@@ -51,7 +73,8 @@ pub(super) struct Pivoted {
 }
 
 impl Pivoted {
-    /// Factorises `A`, of `rows` rows. Every column is made orthogonal twice, which is enough.
+    /// Factorises `A`, of `rows` rows. A column of which little is left is made
+    /// orthogonal twice, which is enough.
     pub(super) fn run(&mut self, rows: usize, A: &[f64]) {
         let columns = A.len().checked_div(rows).unwrap_or(0);
         let steps = rows.min(columns);
@@ -64,22 +87,28 @@ impl Pivoted {
         self.left.resize(columns, 0.0);
         self.basis.clear();
         self.basis.resize(rows * steps, 0.0);
+        self.squares.clear();
+        self.ranges.clear();
+        for c in 0..columns {
+            let column = &A[c * rows..(c + 1) * rows];
+            self.squares.push(dot(column, column));
+            let mut some = (0..rows).filter(|&i| column[i] != 0.0);
+            let first = some.next().unwrap_or(0);
+            let last = some.next_back().unwrap_or(first);
+            self.ranges.push(first..last + 1);
+        }
         for k in 0..steps {
-            let size = |rest: &[f64], c: usize| {
-                let column = &rest[c * rows..(c + 1) * rows];
-                dot(column, column)
-            };
             // The first of equal ones, so that rounding does not decide between ties.
             let mut best = k;
             for j in k + 1..columns {
-                let now = size(&self.rest, self.order[best]);
-                if size(&self.rest, self.order[j]) > now * (1.0 + 1e-12) {
+                let now = self.squares[self.order[best]];
+                if self.squares[self.order[j]] > now * (1.0 + 1e-12) {
                     best = j;
                 }
             }
             self.order.swap(k, best);
             let c = self.order[k];
-            let left = size(&self.rest, c).sqrt();
+            let left = self.squares[c].sqrt();
             self.left[k] = left;
             if left.is_nan() || left <= 0.0 {
                 break;
@@ -88,14 +117,22 @@ impl Pivoted {
             for (d, x) in direction.iter_mut().zip(&self.rest[c * rows..]) {
                 *d = x / left;
             }
+            let range = self.ranges[c].clone();
+            let direction = &direction[range.clone()];
             for &j in &self.order[k + 1..] {
                 let column = &mut self.rest[j * rows..(j + 1) * rows];
-                for _ in 0..2 {
-                    let along = dot(direction, column);
-                    for (x, d) in column.iter_mut().zip(&*direction) {
-                        *x -= along * d;
-                    }
+                let before = self.squares[j];
+                if before == 0.0 || !subtract(direction, &mut column[range.clone()]) {
+                    continue;
                 }
+                let all = &mut self.ranges[j];
+                *all = all.start.min(range.start)..all.end.max(range.end);
+                let mut now = dot(&column[all.clone()], &column[all.clone()]);
+                if now < 0.5 * before {
+                    subtract(direction, &mut column[range.clone()]);
+                    now = dot(&column[all.clone()], &column[all.clone()]);
+                }
+                self.squares[j] = now;
             }
         }
     }
@@ -113,51 +150,130 @@ impl Pivoted {
     }
 }
 
-/// Writes the inverse of `A` (n×n, destroyed) into `out` by Gauss–Jordan elimination with row
-/// pivoting; false for a singular matrix.
-pub(super) fn invert(n: usize, A: &mut [f64], out: &mut [f64]) -> bool {
-    out.fill(0.0);
-    for k in 0..n {
-        out[k + k * n] = 1.0;
+/// The inverse of a matrix, by triangular factors of which only what is not zero is walked through:
+/// every equation has few unknowns.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Inverse {
+    /// Row of the matrix behind each row of the factors.
+    rows: Vec<usize>,
+    lower: Entries,
+    upper: Entries,
+}
+
+/// What is not zero of a triangular matrix without its diagonal: row and value, column by column.
+#[derive(Clone, Debug, Default)]
+struct Entries {
+    starts: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+impl Entries {
+    fn clear(&mut self) {
+        self.entries.clear();
+        self.starts.clear();
+        self.starts.push(0);
     }
-    for k in 0..n {
-        let mut pivot = k;
-        for i in k + 1..n {
-            if A[i + k * n].abs() > A[pivot + k * n].abs() {
-                pivot = i;
-            }
+
+    fn of(&self, column: usize) -> &[(usize, f64)] {
+        &self.entries[self.starts[column]..self.starts[column + 1]]
+    }
+
+    /// The next column: what is not zero among `rows` of a full one.
+    fn push(&mut self, rows: std::ops::Range<usize>, column: &[f64]) {
+        let all = rows.map(|i| (i, column[i]));
+        self.entries.extend(all.filter(|(_, a)| *a != 0.0));
+        self.starts.push(self.entries.len());
+    }
+}
+
+impl Inverse {
+    /// Room for any factors of an n×n matrix.
+    pub(super) fn reserve(&mut self, n: usize) {
+        self.rows.reserve(n);
+        for part in [&mut self.lower, &mut self.upper] {
+            part.starts.reserve(n + 1);
+            part.entries.reserve(n * n.saturating_sub(1) / 2);
         }
-        let size = A[pivot + k * n].abs();
-        if size.is_nan() || size <= f64::MIN_POSITIVE {
+    }
+
+    /// Writes the inverse of `A` (n×n, destroyed) into `out`, by Gaussian elimination with row
+    /// pivoting; false for a singular matrix.
+    pub(super) fn run(&mut self, n: usize, A: &mut [f64], out: &mut [f64]) -> bool {
+        if !self.factorise(n, A) {
             return false;
         }
-        if pivot != k {
-            for j in 0..n {
-                A.swap(k + j * n, pivot + j * n);
-                out.swap(k + j * n, pivot + j * n);
+        self.lower.clear();
+        self.upper.clear();
+        for (k, column) in A.chunks_exact(n.max(1)).enumerate() {
+            self.lower.push(k + 1..n, column);
+            self.upper.push(0..k, column);
+        }
+        out.fill(0.0);
+        for (i, &j) in self.rows.iter().enumerate() {
+            let x = &mut out[j * n..(j + 1) * n];
+            x[i] = 1.0;
+            for k in i..n {
+                let factor = x[k];
+                if factor != 0.0 {
+                    self.lower
+                        .of(k)
+                        .iter()
+                        .for_each(|&(i, l)| x[i] -= l * factor);
+                }
             }
-        }
-        let factor = 1.0 / A[k + k * n];
-        for j in 0..n {
-            A[k + j * n] *= factor;
-            out[k + j * n] *= factor;
-        }
-        for i in (0..n).filter(|&i| i != k) {
-            let factor = A[i + k * n];
-            if factor != 0.0 {
-                for j in 0..n {
-                    A[i + j * n] -= factor * A[k + j * n];
-                    out[i + j * n] -= factor * out[k + j * n];
+            for k in (0..n).rev() {
+                x[k] /= A[k + k * n];
+                let factor = x[k];
+                if factor != 0.0 {
+                    self.upper
+                        .of(k)
+                        .iter()
+                        .for_each(|&(i, u)| x[i] -= u * factor);
                 }
             }
         }
+        true
     }
-    true
+
+    /// Triangular factors in the place of `A`.
+    fn factorise(&mut self, n: usize, A: &mut [f64]) -> bool {
+        self.rows.clear();
+        self.rows.extend(0..n);
+        for k in 0..n {
+            let mut pivot = k;
+            for i in k + 1..n {
+                if A[i + k * n].abs() > A[pivot + k * n].abs() {
+                    pivot = i;
+                }
+            }
+            let size = A[pivot + k * n].abs();
+            if size.is_nan() || size <= f64::MIN_POSITIVE {
+                return false;
+            }
+            if pivot != k {
+                self.rows.swap(pivot, k);
+                (0..n).for_each(|j| A.swap(k + j * n, pivot + j * n));
+            }
+            let (before, after) = A.split_at_mut((k + 1) * n);
+            let column = &mut before[k * n..];
+            let factor = 1.0 / column[k];
+            column[k + 1..].iter_mut().for_each(|a| *a *= factor);
+            self.lower.clear();
+            self.lower.push(k + 1..n, column);
+            for column in after.chunks_exact_mut(n) {
+                let a = column[k];
+                if a != 0.0 {
+                    (self.lower.of(0).iter()).for_each(|&(i, l)| column[i] -= l * a);
+                }
+            }
+        }
+        true
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Pivoted, invert, product, product_tr};
+    use super::{Inverse, Pivoted, product, product_tr};
 
     #[test]
     fn dependent_columns_come_last() {
@@ -177,12 +293,13 @@ mod tests {
     fn inverses() {
         let A = [0.0, 1.0, 2.0, 2.0, 0.0, 1.0, 1.0, 3.0, 0.0];
         let (mut left, mut inverse, mut one) = (A, [0.0; 9], [0.0; 9]);
-        assert!(invert(3, &mut left, &mut inverse));
+        let mut factors = Inverse::default();
+        assert!(factors.run(3, &mut left, &mut inverse));
         product([3, 3, 3], &A, &inverse, &mut one);
         for (k, x) in one.iter().enumerate() {
             let exact = if k % 4 == 0 { 1.0 } else { 0.0 };
             assert!((x - exact).abs() < 1e-15, "{one:?}");
         }
-        assert!(!invert(2, &mut [0.0; 4], &mut [0.0; 4]));
+        assert!(!factors.run(2, &mut [0.0; 4], &mut [0.0; 4]));
     }
 }

@@ -38,6 +38,9 @@ pub struct Unknown {
     pub size: f64,
     /// A value that it should start with.
     pub start: Option<f64>,
+    /// Between 0 and 1: how gladly it is taken for one of the q at the start, where the condition
+    /// number allows that.
+    pub preference: f64,
 }
 
 /// One of the equations h = 0.
@@ -151,6 +154,10 @@ impl Closed {
 }
 
 impl Parametrization for Closed {
+    fn kind(&self) -> &'static str {
+        "closed loop"
+    }
+
     fn dims(&self) -> (usize, usize) {
         let core = self.core();
         (core.D + core.p, core.X)

@@ -58,7 +58,7 @@ impl Core {
         core.linearise(t);
         core.sizes.fill(0.0);
         core.measure();
-        if core.choose().is_infinite() {
+        if core.choose_first().is_infinite() {
             return Err(core.singular_start(X - rank));
         }
         core.chart = core.work.trial.clone();

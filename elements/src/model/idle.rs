@@ -1,0 +1,53 @@
+//! Models of which every coordinate is prescribed: kinematics, and the forces of given motions.
+//!
+//! Solvers want something to solve for. They get a coordinate of its own that stays zero, a spring
+//! and a mass that nothing else sees; states, reactions and energies are those of the drives.
+
+#![allow(non_snake_case)]
+
+use super::{Form, ModelBuilder, ModelError};
+use crate::element::{Element, ElementError, Motion, Response};
+use pullback_manifold::system::Kind;
+
+/// A mass on a spring, both of size one; dim 1.
+#[derive(Debug)]
+struct Idle;
+
+impl Element for Idle {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        out.r[0] -= at.x[0] + at.a.first().copied().unwrap_or(0.0);
+        for one in [&mut out.K, &mut out.M].into_iter().flatten() {
+            one[0] += 1.0;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        0.5 * at.x[0] * at.x[0]
+    }
+}
+
+impl ModelBuilder {
+    /// Adds the coordinate that stays zero where nothing else is free.
+    pub(super) fn keep_one_free(&mut self) -> Result<(), ModelError> {
+        let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
+            .map(|(n, k, _)| (n.0 as usize, *k))
+            .collect();
+        let free = self
+            .nodes
+            .iter()
+            .enumerate()
+            .any(|(n, node)| node.is_own() && (0..node.dim).any(|k| !given.contains(&(n, k))));
+        if free || self.nodes.is_empty() {
+            return Ok(());
+        }
+        let node = self.coordinates("nothing is free", &[Kind::Other])?;
+        self.nodes[node.0 as usize].form = Form::Idle;
+        self.element("nothing is free", Idle, &[node])?;
+        Ok(())
+    }
+}

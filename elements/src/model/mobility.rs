@@ -1,0 +1,154 @@
+//! How a model can move: degrees of freedom, loops that are locked, coordinates without mass.
+
+#![allow(non_snake_case)]
+
+use super::{Form, Model, Source};
+use crate::constraint::Enforced;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
+use std::fmt;
+
+/// Degrees of freedom of a model, and what its loops leave of those of their joints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mobility {
+    /// Degrees of freedom of the whole model.
+    pub freedoms: usize,
+    /// Joints that close a loop, whether by a map or by multipliers.
+    pub loops: usize,
+    /// Coordinates before these equations are imposed that are not driven.
+    pub coordinates: usize,
+    /// Equations of the loops.
+    pub equations: usize,
+    /// Those of them that follow from others at the start.
+    pub redundant: usize,
+}
+
+impl fmt::Display for Mobility {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            freedoms,
+            loops,
+            coordinates,
+            equations,
+            redundant,
+        } = self;
+        write!(f, "degrees of freedom: {freedoms}")?;
+        if *loops > 0 {
+            let many = if *loops == 1 { "" } else { "s" };
+            write!(
+                f,
+                " of {coordinates} coordinates, {loops} loop{many} with {equations} equations, of \
+                 which {redundant} are redundant"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// What the map of a loop leaves free.
+struct Closed {
+    /// Coordinates of its joints, those left free, and driven ones.
+    x: usize,
+    free: usize,
+    driven: usize,
+    equations: usize,
+}
+
+impl Model {
+    /// The loops that maps close, with the name of the first joint of each.
+    fn closed(&self) -> impl Iterator<Item = (&str, Closed)> {
+        self.reports.iter().filter_map(|report| {
+            let node = &self.nodes[report.map? as usize];
+            let Source::Mapped(d) = &node.source else {
+                return None;
+            };
+            let (all, x) = d.map.dims();
+            let own = d.masters().first().filter(|_| d.map.rewrites());
+            let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
+            let name = &self.nodes[report.closures.first()?.0 as usize].name;
+            let closed = Closed {
+                x,
+                free,
+                driven: all - free,
+                equations: 6 * report.closures.len(),
+            };
+            Some((name.as_str(), closed))
+        })
+    }
+
+    /// Degrees of freedom, at the configuration in which the model was built.
+    pub fn mobility(&self) -> Mobility {
+        let count = |form: Form| {
+            let unknown = |&&c: &&usize| {
+                let mut nodes = self.nodes.iter();
+                nodes.any(|n| n.form == form && n.range().contains(&c))
+            };
+            self.coordinates.iter().filter(unknown).count()
+        };
+        let multipliers = count(Form::Multipliers);
+        let free = self.coordinates.len() - multipliers - count(Form::Idle);
+        let mut out = Mobility {
+            coordinates: free,
+            ..Mobility::default()
+        };
+        for report in &self.reports {
+            out.loops += match report.element {
+                Some(k) => usize::from(self.multiplied(k as usize).is_some()),
+                None => report.closures.len(),
+            };
+        }
+        let mut lost = 0;
+        for (_, closed) in self.closed() {
+            out.coordinates += closed.x - closed.free;
+            out.equations += closed.equations;
+            out.redundant += closed.equations - (closed.x - closed.free);
+        }
+        for e in self.enforced.iter().filter_map(|&k| self.multiplied(k)) {
+            let (equations, redundant) = (e.dims().1, e.left_out().count_ones() as usize);
+            out.equations += equations;
+            out.redundant += redundant;
+            lost += equations - redundant;
+        }
+        out.freedoms = free.saturating_sub(lost);
+        out
+    }
+
+    /// Element `k` where it enforces equations by multipliers.
+    fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
+        let enforced = self.elements[k].element.enforced();
+        enforced.filter(|e| e.penalty().is_none())
+    }
+
+    /// Loops in which nothing can move, though nothing in them is driven: one of the joints that close
+    /// each, its coordinates and its equations.
+    pub fn locked(&self) -> Vec<(String, usize, usize)> {
+        let locked = |(_, c): &(&str, Closed)| c.free == 0 && c.driven == 0;
+        let loops = self.closed().filter(locked);
+        loops
+            .map(|(name, c)| (name.to_owned(), c.x, c.equations))
+            .collect()
+    }
+
+    /// Names of the unknowns on which no mass acts at a state: forces alone tell how they move.
+    ///
+    /// # Errors
+    /// [`SystemError`] when the state is outside a chart.
+    pub fn massless(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Vec<String>, SystemError> {
+        let n = q.len();
+        let (a, mut r) = (vec![0.0; n], vec![0.0; n]);
+        let mut M = vec![0.0; self.pattern.len()];
+        let only_M = Weights {
+            K: 0.0,
+            C: 0.0,
+            M: 1.0,
+        };
+        let out = Evaluation::with_tangent(&mut r, only_M, &mut M);
+        self.evaluate(Point { t, q, v, a: &a }, out)?;
+        let mut mass = vec![0.0; n];
+        for value in &mut M {
+            *value = value.abs();
+        }
+        self.pattern.multiply_add(1.0, &M, &vec![1.0; n], &mut mass);
+        let without = |&i: &usize| mass[i] == 0.0 && !self.is_multiplier(i);
+        Ok((0..n).filter(without).map(|i| self.name(i)).collect())
+    }
+}

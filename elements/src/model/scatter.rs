@@ -1,0 +1,158 @@
+//! Tangents of groups in which nodes follow others, on their way to the pattern.
+//!
+//! ```text
+//! rows of own nodes                  →  pattern
+//! rows of nodes that follow others   →  panels  →  Bᵀ  →  panels of their masters, pattern
+//! ```
+
+#![allow(non_snake_case)]
+
+use super::dependence::Operators;
+use super::placement::{Place, Placement, behind};
+use super::{NONE, Node, Source};
+use pullback_manifold::pullback::{self, Tangents};
+use pullback_manifold::system::Weights;
+
+/// Tangents over the coordinates of a few nodes.
+pub(super) struct Group<'a> {
+    pub nodes: &'a [u32],
+    pub first_place: usize,
+    pub tangents: Tangents<'a>,
+    pub weights: Weights,
+}
+
+/// Where they go, and room for a column.
+pub(super) struct Into<'a> {
+    pub values: &'a mut [f64],
+    pub panels: &'a mut [f64],
+    pub work: &'a mut [f64],
+}
+
+impl Placement {
+    /// Adds the pulled-back tangents of a group of nodes, (cK K + cC C + cM M, B) column by column:
+    /// rows of own nodes into the pattern, those of others into their panels.
+    pub(super) fn scatter_group(
+        &self,
+        nodes: &[Node],
+        operators: &Operators,
+        group: &Group<'_>,
+        into: &mut Into<'_>,
+    ) {
+        let n = group.nodes.iter().map(|&i| nodes[i as usize].dim).sum();
+        let (tangents, weights) = (group.tangents, group.weights);
+        let mut places = self.places[group.first_place..].chunks_exact(group.nodes.len().max(1));
+        let mut x = 0;
+        for j in group.nodes {
+            let node = &nodes[*j as usize];
+            let operators = match &node.source {
+                Source::Own => None,
+                Source::Mapped(d) => Some((d.total, operators)),
+            };
+            let mut column_of_node = 0;
+            for (&a, places) in behind(nodes, j).iter().zip(&mut places) {
+                for &column in &self.rows[nodes[a as usize].range()] {
+                    let c = column_of_node;
+                    column_of_node += 1;
+                    if column == NONE {
+                        continue;
+                    }
+                    let work = &mut into.work[..n];
+                    work.fill(0.0);
+                    match operators {
+                        None => {
+                            pullback::add_column(work, tangents, weights, x + c, [1.0, 0.0, 0.0])
+                        }
+                        Some((total, o)) => {
+                            for k in 0..node.dim {
+                                let at = total + c * node.dim + k;
+                                let factors = [o.B[at], o.B_dot[at], o.B_ddot[at]];
+                                pullback::add_column(work, tangents, weights, x + k, factors);
+                            }
+                        }
+                    }
+                    self.put(nodes, group.nodes, places, column as usize, into);
+                }
+            }
+            x += node.dim;
+        }
+    }
+
+    /// Adds a column to its places, node by node.
+    fn put(
+        &self,
+        nodes: &[Node],
+        group: &[u32],
+        places: &[Place],
+        column: usize,
+        into: &mut Into<'_>,
+    ) {
+        let mut rest = &*into.work;
+        for (&i, place) in group.iter().zip(places) {
+            let node = &nodes[i as usize];
+            let (S, others) = rest.split_at(node.dim);
+            rest = others;
+            if place.start == NONE {
+                continue;
+            }
+            if !node.is_own() {
+                let to = &mut into.panels[place.start as usize + column * node.dim..];
+                to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
+                continue;
+            }
+            let to = &mut into.values[place.start as usize + column * self.width(node)..];
+            for (&row, s) in self.rows[node.range()].iter().zip(S) {
+                if row != NONE {
+                    let value = &mut to[row as usize];
+                    *value = if place.first { *s } else { *value + s };
+                }
+            }
+        }
+    }
+
+    /// Hands the rows at a node that follows others to its masters: Bᵀ times its panel.
+    pub(super) fn hand_back(
+        &self,
+        n: u32,
+        nodes: &[Node],
+        operators: &Operators,
+        into: &mut Into<'_>,
+    ) {
+        let (panel, node) = (&self.panels[n as usize], &nodes[n as usize]);
+        let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {
+            return;
+        };
+        // Panels of masters come before those of the nodes that follow them.
+        let (above, own) = into.panels.split_at_mut(start as usize);
+        let mut columns = own.chunks_exact(node.dim);
+        let masters = d.masters();
+        let places = self.places[panel.handed..].chunks_exact(masters.len().max(1));
+        for (&a, places) in panel.columns.iter().zip(places) {
+            for column in 0..self.width(&nodes[a as usize]) {
+                let Some(f) = columns.next() else { return };
+                if f.iter().all(|f| *f == 0.0) {
+                    continue;
+                }
+                let mut B = operators.B[d.local..].chunks_exact(node.dim);
+                for (&m, place) in masters.iter().zip(places) {
+                    let master = &nodes[m as usize];
+                    let B = B.by_ref().take(master.dim);
+                    let S = B.map(|B| B.iter().zip(f).map(|(b, f)| b * f).sum::<f64>());
+                    let start = place.start as usize;
+                    if place.start == NONE {
+                        S.for_each(drop);
+                    } else if master.is_own() {
+                        let to = &mut into.values[start + column * self.width(master)..];
+                        for (&row, s) in self.rows[master.range()].iter().zip(S) {
+                            if row != NONE {
+                                to[row as usize] += s;
+                            }
+                        }
+                    } else {
+                        let to = &mut above[start + column * master.dim..];
+                        to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
+                    }
+                }
+            }
+        }
+    }
+}
