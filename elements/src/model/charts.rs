@@ -339,7 +339,10 @@ impl Model {
 /// Whether a node is a frame by increments.
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
-        Source::Mapped(d) => nodes[d.masters()[0] as usize].form == Form::Increment,
+        Source::Mapped(d) => {
+            let first = d.masters().first();
+            first.is_some_and(|&m| nodes[m as usize].form == Form::Increment)
+        }
         Source::Own => false,
     }
 }

@@ -44,6 +44,9 @@ const BOUNDS: [f64; 2] = [0.25, 4.0];
 /// Largest turn in a step, as a part of the motion of the step.
 const TURN: f64 = 0.1;
 
+/// What a turn changes of the energy, relative to the parts of the sum, if it changes nothing.
+const NO_TURN: f64 = 1e-10;
+
 /// A symmetry in the orthonormal basis.
 struct Direction {
     xi: RigidRates,
@@ -198,7 +201,11 @@ impl Keeper {
         }
         let wanted = 1.0 + 2.0 * needed / slope;
         let square = wanted.clamp(BOUNDS[0], BOUNDS[1]);
-        let left = needed - 0.5 * (square - 1.0) * rest;
+        // What the rest does not give; of its share alone no rounding error.
+        let left = match square == wanted {
+            true => needed * h * h * size / slope,
+            false => needed - 0.5 * (square - 1.0) * rest,
+        };
         let speed: f64 = self.directions().map(|d| d.j * d.j).sum::<f64>();
         let [eta, most] = match size > 0.0 {
             true => [left / size, TURN * h * (speed / size).sqrt()],
@@ -311,7 +318,10 @@ impl Keeper {
                 continue;
             }
             system.rigid_rates(q, &bracket(&d.xi, &Omega), &mut self.field);
-            *gamma = dot(&self.field, &self.p);
+            let terms = self.field.iter().zip(&self.p).map(|(x, p)| x * p);
+            let (sum, size) = terms.fold((0.0, 0.0), |(s, m), x: f64| (s + x, m + x.abs()));
+            // A turn that is rounding only would be one about no axis in particular.
+            *gamma = if sum.abs() > NO_TURN * size { sum } else { 0.0 };
         }
     }
 }

@@ -9,6 +9,8 @@ use crate::sparse::BlockPattern;
 use crate::system::{Evaluation, Point, System, Weights};
 use nalgebra::DMatrix;
 
+/// Changes in the last digits that are looked at: the round-off of one may vanish by chance.
+const SAMPLES: u32 = 8;
 /// What round-off in a tangent may be, of what a change in the last digits of coordinates makes.
 const NOISE: f64 = 100.0;
 
@@ -127,15 +129,20 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     };
     // Stiff parts that cancel leave their round-off, which nothing here shows but the change of S with
     // the last digits of the coordinates.
-    let mut beside = state.clone();
-    for (i, (x, unit)) in (beside.x.iter_mut().zip(laws.layout.units())).enumerate() {
-        let digit = 4.0 * f64::EPSILON * (x.abs() + unit);
-        *x += if i % 2 == 0 { digit } else { -digit };
+    let mut noise = vec![0.0_f64; S.len()];
+    for sample in 1..=SAMPLES {
+        let mut beside = state.clone();
+        for (i, (x, unit)) in beside.x.iter_mut().zip(laws.layout.units()).enumerate() {
+            let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
+            *x += if i % 2 == 0 { digit } else { -digit };
+        }
+        let Some((_, there)) = combined(system, &beside, w) else {
+            continue;
+        };
+        for (noise, (a, b)) in noise.iter_mut().zip(there.iter().zip(&S)) {
+            *noise = noise.max((a - b).abs());
+        }
     }
-    let noise: Vec<f64> = match combined(system, &beside, w) {
-        Some((_, there)) => there.iter().zip(&S).map(|(a, b)| (a - b).abs()).collect(),
-        None => vec![0.0; S.len()],
-    };
     let allowed = by_row(&size).into_iter().zip(by_row(&noise));
     let allowed: Vec<f64> = allowed.map(|(s, n)| 1e-12 * s + NOISE * n).collect();
     let law = "S = cK K + cC C + cM M";
