@@ -136,11 +136,14 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
             let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
             *x += if i % 2 == 0 { digit } else { -digit };
         }
-        let Some((_, there)) = combined(system, &beside, w) else {
+        let whole = combined(system, &beside, w);
+        let (Some((_, there)), Some((_, parts))) = (whole, parts(system, &beside)) else {
             continue;
         };
-        for (noise, (a, b)) in noise.iter_mut().zip(there.iter().zip(&S)) {
-            *noise = noise.max((a - b).abs());
+        for k in 0..S.len() {
+            let part = |i: usize, w: f64| (w * (parts[i][k] - all.values[i][k])).abs();
+            let parts = part(0, w.K) + part(1, w.C) + part(2, w.M);
+            noise[k] = noise[k].max((there[k] - S[k]).abs() + parts);
         }
     }
     let allowed = by_row(&size).into_iter().zip(by_row(&noise));
