@@ -150,6 +150,14 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         None
     }
 
+    /// By what time a change to another segment ([`Map::segment`]) is overdue at coordinates q with
+    /// velocities v, to first order; negative before that. An integrator ends a step there. `None`
+    /// where no change lies ahead, and by default.
+    fn overdue(&self, t: f64, q: &SVector<f64, D>, v: &SVector<f64, D>) -> Option<f64> {
+        let _ = (t, q, v);
+        None
+    }
+
     /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
     /// elements; 0 for every other map.
     fn segment(&self) -> usize {
@@ -281,6 +289,12 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
+    /// See [`Map::overdue`].
+    fn overdue(&self, t: f64, q: &[f64], v: &[f64]) -> Option<f64> {
+        let _ = (t, q, v);
+        None
+    }
+
     /// See [`Map::segment`].
     fn segment(&self) -> usize {
         0
@@ -392,6 +406,11 @@ where
 
     fn note(&self) -> Option<String> {
         self.0.note()
+    }
+
+    fn overdue(&self, t: f64, q: &[f64], v: &[f64]) -> Option<f64> {
+        let [q, v] = [q, v].map(SVector::from_column_slice);
+        self.0.overdue(t, &q, &v)
     }
 
     fn segment(&self) -> usize {

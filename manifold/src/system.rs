@@ -283,6 +283,15 @@ pub trait System {
         ChartChanges::default()
     }
 
+    /// By what time a change of the system's coordinates or maps is overdue at a point in motion, to
+    /// first order; negative before that. A change that leaves values as they are, but not their
+    /// derivatives, costs a step that crosses it its order: the step is made to end there, and
+    /// [`System::change_charts`] then makes the change. `None` where none lies ahead, and by default.
+    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
+        let _ = at;
+        None
+    }
+
     /// A run starts from `q` at time `t`, or goes on from there after a step that failed: a system
     /// that remembers more of its way than its coordinates takes what belongs to this state.
     /// Nothing by default.

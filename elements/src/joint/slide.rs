@@ -7,10 +7,11 @@ pub use nodes::{SlideNodes, slide, slide_on};
 
 use super::Sheet;
 use crate::beam::Interpolation;
+use chain::on;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{complement, log_quaternion, quaternion};
+use pullback_manifold::so3::{log_quaternion, quaternion};
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
@@ -19,8 +20,8 @@ use std::f64::consts::TAU;
 /// rotation is theirs, R_s = R₁ exp(N₂(u) log(R₁ᵀ R₂)).
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
-/// the end of the chain: one coordinate for all its elements, zero in the reference. At a converged state beyond the end of an element the next one
-/// takes over; beyond the ends of the chain the joint is outside its domain.
+/// the end of the chain: one coordinate for all its elements, zero in the reference. Where it
+/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the chain the joint is outside its domain.
 ///
 #[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
@@ -35,14 +36,6 @@ pub struct Slide {
     interpolation: Interpolation,
     /// Sheets on which the rotation vectors of the two ends are interpolated: those of the beam.
     sheets: [Sheet; 2],
-}
-
-/// Ψ, or its complement.
-fn on<S: Scalar>(sheet: Sheet, psi: &Vector3<S>) -> Vector3<S> {
-    match sheet {
-        Sheet::Same => *psi,
-        Sheet::Opposite => complement(psi),
-    }
 }
 
 impl Map<13, 6> for Slide {
@@ -79,5 +72,9 @@ impl Map<13, 6> for Slide {
 
     fn segment(&self) -> usize {
         self.segment
+    }
+
+    fn overdue(&self, _t: f64, q: &SVector<f64, 13>, v: &SVector<f64, 13>) -> Option<f64> {
+        self.past_end(q[12], v[12])
     }
 }

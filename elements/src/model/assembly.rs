@@ -422,6 +422,10 @@ impl System for Model {
         changes
     }
 
+    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
+        self.find_overdue(at)
+    }
+
     fn start(&mut self, t: f64, q: &[f64]) {
         self.start_element_charts(t, q);
     }

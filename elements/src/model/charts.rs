@@ -1,5 +1,6 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
+use super::assembly::Workspace;
 use super::dependence::Dependence;
 use super::gather::collect;
 use super::slots::Complement;
@@ -276,6 +277,27 @@ impl Model {
             }
         }
         true
+    }
+
+    /// See [`System::overdue`](pullback_manifold::system::System::overdue).
+    pub(super) fn find_overdue(&mut self, at: Point<'_>) -> Option<f64> {
+        let travels = |n: &u32| match &self.nodes[*n as usize].source {
+            Source::Mapped(d) => d.segments.len() > 1,
+            Source::Own => false,
+        };
+        if !self.dependent.iter().any(travels) || self.expand(at).is_err() {
+            return None;
+        }
+        let Workspace { local, x, v, .. } = &mut self.work;
+        let overdue = self.dependent.iter().filter_map(|&n| {
+            let Source::Mapped(d) = &self.nodes[n as usize].source else {
+                return None;
+            };
+            let k = collect(d.masters(), &self.spans, x, &mut local.q);
+            collect(d.masters(), &self.spans, v, &mut local.qv);
+            d.map.overdue(at.t, &local.q[..k], &local.qv[..k])
+        });
+        overdue.reduce(f64::max)
     }
 
     /// Keeps the momentum where a map may be handed over.

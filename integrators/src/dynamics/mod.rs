@@ -11,6 +11,7 @@ mod error;
 mod frequency;
 mod initial;
 mod keep;
+mod landing;
 mod options;
 mod progress;
 mod run;

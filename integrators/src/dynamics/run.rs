@@ -6,7 +6,7 @@ use super::frequency::check_step;
 use super::initial::{accelerate, strike};
 use super::keep::{Keeper, energies};
 use super::options::check;
-use super::step::Stepper;
+use super::step::{Stepper, rebase};
 use super::stops::{Stop, stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
@@ -80,8 +80,8 @@ pub fn integrate_with<Y: System + ?Sized>(
 /// Steps ahead for which symmetries are looked for where nothing ends them.
 const FAR: f64 = 1e3;
 
-struct Run<'a> {
-    stepper: Stepper,
+pub(super) struct Run<'a> {
+    pub(super) stepper: Stepper,
     /// Times at which a step must end, ascending; the last one is the end.
     stops: Vec<Stop>,
     /// A momentum that is kept over a jump.
@@ -90,7 +90,7 @@ struct Run<'a> {
     missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
     keeper: Option<Keeper>,
-    options: &'a DynamicOptions,
+    pub(super) options: &'a DynamicOptions,
 }
 
 impl Run<'_> {
@@ -242,13 +242,23 @@ impl Run<'_> {
         let outcome = self
             .stepper
             .step(system, solver, scheme, &progress.state, to);
+        let last = if count > 1.0 {
+            stop.left.next_down()
+        } else {
+            to
+        };
+        let outcome = outcome.and_then(|()| self.land(system, solver, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
-        if let Err(failure) = outcome {
-            progress.summary.failed += 1;
-            return self.halve(system, progress, failure, [from, to]);
-        }
-        if count <= 1.0 {
+        let end = match outcome {
+            Ok(end) => end,
+            Err(failure) => {
+                progress.summary.failed += 1;
+                return self.halve(system, progress, failure, [from, to]);
+            }
+        };
+        let h = if end == to { h } else { end - from };
+        if count <= 1.0 && end == to {
             self.stepper.next.t = stop.left;
         }
         let Some(adaptivity) = self.options.adaptivity else {
@@ -457,18 +467,5 @@ impl Run<'_> {
             .filter(|(i, _)| !system.is_multiplier(*i))
             .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.kind(i).index()]);
         sizes.fold(f64::MIN_POSITIVE, f64::max)
-    }
-}
-
-/// The algorithmic acceleration belongs to the time tₙ + (α_m − α_f) h: with another step size it
-/// moves along.
-fn rebase(progress: &mut Progress, h: f64) {
-    let ratio = h / progress.last_step;
-    if progress.last_step > 0.0 && (ratio - 1.0).abs() > 1e-9 {
-        let State { a, algorithmic, .. } = &mut progress.state;
-        for (old, a) in algorithmic.iter_mut().zip(a) {
-            *old = *a + (*old - *a) * ratio;
-        }
-        progress.last_step = h;
     }
 }

@@ -4,7 +4,7 @@
 
 use super::stages::{Attempt, Group, StageState, place};
 use super::together::Together;
-use super::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State};
+use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{SMALL, inverse_scales, is_rounding};
@@ -354,5 +354,18 @@ impl Stepper {
             correction,
             damping,
         });
+    }
+}
+
+/// The algorithmic acceleration belongs to the time tₙ + (α_m − α_f) h: with another step size it
+/// moves along.
+pub(super) fn rebase(progress: &mut Progress, h: f64) {
+    let ratio = h / progress.last_step;
+    if progress.last_step > 0.0 && (ratio - 1.0).abs() > 1e-9 {
+        let State { a, algorithmic, .. } = &mut progress.state;
+        for (old, a) in algorithmic.iter_mut().zip(a) {
+            *old = *a + (*old - *a) * ratio;
+        }
+        progress.last_step = h;
     }
 }

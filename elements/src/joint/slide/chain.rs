@@ -5,7 +5,7 @@ use crate::beam::Interpolation;
 use crate::joint::Sheet;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::quaternion;
+use pullback_manifold::so3::{complement, quaternion};
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
@@ -73,6 +73,15 @@ impl Slide {
         s.min(end - s) + 1e-9 * end
     }
 
+    /// The time since u has passed the end of the present element that lies ahead, if another one
+    /// follows there.
+    pub(super) fn past_end(&self, u: f64, u_dot: f64) -> Option<f64> {
+        let ahead = self.segment + usize::from(u_dot > 0.0);
+        let inside = ahead > 0 && ahead + 1 < self.lengths.len();
+        let late = (self.origin + u - self.lengths[ahead]) / u_dot;
+        (inside && late.is_finite()).then_some(late)
+    }
+
     /// Goes on to the element behind whose end the frame has come, or to the charts that the beam has
     /// here.
     pub(super) fn hand_over(&mut self, q: &SVector<f64, 13>) -> ChartChanges {
@@ -104,5 +113,13 @@ impl Slide {
             charts,
             residual: charts > 0,
         }
+    }
+}
+
+/// Ψ, or its complement.
+pub(super) fn on<S: Scalar>(sheet: Sheet, psi: &Vector3<S>) -> Vector3<S> {
+    match sheet {
+        Sheet::Same => *psi,
+        Sheet::Opposite => complement(psi),
     }
 }
