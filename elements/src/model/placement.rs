@@ -302,7 +302,7 @@ fn visit_block(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use crate::body::RigidBody;
     use crate::joint::{offset, revolute};
