@@ -88,6 +88,7 @@ impl Workspace {
         elements: &[Attached],
         [operators, panels]: [usize; 2],
         length: f64,
+        levers: [f64; 2],
     ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
         let direct = |node: &Node| match &node.source {
@@ -97,7 +98,10 @@ impl Workspace {
         let masters = nodes.iter().map(direct).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
-        let mut scales = Scales::default();
+        let mut scales = Scales {
+            levers,
+            ..Scales::default()
+        };
         scales.coordinate[Kind::Length.index()] = length;
         Self {
             x: zeros(total),
@@ -293,12 +297,6 @@ impl Model {
             let kind = self.kinds[p.coordinate].index();
             force[kind] = force[kind].max(w.r[p.coordinate].abs());
         }
-        // Forces and moments measure each other over the size of the model: a pure moment has no
-        // force to be relative to, and round-off in one shows up in the other.
-        let length = w.scales.coordinate[Kind::Length.index()];
-        let (f, m) = (force[0], force[1]);
-        force[0] = f.max(m / length);
-        force[1] = m.max(f * length);
     }
 
     /// The residual and the tangent for rates of coordinates.

@@ -300,14 +300,11 @@ impl Stepper {
 
     /// What residual per kind counts as balance, relative to the forces of this step.
     fn allow<Y: System + ?Sized>(&self, system: &Y, first: [f64; 3]) -> [f64; 3] {
-        let scales = system.scales();
-        let mut force: [f64; 3] = std::array::from_fn(|k| scales.force[k].max(first[k]));
-        // Forces and moments measure each other over the size of the system.
-        let length = scales.coordinate[0];
-        let (f, m) = (force[0], force[1]);
-        force[0] = f.max(m / length);
-        force[1] = m.max(f * length);
-        force.map(|f| (self.options.relative * f).max(self.options.absolute))
+        let mut scales = system.scales();
+        for (force, first) in scales.force.iter_mut().zip(first) {
+            *force = force.max(first);
+        }
+        scales.measures().map(|f| (self.options.relative * f).max(self.options.absolute))
     }
 
     /// Whether the residuals of a group are rounding errors only, which no correction can mend.

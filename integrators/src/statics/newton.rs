@@ -184,10 +184,10 @@ impl Newton {
     /// Residual per kind, and the worst of them over what the convergence test allows.
     fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
-        let scales = system.scales();
+        let measures = system.scales().measures();
         let mut ratio = 0.0_f64;
         for (k, &most) in largest.iter().enumerate() {
-            let mut force = scales.force[k];
+            let mut force = measures[k];
             // Without loads or reactions the first that is out of balance is the measure.
             if force == 0.0 {
                 if self.unbalanced[k] == 0.0 {
