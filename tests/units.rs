@@ -229,7 +229,7 @@ fn what_swings_at_one_place_knows_no_metre() {
         q[u] = 1.5;
         let mut progress = Progress::new(start(&model, 0.0, &q, &rest).unwrap());
         let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
-        let options = DynamicOptions::new(2.0, 0.01);
+        let options = DynamicOptions::new(1.3, 0.01);
         integrate(&mut model, &mut progress, &options, proceed).unwrap();
         model.coordinate(angle, 0).unwrap()
     };

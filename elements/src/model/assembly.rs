@@ -31,6 +31,8 @@ pub(super) struct Workspace {
     /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
+    /// Residual of loads at prescribed coordinates (elsewhere without meaning).
+    direct: Vec<f64>,
     /// Coordinates of all nodes at the previous iterate, while there is one.
     previous: Vec<f64>,
     has_previous: bool,
@@ -61,6 +63,8 @@ pub(super) struct Workspace {
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
+    /// What elements exert, where neither loads nor reactions are a measure.
+    exerted: Scales,
     pub dead_loads: DeadLoads,
 }
 
@@ -110,6 +114,7 @@ impl Workspace {
             t: 0.0,
             r: zeros(total),
             r_t: zeros(total),
+            direct: zeros(total),
             previous: zeros(total),
             has_previous: false,
             moving: false,
@@ -126,6 +131,7 @@ impl Workspace {
             released: Vec::new(),
             sheets: Sheets::default(),
             scales,
+            exerted: Scales::default(),
             dead_loads: DeadLoads {
                 r: zeros(total),
                 ..DeadLoads::default()
@@ -197,7 +203,7 @@ impl Model {
                     .evaluate(e, t, true, None, false, false)
                     .map_err(|error| named(error, &e.name))?;
                 if e.load {
-                    local.measure_load(e, &self.nodes, &mut w.scales);
+                    local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
                 }
                 local.add_residual(e, &self.spans, &mut w.dead_loads.r);
             }
@@ -220,6 +226,8 @@ impl Model {
     ) -> Result<(), SystemError> {
         let w = &mut self.work;
         let local = &mut w.local;
+        w.exerted.force = [0.0; 3];
+        let alone = self.prescribed.is_empty() && w.scales.force == [0.0; 3];
         for e in &self.elements {
             if e.overturned {
                 return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
@@ -245,7 +253,9 @@ impl Model {
                 local.ask_accelerations(e, t, h);
             }
             if e.load {
-                local.measure_load(e, &self.nodes, &mut w.scales);
+                local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
+            } else if alone {
+                local.measure(e, &self.nodes, &self.unknowns, &mut w.exerted);
             }
             if rates && w.moving && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
@@ -261,6 +271,9 @@ impl Model {
                 local.pull_back_switch(e, &self.nodes, weights, statics, rates);
             }
             local.add_residual(e, &self.spans, &mut w.r);
+            if e.load && e.held {
+                local.add_residual(e, &self.spans, &mut w.direct);
+            }
             if rates {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
@@ -295,7 +308,15 @@ impl Model {
         let force = &mut w.scales.force;
         for p in &self.prescribed {
             let kind = self.kinds[p.coordinate].index();
-            force[kind] = force[kind].max(w.r[p.coordinate].abs());
+            let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
+            force[kind] = force[kind].max(passed_on.abs());
+        }
+        // Parts that nobody loads or holds measure what is out of balance by what they exert on each
+        // other.
+        for (force, exerted) in force.iter_mut().zip(w.exerted.force) {
+            if *force == 0.0 {
+                *force = exerted;
+            }
         }
     }
 
@@ -316,6 +337,10 @@ impl Model {
             self.work.scales.force = [0.0; 3];
         } else {
             self.begin_with_dead_loads(at.t)?;
+        }
+        for p in &self.prescribed {
+            let (c, w) = (p.coordinate, &mut self.work);
+            w.direct[c] = w.r[c];
         }
         if let Some((_, values)) = &mut S {
             self.placement.clear_unwritten(values);
@@ -467,6 +492,10 @@ impl System for Model {
 
     fn name(&self, i: usize) -> String {
         self.coordinate_name(self.coordinates[i])
+    }
+
+    fn magnitude(&self, i: usize) -> f64 {
+        self.magnitudes[i]
     }
 
     fn scales(&self) -> Scales {

@@ -9,6 +9,7 @@ use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Kind;
 use std::collections::HashSet;
 
 impl ModelBuilder {
@@ -116,6 +117,17 @@ impl ModelBuilder {
             .collect();
         let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
+        let magnitude = |node: &Node, kind: Kind| match kind {
+            Kind::Length if node.is_frame() => node.place.norm(),
+            Kind::Length => length,
+            Kind::Angle | Kind::Other => 1.0,
+        };
+        let sizes = |node: &Node| -> Vec<f64> {
+            let kinds = node.kinds.iter();
+            kinds.map(|kind| magnitude(node, *kind)).collect()
+        };
+        let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
+        let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let multipliers = nodes.iter().flat_map(of_form).collect();
         let levers = levers(&nodes, &elements, extent);
         let work = Workspace::new(&nodes, &elements, [operators, panels], length, levers);
@@ -145,6 +157,7 @@ impl ModelBuilder {
             unknowns,
             kinds,
             multipliers,
+            magnitudes,
             length,
             pattern,
             placement,
