@@ -101,8 +101,9 @@ impl Model {
             return Ok(0.0);
         }
         let all = self.equations(t, q, v).map_err(start)?;
-        let size =
-            all.J.amax().max(f64::MIN_POSITIVE) * v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let fastest =
+            (v.iter().enumerate()).fold(0.0, |m, (u, v)| f64::max(m, v.abs() / self.unit(u)));
+        let size = all.J.amax().max(f64::MIN_POSITIVE) * fastest;
         let J = without(&all.J, held);
         let more = least(&J, &(-&all.h_dot));
         for (u, more) in more.iter().enumerate() {

@@ -58,7 +58,12 @@ impl Columns {
         check_length("matrix", self.pattern.len(), values.len())?;
         self.finished = false;
         let pattern = &self.pattern;
-        scaling::scales(pattern, values, &mut self.scales, &mut self.x)?;
+        scaling::scales(
+            pattern,
+            values,
+            &mut self.scales,
+            [&mut self.x, &mut self.residual],
+        )?;
         self.norm = scaling::norm(pattern, values, &self.scales);
         let mut place = 0;
         for j in 0..pattern.blocks() {

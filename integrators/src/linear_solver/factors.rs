@@ -61,8 +61,9 @@ impl Factors {
 
     /// Scales for a matrix whose diagonal is no measure.
     pub fn equilibrate(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        // `x` and `residual` are free during a factorisation.
-        scaling::equilibrate(&self.pattern, values, &mut self.x, &mut self.residual)?;
+        // These are free during a factorisation.
+        let room = [&mut self.residual[..], &mut self.unscaled];
+        scaling::equilibrate(&self.pattern, values, &mut self.x, room)?;
         for panel in &self.symbolic.panels {
             let from = &self.x[panel.unknown..panel.unknown + panel.size];
             self.scales[panel.first..panel.first + panel.size].copy_from_slice(from);
