@@ -283,13 +283,19 @@ pub trait System {
         ChartChanges::default()
     }
 
-    /// By what time a change of the system's coordinates or maps is overdue at a point in motion, to
-    /// first order; negative before that. A change that leaves values as they are, but not their
-    /// derivatives, costs a step that crosses it its order: the step is made to end there, and
-    /// [`System::change_charts`] then makes the change. `None` where none lies ahead, and by default.
-    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        let _ = at;
+    /// By what time the first change of the system's maps is overdue at the end of a step between two
+    /// points in motion, negative before that. A change that leaves values as they are, but not their
+    /// derivatives, costs a step that crosses it its order: the step is made to end there.
+    /// `None` where none lies ahead, and by default.
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        let _ = (from, to);
         None
+    }
+
+    /// The next [`System::change_charts`] makes the changes that are overdue by the time `since` at
+    /// least ([`System::overdue`]).
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        let _ = (from, to, since);
     }
 
     /// A run starts from `q` at time `t`, or goes on from there after a step that failed: a system

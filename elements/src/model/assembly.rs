@@ -7,6 +7,7 @@ use super::dependence::Operators;
 use super::local::Local;
 use super::scatter::{Group, Into};
 use super::sheets::{Sheets, TOO_FAR};
+use super::travel::Travel;
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
@@ -53,6 +54,7 @@ pub(super) struct Workspace {
     /// Momentum before maps were handed over, and whether one was.
     pub kept: Vec<f64>,
     pub handed_over: bool,
+    pub travel: Travel,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     accelerations_asked: Option<f64>,
     /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
@@ -118,6 +120,7 @@ impl Workspace {
             rewriting: Vec::new(),
             kept: Vec::new(),
             handed_over: false,
+            travel: Travel::default(),
             accelerations_asked: None,
             released: Vec::new(),
             sheets: Sheets::default(),
@@ -422,8 +425,12 @@ impl System for Model {
         changes
     }
 
-    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        self.find_overdue(at)
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overdue(from, to)
+    }
+
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_overdue(from, to, since);
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {

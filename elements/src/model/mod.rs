@@ -31,6 +31,7 @@ mod scatter;
 mod sheets;
 mod slots;
 mod symmetry;
+mod travel;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};

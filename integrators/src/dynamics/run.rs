@@ -5,6 +5,7 @@
 use super::frequency::check_step;
 use super::initial::{accelerate, strike};
 use super::keep::{Keeper, energies};
+use super::landing::Landing;
 use super::options::check;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, stops};
@@ -51,6 +52,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: stops(system, progress.state.t, options.to),
+        landing: Landing::default(),
         keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
         options,
     };
@@ -85,11 +87,12 @@ pub(super) struct Run<'a> {
     /// Times at which a step must end, ascending; the last one is the end.
     stops: Vec<Stop>,
     /// A momentum that is kept over a jump.
-    momentum: Vec<f64>,
+    pub(super) momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
     missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
     keeper: Option<Keeper>,
+    pub(super) landing: Landing,
     pub(super) options: &'a DynamicOptions,
 }
 
@@ -135,14 +138,7 @@ impl Run<'_> {
         if fresh {
             progress.summary.chart_changes += changed;
             self.accelerate(system, solver, progress)?;
-            progress.summary.energy = None;
-            if let Some(now) = self.energies(system, &progress.state, progress.state.t)? {
-                progress.summary.energy = Some(EnergyBalance {
-                    start: now.kinetic + now.stored,
-                    now,
-                    ..EnergyBalance::default()
-                });
-            }
+            self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
         match &progress.kept {
@@ -160,6 +156,21 @@ impl Run<'_> {
         check_step(system, solver, &progress.state, scheme, step, [r, S])
     }
 
+    /// The balance of energies begins with the present state.
+    pub(super) fn open_balance<Y: System + ?Sized>(
+        &self,
+        system: &mut Y,
+        progress: &mut Progress,
+    ) -> Result<(), DynamicsError> {
+        let now = self.energies(system, &progress.state, progress.state.t)?;
+        progress.summary.energy = now.map(|now| EnergyBalance {
+            start: now.kinetic + now.stored,
+            now,
+            ..EnergyBalance::default()
+        });
+        Ok(())
+    }
+
     /// The next kink, or a time that is some steps away.
     fn next_kink<Y: System + ?Sized>(&self, system: &Y, t: f64) -> f64 {
         let kinks = system.kinks().into_iter().filter(|kink| *kink > t);
@@ -167,7 +178,7 @@ impl Run<'_> {
     }
 
     /// A scheme that restores energy and momenta keeps those of this state from now on.
-    fn aim<Y: System + ?Sized>(
+    pub(super) fn aim<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -182,7 +193,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn accelerate<Y: System + ?Sized>(
+    pub(super) fn accelerate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -251,7 +262,11 @@ impl Run<'_> {
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
-            Ok(end) => end,
+            Ok(Some(end)) => end,
+            Ok(None) => {
+                self.begin_anew(system, solver, progress)?;
+                return Ok(None);
+            }
             Err(failure) => {
                 progress.summary.failed += 1;
                 return self.halve(system, progress, failure, [from, to]);
@@ -342,6 +357,7 @@ impl Run<'_> {
             left
         };
         let mut now = self.energies(system, &progress.state, asked)?;
+        self.leave(system, progress, h);
         let State {
             t,
             q,
@@ -415,7 +431,7 @@ impl Run<'_> {
     }
 
     /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
-    fn jump<Y: System + ?Sized>(
+    pub(super) fn jump<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
