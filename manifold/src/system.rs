@@ -333,10 +333,17 @@ pub trait System {
     }
 
     /// The momentum that the last change of charts has to keep, into `p`, where it has handed a map
-    /// over whose values stay and whose operator jumps; false where it has not.
-    fn kept_momentum(&self, p: &mut [f64]) -> bool {
-        let _ = p;
-        false
+    /// over whose values stay and whose operator jumps from B₋ to B₊: that before the change, or at a
+    /// point behind it. False where it has not.
+    ///
+    /// It is ½ (B₊ + B₋)ᵀ M ẋ: what is handed over goes on as along a curve that the corner stands for,
+    /// however the whole moves, while B₋ᵀ M ẋ₋ = B₊ᵀ M ẋ₊ depends on who looks.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        let _ = (at, p);
+        Ok(false)
     }
 
     /// Symmetries of the system: a basis of those motions of the whole as a rigid body (velocity of

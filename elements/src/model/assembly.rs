@@ -51,8 +51,7 @@ pub(super) struct Workspace {
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may change their meaning.
     pub rewriting: Vec<Rewriting>,
-    /// Momentum before maps were handed over, and whether one was.
-    pub kept: Vec<f64>,
+    /// Whether a map was handed over with the last change of charts.
     pub handed_over: bool,
     pub travel: Travel,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
@@ -118,7 +117,6 @@ impl Workspace {
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
             rewriting: Vec::new(),
-            kept: Vec::new(),
             handed_over: false,
             travel: Travel::default(),
             accelerations_asked: None,
@@ -459,11 +457,8 @@ impl System for Model {
         self.write_rigid_rates(q, motion, rates);
     }
 
-    fn kept_momentum(&self, p: &mut [f64]) -> bool {
-        if self.work.handed_over {
-            p.copy_from_slice(&self.work.kept);
-        }
-        self.work.handed_over
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.mean_momentum(at, p)
     }
 
     fn is_symmetric(&self) -> bool {

@@ -8,14 +8,14 @@ use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Point, System};
 
 /// A change is met when it is overdue by less than this part of a step.
-const MET: f64 = 1e-9;
+const MET: f64 = 1e-12;
 /// A step that would end this part of its size before a change goes on to it.
 const NEAR: f64 = 1e-2;
 /// A change in this part of a step behind its beginning is made at the beginning.
 const SHORT: f64 = 1e-8;
 /// Steps shorter than `NEAR` in a row at most, so that what swings to and fro over a change faster than
 /// steps can follow costs no more than this.
-const MANY: usize = 50;
+const MANY: usize = 1000;
 /// Attempts at most: Newton's method for the time of a change.
 const ATTEMPTS: usize = 8;
 
@@ -93,6 +93,16 @@ impl Run<'_> {
         system.hand_over(from, to, self.landing.since);
     }
 
+    /// Whether the last change of charts has handed a map over; what it must keep is then known.
+    pub(super) fn has_handed_over<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        t: f64,
+    ) -> Result<bool, DynamicsError> {
+        let known = system.kept_momentum(None, &mut self.momentum);
+        known.map_err(|source| DynamicsError::System { t, source })
+    }
+
     /// Makes the changes that are due where a step begins.
     pub(super) fn begin_anew<Y: System + ?Sized>(
         &mut self,
@@ -110,7 +120,7 @@ impl Run<'_> {
         let t = *t;
         let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if !system.kept_momentum(&mut self.momentum) {
+        if !self.has_handed_over(system, t)? {
             return Ok(());
         }
         if progress.summary.steps == 0 {

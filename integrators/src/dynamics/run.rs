@@ -382,8 +382,7 @@ impl Run<'_> {
             balance.book(&now, h);
             balance.judge(left)?;
         }
-        // A map that was handed over leaves the momentum as it is.
-        if system.kept_momentum(&mut self.momentum) {
+        if self.has_handed_over(system, left)? {
             self.jump(system, solver, progress, left, false)?;
             self.aim(system, progress)?;
         }
@@ -443,10 +442,10 @@ impl Run<'_> {
         let Stepper { r, S, .. } = &mut self.stepper;
         let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;
-        if strike(system, solver, state, &self.momentum, t, h, buffers)? {
-            progress.summary.evaluations += 1;
-            progress.summary.factorisations += 1;
-        }
+        // A drive jumps, or else a map was handed over.
+        let strokes = strike(system, solver, state, (&self.momentum, supplied), t, h, buffers)?;
+        progress.summary.evaluations += strokes;
+        progress.summary.factorisations += strokes;
         self.renew(system, solver, progress, supplied)
     }
 

@@ -10,7 +10,7 @@ use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
 /// Excursions beyond an end below this part of the chain are rounding errors.
-const GRAIN: f64 = 1e-15;
+const GRAIN: f64 = 4e-15;
 /// A frame that is this part of the chain beyond an end may be on its way back.
 const HAIR: f64 = 1e-8;
 
@@ -118,8 +118,9 @@ impl Slide {
             from = to;
         }
         let ahead = usize::from(v1 > 0.0);
-        let late = (u1 - ends[ahead]) / v1;
-        let element = elements[ahead].filter(|_| late.is_finite());
+        let beyond = u1 - ends[ahead];
+        let late = if beyond.abs() <= grain { 0.0 } else { beyond / v1 };
+        let element = elements[ahead].filter(|_| v1 != 0.0 && late.is_finite());
         element.map(|element| (late, element))
     }
 
