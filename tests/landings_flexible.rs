@@ -1,9 +1,9 @@
 //! Slides on free flexible chains: invariance, momenta, formulations, interpolations, and runs that go on.
-#![allow(clippy::unwrap_used)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 mod dynamics_support;
 
-use dynamics_support::{configure, observed, tight};
+use dynamics_support::{configure, observed, slopes, tight};
 use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
@@ -12,6 +12,7 @@ use pullback::elements::model::{Dof, Formulation, Line, Model, ModelBuilder, Nod
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
+use pullback::manifold::system::{Point, System};
 use std::ops::ControlFlow;
 
 const STEP: f64 = 2e-3;
@@ -52,8 +53,14 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
             order: 1,
             section: section.clone(),
         };
-        b.line_with(&format!("l{k}"), &axis, [nodes[k], nodes[k + 1]], &line, interpolation)
-            .unwrap();
+        b.line_with(
+            &format!("l{k}"),
+            &axis,
+            [nodes[k], nodes[k + 1]],
+            &line,
+            interpolation,
+        )
+        .unwrap();
     }
     let bead = slide_on(&mut b, "bead", &nodes, 0.1, interpolation).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
@@ -76,7 +83,7 @@ impl Chain {
     }
 
     fn velocities(&self, whole: Vector3<f64>) -> Vec<f64> {
-        let n = pullback::manifold::system::System::pattern(&self.model).dim();
+        let n = self.model.pattern().dim();
         let mut v = vec![0.0; n];
         for node in &self.nodes {
             for (dof, w) in [Dof::X, Dof::Y, Dof::Z].into_iter().zip(whole.iter()) {
@@ -102,7 +109,10 @@ impl Chain {
 }
 
 const FORMULATIONS: [Formulation; 4] = [
-    Formulation::Total, Formulation::Updated, Formulation::LieGroup, Formulation::SpatialSpins,
+    Formulation::Total,
+    Formulation::Updated,
+    Formulation::LieGroup,
+    Formulation::SpatialSpins,
 ];
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -118,7 +128,11 @@ fn who_moves_with_a_free_chain_sees_the_same() {
         let mut rest = chain(interpolation, Formulation::Total);
         let run = rest.run(Vector3::zeros(), &options, &mut |_, _| ());
         let one = rest.shape(&run.state);
-        assert!(run.summary.chart_changes >= 3, "{}", run.summary.chart_changes);
+        assert!(
+            run.summary.chart_changes >= 3,
+            "{}",
+            run.summary.chart_changes
+        );
         let mut moving = chain(interpolation, Formulation::Total);
         let run = moving.run(whole, &options, &mut |_, _| ());
         let mut other = moving.shape(&run.state);
@@ -142,34 +156,56 @@ fn total_and_geodesic_chains_move_alike_in_the_plane_in_all_formulations() {
         }
     }
     for shape in &shapes {
-        assert!(apart(shape, &shapes[0]) < 1e-8, "{:e}", apart(shape, &shapes[0]));
+        assert!(
+            apart(shape, &shapes[0]) < 1e-8,
+            "{:e}",
+            apart(shape, &shapes[0])
+        );
     }
 }
 
 #[test]
-fn momenta_stay_and_the_energy_all_but_stays_over_corners() {
-    for word in ["newmark", "em", "ga:0.9", "bathe", "radau"] {
+fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
+    for (word, order) in [
+        ("newmark", 2.0),
+        ("em", 2.0),
+        ("bathe", 2.0),
+        ("radau", 3.0),
+    ] {
         let scheme: Scheme = word.parse().unwrap();
-        let losses = [1.0, 0.5].map(|part| {
+        let [coarse, fine] = [1.0, 0.5].map(|part| {
             let mut chain = chain(Interpolation::Geodesic, Formulation::LieGroup);
-            let (mut first, mut worst, mut loss) = (None, [0.0_f64; 2], 0.0_f64);
+            let (mut first, mut worst) = (None, [0.0_f64; 3]);
             let options = tight(scheme, TO, part * STEP);
             chain.run(Vector3::zeros(), &options, &mut |model, step| {
-                let state = &step.progress.state;
-                let audit = model.audit(state.t, &state.q, &state.v, &state.a).unwrap();
-                let (p, L) = (audit.momentum, audit.angular_momentum);
+                let State { t, q, v, a, .. } = &step.progress.state;
+                let audit = model.audit(Point { t: *t, q, v, a }).unwrap();
+                let (p, L) = (audit.momentum.linear, audit.momentum.angular);
                 let energy = audit.energies.kinetic + audit.energies.stored;
                 let (p0, L0, e0) = *first.get_or_insert((p, L, energy));
-                worst[0] = worst[0].max((p - p0).norm());
-                worst[1] = worst[1].max((L - L0).norm());
-                loss = loss.max((energy / e0 - 1.0).abs());
+                let off = [(p - p0).norm(), (L - L0).norm(), (energy / e0 - 1.0).abs()];
+                worst = std::array::from_fn(|k| worst[k].max(off[k]));
             });
-            assert!(worst[0] < 1e-9, "{word}: {worst:?}");
-            assert!(worst[1] < if word == "em" { 1e-9 } else { 1e-2 }, "{word}: {worst:?}");
-            loss
+            worst
         });
-        println!("{word}: energy lost or gained {losses:?}");
-        assert!(losses[0] < 2e-2, "{word}: {losses:?}");
+        for k in 0..2 {
+            let allowed = if word == "em" {
+                1e-10
+            } else {
+                0.5_f64.powf(order - 0.5)
+            };
+            let found = if word == "em" {
+                fine[k]
+            } else {
+                fine[k] / coarse[k]
+            };
+            assert!(found < allowed, "{word}: {coarse:?}, {fine:?}");
+        }
+        // At a corner of 0.15 what is handed over gains or loses of the order of its cube; em restores it.
+        assert!(
+            fine[2] < if word == "em" { 1e-12 } else { 1e-3 },
+            "{word}: {fine:?}"
+        );
     }
 }
 
@@ -202,10 +238,30 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
 }
 
 #[test]
+fn the_error_falls_with_order_two_over_corners() {
+    for scheme in [Scheme::default(), Scheme::chung_hulbert(0.9).unwrap()] {
+        let shapes = [4.0, 8.0, 16.0, 32.0].map(|parts| {
+            let mut chain = chain(Interpolation::Geodesic, Formulation::Total);
+            let options = tight(scheme, TO, STEP / parts);
+            let run = chain.run(Vector3::zeros(), &options, &mut |_, _| ());
+            chain.shape(&run.state)
+        });
+        let steps: Vec<f64> = shapes.windows(2).map(|s| apart(&s[0], &s[1])).collect();
+        for slope in slopes(&steps) {
+            assert!((slope - 2.0).abs() < 0.3, "{scheme}: {steps:?}");
+        }
+    }
+}
+
+#[test]
 fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
     let reference = {
         let mut chain = chain(Interpolation::Total, Formulation::Total);
-        let run = chain.run(Vector3::zeros(), &tight(Scheme::default(), TO, STEP), &mut |_, _| ());
+        let run = chain.run(
+            Vector3::zeros(),
+            &tight(Scheme::default(), TO, STEP / 16.0),
+            &mut |_, _| (),
+        );
         chain.shape(&run.state)
     };
     let mut failed = 0;
@@ -220,16 +276,19 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
                 ..NewtonOptions::default()
             },
             min_step: 1e-7,
-            ..DynamicOptions::new(TO, 0.05)
+            ..DynamicOptions::new(TO, 5e-4)
         };
         let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
         let done = integrate(&mut chain.model, &mut progress, &options, onward);
         failed += progress.summary.failed;
-        println!("{iterations}: {done:?} {:?}", progress.summary);
         match done {
             Ok(()) => {
                 let shape = chain.shape(&progress.state);
-                assert!(apart(&shape, &reference) < 0.1, "{}", apart(&shape, &reference));
+                assert!(
+                    apart(&shape, &reference) < 0.03,
+                    "{}",
+                    apart(&shape, &reference)
+                );
             }
             Err(error) => {
                 let text = error.to_string();

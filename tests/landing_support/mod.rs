@@ -41,7 +41,10 @@ impl Track {
     /// Place of arc length s.
     pub fn at(&self, s: f64) -> Vector3<f64> {
         let corners = self.corners();
-        let k = corners.partition_point(|c| *c <= s).clamp(1, corners.len() - 1) - 1;
+        let k = corners
+            .partition_point(|c| *c <= s)
+            .clamp(1, corners.len() - 1)
+            - 1;
         let part = (s - corners[k]) / (corners[k + 1] - corners[k]);
         self.places[k] + (self.places[k + 1] - self.places[k]) * part
     }
@@ -54,7 +57,10 @@ impl Track {
             .collect();
         for &node in &nodes {
             b.support(node, &Dof::ROTATIONS);
-            for (dof, v) in [Dof::X, Dof::Y, Dof::Z].into_iter().zip(self.velocity.iter()) {
+            for (dof, v) in [Dof::X, Dof::Y, Dof::Z]
+                .into_iter()
+                .zip(self.velocity.iter())
+            {
                 b.prescribe(node, dof, Proportional(*v));
             }
         }
@@ -96,8 +102,10 @@ impl Track {
                 let speed = (v * v + 2.0 * a * way).sqrt();
                 let time = if v > 0.0 {
                     2.0 * way / (v + speed)
-                } else {
+                } else if a > 0.0 {
                     (speed - v) / a
+                } else {
+                    f64::INFINITY
                 };
                 (if time >= 0.0 { time } else { f64::INFINITY }, speed)
             });
@@ -107,7 +115,10 @@ impl Track {
                 return Vector2::new(s + left * (v + 0.5 * a * left), v + a * left);
             }
             left -= time;
-            (s, v) = (corners[k + usize::from(up)], if up { speed } else { -speed });
+            (s, v) = (
+                corners[k + usize::from(up)],
+                if up { speed } else { -speed },
+            );
             k = if up { k + 1 } else { k - 1 };
         }
     }
@@ -118,7 +129,8 @@ pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> S
     let bead = slide(b, name, nodes, start).unwrap();
     let mass = PointMass::new(1.3).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
-    b.element(format!("mass of {name}"), mass, &[bead.frame]).unwrap();
+    b.element(format!("mass of {name}"), mass, &[bead.frame])
+        .unwrap();
     b.element(format!("weight of {name}"), weight, &[bead.frame])
         .unwrap();
     bead

@@ -93,7 +93,8 @@ impl Map<13, 6> for Slide {
 
     fn recall(&mut self, memory: &[f64]) -> bool {
         let known = (0..self.places.len() - 1).find(|k| memory == [*k as f64]);
-        self.segment = known.unwrap_or(self.segment);
+        // Who reads which masters is found anew when it goes there.
+        self.next = known;
         known.is_some()
     }
 }

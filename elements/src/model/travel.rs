@@ -69,7 +69,9 @@ impl Model {
                 let from = travel.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
                 let overdue = d.map.overdue(h, from, to);
-                travel.overdue.extend(overdue.map(|(by, segment)| (n, by, segment)));
+                travel
+                    .overdue
+                    .extend(overdue.map(|(by, segment)| (n, by, segment)));
                 first += k;
             }
         }

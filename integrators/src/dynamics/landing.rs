@@ -127,9 +127,8 @@ impl Run<'_> {
             // The velocities of the start are meant as they are.
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;
-        } else {
-            self.jump(system, solver, progress, t, false)?;
+            return self.aim(system, progress);
         }
-        self.aim(system, progress)
+        self.jump(system, solver, progress, t, false)
     }
 }

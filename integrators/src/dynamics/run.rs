@@ -367,7 +367,11 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
+        let handed_over = self.has_handed_over(system, left)?;
+        if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
+            // What is missing is given back with the jump.
+            kept.energy += 0.5 * h * (kept.power + now.power());
+        } else if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
@@ -382,9 +386,8 @@ impl Run<'_> {
             balance.book(&now, h);
             balance.judge(left)?;
         }
-        if self.has_handed_over(system, left)? {
+        if handed_over {
             self.jump(system, solver, progress, left, false)?;
-            self.aim(system, progress)?;
         }
         match kink {
             // What lies behind the end is not known to be asked for.
@@ -443,9 +446,23 @@ impl Run<'_> {
         let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;
         // A drive jumps, or else a map was handed over.
-        let strokes = strike(system, solver, state, (&self.momentum, supplied), t, h, buffers)?;
+        let strokes = strike(
+            system,
+            solver,
+            state,
+            (&self.momentum, supplied),
+            t,
+            h,
+            buffers,
+        )?;
         progress.summary.evaluations += strokes;
         progress.summary.factorisations += strokes;
+        if let (false, Some(keeper), Some(kept)) = (supplied, &mut self.keeper, &mut progress.kept)
+        {
+            // A corner neither gives nor takes.
+            keeper.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
+            progress.summary.evaluations += keeper.take_evaluations();
+        }
         self.renew(system, solver, progress, supplied)
     }
 

@@ -96,7 +96,13 @@ impl Slide {
         let way = u1 - u0;
         let (a, b) = (h * (v0 + v1) - 2.0 * way, 3.0 * way - h * (2.0 * v0 + v1));
         let c = h * v0;
-        let u = |s: f64| if s == 1.0 { u1 } else { u0 + s * (c + s * (b + s * a)) };
+        let u = |s: f64| {
+            if s == 1.0 {
+                u1
+            } else {
+                u0 + s * (c + s * (b + s * a))
+            }
+        };
         let grain = GRAIN * self.lengths[self.lengths.len() - 1];
         let mut from = 0.0;
         for to in turns(a, b, c).into_iter().chain([1.0]) {
@@ -119,7 +125,11 @@ impl Slide {
         }
         let ahead = usize::from(v1 > 0.0);
         let beyond = u1 - ends[ahead];
-        let late = if beyond.abs() <= grain { 0.0 } else { beyond / v1 };
+        let late = if beyond.abs() <= grain {
+            0.0
+        } else {
+            beyond / v1
+        };
         let element = elements[ahead].filter(|_| v1 != 0.0 && late.is_finite());
         element.map(|element| (late, element))
     }
