@@ -8,11 +8,8 @@ use dynamics_support::*;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::dynamics::scheme::Coefficients;
 use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, StepReport,
-    Tangent, integrate, start,
+    DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Kind, Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

@@ -5,14 +5,12 @@
 mod dynamics_support;
 
 use dynamics_support::*;
-use nalgebra::{Matrix3, Vector3};
-use pullback_integrators::dynamics::scheme::Coefficients;
 use pullback_integrators::dynamics::{
-    Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, StepReport,
+    Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport,
     Tangent, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

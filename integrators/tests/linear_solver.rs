@@ -5,10 +5,9 @@
 mod linear_solver_support;
 
 use linear_solver_support::*;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
-    null_vector,
+    AutoSolver, BlockLu, Chosen, FaerCholesky, LinearError, LinearSolver, Symmetry, null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 

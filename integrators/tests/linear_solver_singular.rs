@@ -5,11 +5,8 @@
 mod linear_solver_support;
 
 use linear_solver_support::*;
-use nalgebra::{DMatrix, DVector};
-use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
-    null_vector,
-};
+use nalgebra::DVector;
+use pullback_integrators::linear_solver::{FaerCholesky, LinearError, Symmetry, null_vector};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Scalar springs between neighbours, and to the ground at the nodes given.

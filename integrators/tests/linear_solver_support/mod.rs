@@ -2,10 +2,9 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
-    null_vector,
+    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, Symmetry,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -60,7 +59,7 @@ pub fn graphs() -> Vec<(&'static str, usize, Vec<[u32; 2]>)> {
 /// Random values, diagonally dominant up to the sign of the diagonal, rows and columns scaled to
 /// the given spread of units.
 pub fn random_values(
-    pub pattern: &BlockPattern,
+    pattern: &BlockPattern,
     random: &mut Random,
     symmetric: bool,
     indefinite: bool,
@@ -135,7 +134,7 @@ pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
 
 pub fn solve(
     solver: &mut dyn LinearSolver,
-    pub pattern: &BlockPattern,
+    pattern: &BlockPattern,
     symmetry: Symmetry,
     values: &[f64],
     b: &[f64],
@@ -150,7 +149,7 @@ pub fn solve(
 /// As [`solve`], in one call.
 pub fn solve_at_once(
     solver: &mut dyn LinearSolver,
-    pub pattern: &BlockPattern,
+    pattern: &BlockPattern,
     symmetry: Symmetry,
     values: &[f64],
     b: &[f64],
