@@ -51,7 +51,7 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
         let line = Line {
             elements: 1,
             order: 1,
-            section: section.clone(),
+            section,
         };
         b.line_with(
             &format!("l{k}"),
