@@ -156,9 +156,7 @@ impl Model {
         }
         self.node_momenta(at)?;
         self.pull_back_nodes(at.t, None, false);
-        for (p, &c) in p.iter_mut().zip(&self.coordinates) {
-            *p = self.work.r[c];
-        }
+        self.runs.gather(&self.work.r, p);
         Ok(true)
     }
 
