@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::frequency::check_step;
-use super::initial::{accelerate, strike};
+use super::initial::accelerate;
 use super::keep::{Keeper, energies};
 use super::landing::Landing;
 use super::options::check;
@@ -89,9 +89,9 @@ pub(super) struct Run<'a> {
     /// A momentum that is kept over a jump.
     pub(super) momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
-    missing: Vec<f64>,
+    pub(super) missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
-    keeper: Option<Keeper>,
+    pub(super) keeper: Option<Keeper>,
     pub(super) landing: Landing,
     pub(super) options: &'a DynamicOptions,
 }
@@ -206,7 +206,7 @@ impl Run<'_> {
         accelerate(system, solver, &mut progress.state, h, [r, S])
     }
 
-    fn energies<Y: System + ?Sized>(
+    pub(super) fn energies<Y: System + ?Sized>(
         &self,
         system: &mut Y,
         state: &State,
@@ -404,89 +404,6 @@ impl Run<'_> {
             }
         }
         Ok(changes.charts)
-    }
-
-    /// Goes on behind a kink.
-    fn pass<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        stop: Stop,
-    ) -> Result<(), DynamicsError> {
-        let State { t, q, v, a, .. } = &mut progress.state;
-        let before = Point {
-            t: stop.left.next_down(),
-            q,
-            v,
-            a,
-        };
-        let known = system.momentum(before, &mut self.momentum);
-        let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
-        *t = stop.right;
-        if known {
-            self.jump(system, solver, progress, stop.right, true)?;
-        } else {
-            self.renew(system, solver, progress, true)?;
-        }
-        self.aim(system, progress)
-    }
-
-    /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
-    pub(super) fn jump<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        t: f64,
-        supplied: bool,
-    ) -> Result<(), DynamicsError> {
-        let h = progress.last_step;
-        let Stepper { r, S, .. } = &mut self.stepper;
-        let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
-        let state = &mut progress.state;
-        // A drive jumps, or else a map was handed over.
-        let strokes = strike(
-            system,
-            solver,
-            state,
-            (&self.momentum, supplied),
-            t,
-            h,
-            buffers,
-        )?;
-        progress.summary.evaluations += strokes;
-        progress.summary.factorisations += strokes;
-        if let (false, Some(keeper), Some(kept)) = (supplied, &mut self.keeper, &mut progress.kept)
-        {
-            // A corner neither gives nor takes.
-            keeper.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
-            progress.summary.evaluations += keeper.take_evaluations();
-        }
-        self.renew(system, solver, progress, supplied)
-    }
-
-    /// Accelerations and energies of a state that has jumped; `supplied` says that supports have
-    /// done the work of it.
-    fn renew<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        supplied: bool,
-    ) -> Result<(), DynamicsError> {
-        self.accelerate(system, solver, progress)?;
-        let now = self.energies(system, &progress.state, progress.state.t)?;
-        if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            if supplied {
-                let energy = |e: &Energies| e.kinetic + e.stored;
-                let work = energy(&now) - energy(&balance.now);
-                balance.work += work;
-                balance.gross += work.abs();
-            }
-            balance.now = now;
-        }
-        Ok(())
     }
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).
