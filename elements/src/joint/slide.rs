@@ -7,11 +7,10 @@ pub use nodes::{SlideNodes, slide, slide_on};
 
 use super::Sheet;
 use crate::beam::Interpolation;
-use chain::on;
+use chain::{between, on};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{Map, Motion};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{log_quaternion, quaternion};
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
@@ -49,21 +48,13 @@ impl Map<13, 6> for Slide {
         let place = |k: usize| self.places[self.segment + k].map(S::constant);
         let d = (place(0) + three(0)) * a + (place(1) + three(6)) * b - self.start.map(S::constant);
         let ends = [on(self.sheets[0], &three(3)), on(self.sheets[1], &three(9))];
-        let psi = match self.interpolation {
-            Interpolation::Total => ends[0] * a + ends[1] * b,
-            Interpolation::Geodesic => {
-                let [p, r] = [quaternion(&ends[0]), quaternion(&ends[1])];
-                let theta = log_quaternion(&p.conjugate().product(&r));
-                log_quaternion(&p.product(&quaternion(&(theta * b))))
-            }
-        };
+        let psi = between(self.interpolation, ends, [a, b]);
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
     fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
-        let x = self.phi(t, q);
-        self.room(q[12])
-            .min(TAU - Vector3::new(x[3], x[4], x[5]).norm())
+        let psi = self.phi(t, q).fixed_rows::<3>(3).norm();
+        self.room(q[12]).min(TAU - psi)
     }
 
     fn edge(&self) -> &'static str {
@@ -92,9 +83,6 @@ impl Map<13, 6> for Slide {
     }
 
     fn recall(&mut self, memory: &[f64]) -> bool {
-        let known = (0..self.places.len() - 1).find(|k| memory == [*k as f64]);
-        // Who reads which masters is found anew when it goes there.
-        self.next = known;
-        known.is_some()
+        self.remember(memory)
     }
 }

@@ -5,7 +5,7 @@ use crate::beam::Interpolation;
 use crate::joint::Sheet;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{complement, quaternion};
+use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
@@ -134,6 +134,13 @@ impl Slide {
         element.map(|element| (late, element))
     }
 
+    /// Goes to the element in a memory, where who reads which masters is found anew; false where there
+    /// is no such element.
+    pub(super) fn remember(&mut self, memory: &[f64]) -> bool {
+        self.next = (0..self.places.len() - 1).find(|k| memory == [*k as f64]);
+        self.next.is_some()
+    }
+
     /// Goes on to the element that takes over, or behind whose end the frame is found, or to the charts
     /// that the beam has here.
     pub(super) fn hand_over(&mut self, q: &SVector<f64, 13>) -> ChartChanges {
@@ -189,5 +196,22 @@ pub(super) fn on<S: Scalar>(sheet: Sheet, psi: &Vector3<S>) -> Vector3<S> {
     match sheet {
         Sheet::Same => *psi,
         Sheet::Opposite => complement(psi),
+    }
+}
+
+/// The rotation vector between those of the two ends, as the beam interpolates it: Σ Nᵢ Ψᵢ, or
+/// log(R₁ exp(N₂ log(R₁ᵀ R₂))).
+pub(super) fn between<S: Scalar>(
+    interpolation: Interpolation,
+    ends: [Vector3<S>; 2],
+    shape: [S; 2],
+) -> Vector3<S> {
+    match interpolation {
+        Interpolation::Total => ends[0] * shape[0] + ends[1] * shape[1],
+        Interpolation::Geodesic => {
+            let [p, r] = ends.each_ref().map(quaternion);
+            let theta = log_quaternion(&p.conjugate().product(&r));
+            log_quaternion(&p.product(&quaternion(&(theta * shape[1]))))
+        }
     }
 }
