@@ -1,13 +1,14 @@
 //! The scales of coordinates, and when a residual is nothing but rounding errors.
 
-use pullback_manifold::system::System;
+use pullback_manifold::system::{Kind, System};
 
 /// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
 pub(crate) const SMALL: f64 = 1e-6;
 
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
-/// place makes it as large as it likes.
+/// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
+/// prediction leaves of one is a fair measure.
 pub(crate) fn allowed(
     measures: [f64; 3],
     first: [f64; 3],
@@ -17,6 +18,7 @@ pub(crate) fn allowed(
     let allow = |k: usize| {
         let force = match measures[k] > 0.0 {
             true => relative * measures[k],
+            false if k == Kind::Other.index() => relative * first[k],
             false => f64::EPSILON * first[k],
         };
         force.max(absolute).max(f64::MIN_POSITIVE)
