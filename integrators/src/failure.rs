@@ -154,7 +154,8 @@ impl fmt::Display for FailedStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "step {} failed between {} {:.6} (converged) and {:.6} after {} rejected attempts: ",
+            "step {} failed between {} {:.6} (converged) and {:.6} (smallest step {:.1e}) after {} \
+             rejected attempts: ",
             self.step,
             match self.along {
                 Along::Load => "load parameter",
@@ -162,6 +163,7 @@ impl fmt::Display for FailedStep {
             },
             self.from,
             self.to,
+            self.to - self.from,
             self.rejected
         )?;
         match &self.cause {
