@@ -63,7 +63,7 @@ fn while_a_run_goes_on_its_results_are_marked_incomplete() {
 fn failing() -> String {
     with(
         "steps = 4",
-        "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 1, relative = 1e-15, correction = 1e-15 }",
+        "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 1, relative = 1e-15 }",
     )
 }
 

@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{offset, revolute};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
@@ -162,5 +162,123 @@ fn a_mechanism_of_any_size_moves_alike() {
             assert!(gap < 1e-8, "{units:?}: {found:?}, not {expected:?}");
         }
         assert_eq!(again, iterations, "{units:?}");
+    }
+}
+
+/// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
+/// place; a mass that is held `far` away where that is not zero.
+fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Model, NodeId) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 0.0]).unwrap();
+    let center = Vector3::new(0.0, 0.0, -arm);
+    let body = RigidBody::new(1.0, Matrix3::zeros(), center).unwrap();
+    let weight = body.weight(g.map(|g| g * arm), Box::new(Constant(1.0)));
+    b.element("body", body, &[hinge.frame]).unwrap();
+    b.element("weight", weight, &[hinge.frame]).unwrap();
+    let law = CoordinateLaw {
+        k: k * arm * arm,
+        ..CoordinateLaw::default()
+    };
+    b.element(
+        "spring",
+        CoordinateSpring::new(law).unwrap(),
+        &[hinge.angle],
+    )
+    .unwrap();
+    if far > 0.0 {
+        let other = b.node("other", [far, 0.0, 0.0]).unwrap();
+        b.element("mass", PointMass::new(1.0).unwrap(), &[other])
+            .unwrap();
+        b.support(other, &Dof::ALL);
+    }
+    (b.build().unwrap(), hinge.angle)
+}
+
+/// Arms, and places of another part that has nothing to do with them.
+fn arms() -> impl Iterator<Item = (f64, f64)> {
+    let arms = [1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e6];
+    (arms.into_iter()).flat_map(|arm| [0.0, 1.0, 1e3, 1e9].map(|far| (arm, far)))
+}
+
+#[test]
+fn what_hangs_at_one_place_knows_no_metre() {
+    // k θ = m g l (…) with a weight along x and −z of the size of the spring: θ + cos θ + sin θ = 0.
+    for (arm, far) in arms() {
+        let (mut model, angle) = pendulum(arm, far, 9.81, [9.81, 0.0, -9.81]);
+        let mut found = 0.0;
+        let options = StaticOptions::default();
+        solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
+            found = model.coordinate(angle, 0).unwrap()[0];
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let gap = found + found.cos() + found.sin();
+        assert!(gap.abs() < 1e-9, "{arm:e}, {far:e}: {gap:.1e}");
+    }
+}
+
+#[test]
+fn what_swings_at_one_place_knows_no_metre() {
+    let swing = |arm: f64, far: f64| {
+        let (mut model, angle) = pendulum(arm, far, 2.0, [0.0, 0.0, -9.81]);
+        let u = model.unknown_at(angle, 0).unwrap();
+        let n = model.initial().len();
+        let (mut q, rest) = (vec![0.0; n], vec![0.0; n]);
+        q[u] = 1.5;
+        let mut progress = Progress::new(start(&model, 0.0, &q, &rest).unwrap());
+        let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        let options = DynamicOptions::new(1.3, 0.01);
+        integrate(&mut model, &mut progress, &options, proceed).unwrap();
+        model.coordinate(angle, 0).unwrap()
+    };
+    let expected = swing(1.0, 0.0);
+    assert!(expected[0].abs() < 1.4, "a motion: {expected:?}");
+    for (arm, far) in arms() {
+        let found = swing(arm, far);
+        for k in 0..2 {
+            let gap = (found[k] - expected[k]).abs();
+            assert!(gap < 1e-9, "{arm:e}, {far:e}: {found:?}, not {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
+    // A moment k_r (1, 1, 0) turns the end by the vector (1, 1, 0), and a force k_f e₂ that follows
+    // it: the displacement is R e₂ by Rodrigues' formula.
+    let psi = 2.0_f64.sqrt();
+    let (s, c) = (psi.sin() / psi, (1.0 - psi.cos()) / 2.0);
+    let expected = Vector3::new(c, 1.0 - c, s);
+    for length in [1.0, 1e-9, 1e-3, 1e3, 1e9] {
+        let mut b = ModelBuilder::new();
+        let ground = b.node("ground", [0.0; 3]).unwrap();
+        let end = b.node("end", [0.0; 3]).unwrap();
+        b.support(ground, &Dof::ALL);
+        let turning = length * length;
+        let stiffness = [1.0, 1.0, 1.0, turning, turning, turning];
+        let K = Matrix6::from_diagonal(&stiffness.into());
+        let places = [Vector3::zeros(); 2];
+        let bushing = Bushing::new(&places, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+        b.element("bushing", bushing, &[ground, end]).unwrap();
+        let moment = [turning, turning, 0.0];
+        for (name, which, load) in [
+            ("moment", Which::SpatialMoment, moment),
+            ("force", Which::FollowerForce, [0.0, length, 0.0]),
+        ] {
+            let load = NodalLoad::new(which, load, Proportional(1.0));
+            b.element(name, load, &[end]).unwrap();
+        }
+        let mut model = b.build().unwrap();
+        let mut found = Vector3::zeros();
+        let options = StaticOptions::default();
+        solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
+            found = Vector3::from_fn(|k, _| model.coordinate(end, k).unwrap()[0]) / length;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let gap = (found - expected).norm();
+        assert!(gap < 1e-8, "{length:e}: {gap:.1e}");
     }
 }

@@ -1,9 +1,30 @@
 //! The scales of coordinates, and when a residual is nothing but rounding errors.
 
-use pullback_manifold::system::{Scales, System};
+use pullback_manifold::system::{Kind, System};
 
 /// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
 pub(crate) const SMALL: f64 = 1e-6;
+
+/// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
+/// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
+/// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
+/// prediction leaves of one is a fair measure.
+pub(crate) fn allowed(
+    measures: [f64; 3],
+    first: [f64; 3],
+    relative: f64,
+    absolute: f64,
+) -> [f64; 3] {
+    let allow = |k: usize| {
+        let force = match measures[k] > 0.0 {
+            true => relative * measures[k],
+            false if k == Kind::Other.index() => relative * first[k],
+            false => f64::EPSILON * first[k],
+        };
+        force.max(absolute).max(f64::MIN_POSITIVE)
+    };
+    std::array::from_fn(allow)
+}
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
 const TERMS: f64 = 16.0;
@@ -22,8 +43,8 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
 /// Whether every residual is below what the rounding of the coordinates makes of it,
 /// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
-/// Coordinates count with the typical size of their kind at least: a small displacement is the
-/// difference of places that are not. `sizes` and `floor` are room for a number per coordinate.
+/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
+/// difference of places that are not small. `sizes` and `floor` are room for a number per coordinate.
 #[allow(non_snake_case)]
 pub(crate) fn is_rounding<Y: System + ?Sized>(
     system: &Y,
@@ -32,11 +53,10 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    let Scales { coordinate, .. } = system.scales();
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
         *size = q.abs();
         if !system.is_multiplier(i) {
-            *size = size.max(coordinate[system.kind(i).index()]);
+            *size = size.max(system.magnitude(i));
         }
     }
     let pattern = system.pattern();

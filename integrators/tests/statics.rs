@@ -86,7 +86,6 @@ const LIMIT: f64 = 0.384_900_179_459_750_5; // 2/(3√3)
 const TIGHT: NewtonOptions = NewtonOptions {
     relative: 1e-14,
     absolute: 1e-15,
-    correction: 1e-9,
     max_iterations: 20,
     full_corrections: 6,
     smallest_damping: 0.1,

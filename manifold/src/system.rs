@@ -140,6 +140,22 @@ pub struct Scales {
     pub force: [f64; 3],
     /// Typical size of coordinates: a length of the model, one radian, one.
     pub coordinate: [f64; 3],
+    /// Shortest and longest lever over which forces and moments are compared; zero and infinite
+    /// where there is none.
+    pub levers: [f64; 2],
+}
+
+impl Scales {
+    /// What residuals per [`Kind`] are measured by.
+    ///
+    /// A force is worth a moment over the shortest lever, a moment is worth a force over the longest
+    /// one: a pure moment has no force to be relative to, and a part that is far away or much larger
+    /// makes no test coarser.
+    pub fn measures(&self) -> [f64; 3] {
+        let ([force, moment, other], [shortest, longest]) = (self.force, self.levers);
+        let worth_a_force = force.max(moment / longest);
+        [worth_a_force, moment.max(force * shortest), other]
+    }
 }
 
 impl Default for Scales {
@@ -147,6 +163,7 @@ impl Default for Scales {
         Self {
             force: [0.0; 3],
             coordinate: [1.0; 3],
+            levers: [0.0, f64::INFINITY],
         }
     }
 }
@@ -376,6 +393,12 @@ pub trait System {
     /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
     fn name(&self, i: usize) -> String {
         format!("coordinate {i}")
+    }
+
+    /// Size of the numbers that coordinate `i` is added to, such as a place in space: the rounding
+    /// errors of the sum are theirs. The scale of its kind by default.
+    fn magnitude(&self, i: usize) -> f64 {
+        self.scales().coordinate[self.kind(i).index()]
     }
 
     /// Magnitudes found at the last evaluation.

@@ -180,7 +180,6 @@ fn newton(
 ) -> Result<NewtonOptions, InputError> {
     let numbers = [
         ("relative", settings.relative),
-        ("correction", settings.correction),
         ("max_iterations", settings.max_iterations as f64),
     ];
     for (key, value) in numbers {
@@ -193,7 +192,6 @@ fn newton(
     Ok(NewtonOptions {
         relative: settings.relative,
         absolute: settings.absolute,
-        correction: settings.correction,
         max_iterations: settings.max_iterations,
         ..NewtonOptions::default()
     })

@@ -32,6 +32,8 @@ pub(super) struct Workspace {
     /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
+    /// Residual of loads at prescribed coordinates (elsewhere without meaning).
+    direct: Vec<f64>,
     /// Coordinates of all nodes at the previous iterate, while there is one.
     previous: Vec<f64>,
     has_previous: bool,
@@ -62,6 +64,8 @@ pub(super) struct Workspace {
     /// For the choice of the elements' charts.
     pub sheets: Sheets,
     scales: Scales,
+    /// What elements exert, where neither loads nor reactions are a measure.
+    exerted: Scales,
     pub dead_loads: DeadLoads,
 }
 
@@ -89,6 +93,7 @@ impl Workspace {
         elements: &[Attached],
         [operators, panels]: [usize; 2],
         length: f64,
+        levers: [f64; 2],
     ) -> Self {
         let total = nodes.iter().map(|n| n.dim).sum::<usize>();
         let direct = |node: &Node| match &node.source {
@@ -98,7 +103,10 @@ impl Workspace {
         let masters = nodes.iter().map(direct).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
-        let mut scales = Scales::default();
+        let mut scales = Scales {
+            levers,
+            ..Scales::default()
+        };
         scales.coordinate[Kind::Length.index()] = length;
         Self {
             x: zeros(total),
@@ -107,6 +115,7 @@ impl Workspace {
             t: 0.0,
             r: zeros(total),
             r_t: zeros(total),
+            direct: zeros(total),
             previous: zeros(total),
             has_previous: false,
             moving: false,
@@ -123,6 +132,7 @@ impl Workspace {
             released: Vec::new(),
             sheets: Sheets::default(),
             scales,
+            exerted: Scales::default(),
             dead_loads: DeadLoads {
                 r: zeros(total),
                 ..DeadLoads::default()
@@ -191,7 +201,7 @@ impl Model {
                     .evaluate(e, t, true, None, false, false)
                     .map_err(|error| named(error, &e.name))?;
                 if e.load {
-                    local.measure_load(e, &self.nodes, &mut w.scales);
+                    local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
                 }
                 local.add_residual(e, &self.spans, &mut w.dead_loads.r);
             }
@@ -214,6 +224,8 @@ impl Model {
     ) -> Result<(), SystemError> {
         let w = &mut self.work;
         let local = &mut w.local;
+        w.exerted.force = [0.0; 3];
+        let alone = self.prescribed.is_empty() && w.scales.force == [0.0; 3];
         for e in &self.elements {
             if e.overturned {
                 return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
@@ -239,7 +251,9 @@ impl Model {
                 local.ask_accelerations(e, t, h);
             }
             if e.load {
-                local.measure_load(e, &self.nodes, &mut w.scales);
+                local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
+            } else if alone {
+                local.measure(e, &self.nodes, &self.unknowns, &mut w.exerted);
             }
             if rates && w.moving && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
@@ -255,6 +269,9 @@ impl Model {
                 local.pull_back_switch(e, &self.nodes, weights, statics, rates);
             }
             local.add_residual(e, &self.spans, &mut w.r);
+            if e.load && e.held {
+                local.add_residual(e, &self.spans, &mut w.direct);
+            }
             if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
@@ -289,14 +306,16 @@ impl Model {
         let force = &mut w.scales.force;
         for p in &self.prescribed {
             let kind = self.kinds[p.coordinate].index();
-            force[kind] = force[kind].max(w.r[p.coordinate].abs());
+            let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
+            force[kind] = force[kind].max(passed_on.abs());
         }
-        // Forces and moments measure each other over the size of the model: a pure moment has no
-        // force to be relative to, and round-off in one shows up in the other.
-        let length = w.scales.coordinate[Kind::Length.index()];
-        let (f, m) = (force[0], force[1]);
-        force[0] = f.max(m / length);
-        force[1] = m.max(f * length);
+        // Parts that nobody loads or holds measure what is out of balance by what they exert on each
+        // other.
+        for (force, exerted) in force.iter_mut().zip(w.exerted.force) {
+            if *force == 0.0 {
+                *force = exerted;
+            }
+        }
     }
 
     /// The residual and the tangent for rates of coordinates.
@@ -316,6 +335,10 @@ impl Model {
             self.work.scales.force = [0.0; 3];
         } else {
             self.begin_with_dead_loads(at.t)?;
+        }
+        for p in &self.prescribed {
+            let (c, w) = (p.coordinate, &mut self.work);
+            w.direct[c] = w.r[c];
         }
         if let Some((_, values)) = &mut S {
             self.placement.clear_unwritten(values);
@@ -464,6 +487,10 @@ impl System for Model {
 
     fn name(&self, i: usize) -> String {
         self.coordinate_name(self.coordinates[i])
+    }
+
+    fn magnitude(&self, i: usize) -> f64 {
+        self.magnitudes[i]
     }
 
     fn scales(&self) -> Scales {

@@ -9,6 +9,7 @@ use super::placement::Placement;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Kind;
 use std::collections::HashSet;
 
 impl ModelBuilder {
@@ -18,7 +19,8 @@ impl ModelBuilder {
     /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
     /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
     pub fn build(mut self) -> Result<Model, ModelError> {
-        let length = size(&self.nodes);
+        let extent = extent(&self.nodes);
+        let length = if extent > 0.0 { extent } else { 1.0 };
         self.keep_one_free()?;
         let forces = self.enforce_closings(length)?;
         let Self {
@@ -115,8 +117,20 @@ impl ModelBuilder {
             .collect();
         let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
+        let magnitude = |node: &Node, kind: Kind| match kind {
+            Kind::Length if node.is_frame() => node.place.norm(),
+            Kind::Length => length,
+            Kind::Angle | Kind::Other => 1.0,
+        };
+        let sizes = |node: &Node| -> Vec<f64> {
+            let kinds = node.kinds.iter();
+            kinds.map(|kind| magnitude(node, *kind)).collect()
+        };
+        let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
+        let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let multipliers = nodes.iter().flat_map(of_form).collect();
-        let work = Workspace::new(&nodes, &elements, [operators, panels], length);
+        let levers = levers(&nodes, &elements, extent);
+        let work = Workspace::new(&nodes, &elements, [operators, panels], length, levers);
         let span = |node: &Node| Span {
             first: node.first as u32,
             dim: node.dim as u32,
@@ -144,6 +158,7 @@ impl ModelBuilder {
             unknowns,
             kinds,
             multipliers,
+            magnitudes,
             length,
             pattern,
             placement,
@@ -160,16 +175,49 @@ impl ModelBuilder {
     }
 }
 
-/// Diagonal of the box around all frames; 1 where they stand at one place.
-fn size(nodes: &[Node]) -> f64 {
+/// Shortest and longest lever of the model: the least distance between nodes of an element or a
+/// joint that stand apart, and the extent of the whole; zero and infinite where there is none.
+fn levers(nodes: &[Node], elements: &[Attached], extent: f64) -> [f64; 2] {
+    if extent == 0.0 {
+        return [0.0, f64::INFINITY];
+    }
+    let distance = |a: usize, b: usize| (nodes[a].place - nodes[b].place).norm();
+    let frames = |group: &[u32]| -> Vec<usize> {
+        let all = group.iter().map(|&n| n as usize);
+        all.filter(|&n| nodes[n].is_frame()).collect()
+    };
+    let mut shortest = f64::INFINITY;
+    let mut look = |group: &[usize]| {
+        for (i, &a) in group.iter().enumerate() {
+            let apart = group[..i].iter().map(|&b| distance(a, b));
+            let apart = apart.filter(|d| *d > f64::EPSILON * extent);
+            shortest = apart.fold(shortest, f64::min);
+        }
+    };
+    for e in elements {
+        look(&frames(&e.nodes));
+    }
+    for (n, node) in nodes.iter().enumerate() {
+        if let (Source::Mapped(d), true) = (&node.source, node.is_frame()) {
+            for masters in &d.segments {
+                let mut group = frames(masters);
+                group.push(n);
+                look(&group);
+            }
+        }
+    }
+    [if shortest.is_finite() { shortest } else { 0.0 }, extent]
+}
+
+/// Diagonal of the box around all frames; zero where they stand at one place.
+fn extent(nodes: &[Node]) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64| {
         let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.place);
         frames
             .reduce(|a, b| a.zip_map(&b, pick))
             .unwrap_or_default()
     };
-    let length = (corner(f64::max) - corner(f64::min)).norm();
-    if length > 0.0 { length } else { 1.0 }
+    (corner(f64::max) - corner(f64::min)).norm()
 }
 
 /// All nodes by their distance from the supports, counted in elements.

@@ -5,7 +5,7 @@
 use super::assembly::MAX_NODES;
 use super::gather::{collect, distribute};
 use super::slots::Complement;
-use super::{Attached, Node, Span};
+use super::{Attached, NONE, Node, Span};
 use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
@@ -237,12 +237,23 @@ impl Local {
         distribute(&e.nodes, spans, &self.r_t, r_t);
     }
 
-    pub(super) fn measure_load(&self, e: &Attached, nodes: &[Node], scales: &mut Scales) {
+    /// Takes the entries of an element into the scales, but for those at held coordinates: they go
+    /// straight into the support and are no measure of what the structure carries.
+    pub(super) fn measure(
+        &self,
+        e: &Attached,
+        nodes: &[Node],
+        unknowns: &[u32],
+        scales: &mut Scales,
+    ) {
         let mut k = 0;
         for &node in e.nodes.iter() {
-            for kind in &nodes[node as usize].kinds {
-                let force = &mut scales.force[kind.index()];
-                *force = force.max(self.r[k].abs());
+            let node = &nodes[node as usize];
+            for (kind, c) in node.kinds.iter().zip(node.range()) {
+                if !(e.held && node.is_own() && unknowns[c] == NONE) {
+                    let force = &mut scales.force[kind.index()];
+                    *force = force.max(self.r[k].abs());
+                }
                 k += 1;
             }
         }

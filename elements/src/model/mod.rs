@@ -256,6 +256,8 @@ pub struct Model {
     kinds: Vec<Kind>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
+    /// What each unknown is added to: a displacement to a place, an angle to one radian.
+    magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,

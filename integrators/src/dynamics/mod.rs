@@ -51,8 +51,8 @@ pub struct State {
 /// Newton's method inside a step: when to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Residual relative to the largest force (moment) of the step at which it has converged:
-    /// applied, reaction, or out of balance after the prediction.
+    /// Residual relative to applied and reaction forces (moments) at which a step has converged;
+    /// where there are none, only rounding errors may be left.
     pub relative: f64,
     /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
     /// unmended, whatever the size of the model.

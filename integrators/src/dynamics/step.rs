@@ -7,7 +7,7 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{SMALL, inverse_scales, is_rounding};
+use crate::rounding::{SMALL, allowed, inverse_scales, is_rounding};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -144,27 +144,26 @@ impl Stepper {
         group: &Group,
     ) -> Result<(), Failure> {
         let earlier = self.history.len();
-        let mut allowed = [0.0; 3];
+        let mut unbalanced = [0.0; 3];
         loop {
             let first = self.history.len() == earlier;
             let fresh = first || self.options.tangent == Tangent::Every;
             // A state that will turn out to be in balance needs no tangent.
             let last = fresh && self.balance_expected(earlier);
             let residual = self.evaluate(system, step, group, first, fresh && !last)?;
-            if first {
-                allowed = self.allow(system, residual);
-            }
-            let mut ratio = 0.0_f64;
-            for (allowed, residual) in allowed.iter_mut().zip(residual) {
-                // What was in balance at first is measured by the first that is not.
-                if *allowed == 0.0 {
-                    *allowed = self.options.relative * residual;
+            for (first, most) in unbalanced.iter_mut().zip(residual) {
+                if *first == 0.0 {
+                    *first = most;
                 }
-                ratio = ratio.max(residual / allowed.max(f64::MIN_POSITIVE));
             }
+            let NewtonOptions {
+                relative, absolute, ..
+            } = self.options;
+            let allowed = allowed(system.scales().measures(), unbalanced, relative, absolute);
+            let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
             let stagnates = before.is_some_and(|i| i.correction < SMALL && ratio > 0.1 * i.ratio);
-            let converged = ratio <= 1.0 || (stagnates && self.is_rounding(system, group));
+            let converged = ratio <= 1.0 || (stagnates && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {
@@ -298,28 +297,36 @@ impl Stepper {
         }
     }
 
-    /// What residual per kind counts as balance, relative to the forces of this step.
-    fn allow<Y: System + ?Sized>(&self, system: &Y, first: [f64; 3]) -> [f64; 3] {
-        let scales = system.scales();
-        let mut force: [f64; 3] = std::array::from_fn(|k| scales.force[k].max(first[k]));
-        // Forces and moments measure each other over the size of the system.
-        let length = scales.coordinate[0];
-        let (f, m) = (force[0], force[1]);
-        force[0] = f.max(m / length);
-        force[1] = m.max(f * length);
-        force.map(|f| (self.options.relative * f).max(self.options.absolute))
-    }
-
     /// Whether the residuals of a group are rounding errors only, which no correction can mend.
-    fn is_rounding<Y: System + ?Sized>(&mut self, system: &Y, group: &Group) -> bool {
-        group.range().enumerate().all(|(i, k)| {
+    ///
+    /// Tangents of stages that are solved together are by their accelerations, and the weight of a
+    /// stage's own stiffness in them may be zero: they take their own by coordinates.
+    fn is_rounding<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        step: Attempt<'_>,
+        group: &Group,
+    ) -> Result<bool, Failure> {
+        let Attempt { scheme, h, .. } = step;
+        for (i, k) in group.range().enumerate() {
+            if group.len() > 1 {
+                let by_coordinates = Weights {
+                    K: 1.0,
+                    C: 1.0 / h,
+                    M: scheme.filter()[0] / (h * h),
+                };
+                self.stage(system, k, None, Some(by_coordinates))?;
+            }
             for (c, r) in self.r.iter_mut().enumerate() {
                 *r = self.dq[place(&self.together, group, i, c)];
             }
             let q = &self.stages[k].state.q;
             let [sizes, floor] = &mut self.room;
-            is_rounding(system, &self.S, q, &self.r, [sizes, floor])
-        })
+            if !is_rounding(system, &self.S, q, &self.r, [sizes, floor]) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Solves for the corrections of a group.

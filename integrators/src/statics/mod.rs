@@ -26,9 +26,6 @@ pub struct NewtonOptions {
     /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
     /// unmended, whatever the size of the model.
     pub absolute: f64,
-    /// Correction, relative to the size of the model (and to one radian), below which round-off
-    /// is all that is left: a second way to have converged.
-    pub correction: f64,
     /// Linear solutions per step at most.
     pub max_iterations: usize,
     /// Corrections at the beginning of a step that are made in full; later ones are damped when
@@ -43,7 +40,6 @@ impl Default for NewtonOptions {
         Self {
             relative: 1e-9,
             absolute: 0.0,
-            correction: 1e-9,
             max_iterations: 20,
             full_corrections: 6,
             smallest_damping: 1.0 / 16.0,

@@ -21,7 +21,7 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{SMALL, inverse_scales, is_rounding};
+use crate::rounding::{SMALL, allowed, inverse_scales, is_rounding};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -184,19 +184,19 @@ impl Newton {
     /// Residual per kind, and the worst of them over what the convergence test allows.
     fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
-        let scales = system.scales();
+        let measures = system.scales().measures();
         let mut ratio = 0.0_f64;
-        for (k, &most) in largest.iter().enumerate() {
-            let mut force = scales.force[k];
-            // Without loads or reactions the first that is out of balance is the measure.
-            if force == 0.0 {
-                if self.unbalanced[k] == 0.0 {
-                    self.unbalanced[k] = most;
-                }
-                force = self.unbalanced[k];
+        for (first, &most) in self.unbalanced.iter_mut().zip(&largest) {
+            if *first == 0.0 {
+                *first = most;
             }
-            let allowed = (self.options.relative * force).max(self.options.absolute);
-            ratio = ratio.max(most / allowed.max(f64::MIN_POSITIVE));
+        }
+        let NewtonOptions {
+            relative, absolute, ..
+        } = self.options;
+        let allowed = allowed(measures, self.unbalanced, relative, absolute);
+        for (most, allowed) in largest.iter().zip(allowed) {
+            ratio = ratio.max(most / allowed);
         }
         (largest, ratio)
     }
@@ -218,15 +218,9 @@ impl Newton {
             .map_err(Failure::System)?;
         loop {
             let (residual, ratio) = self.test(system);
-            let small_correction = self
-                .history
-                .last()
-                .is_some_and(|i| i.damping > 0.0 && i.correction * i.damping <= options.correction);
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
-            let balanced = ratio <= 1.0
-                || (small_correction && ratio <= 1e6)
-                || self.is_rounding(system, q, ratio);
+            let balanced = ratio <= 1.0 || self.is_rounding(system, q, ratio);
             let stop = on_condition && balanced;
             if stop || self.history.len() > options.max_iterations {
                 self.history.push(Iteration {

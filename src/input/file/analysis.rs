@@ -255,9 +255,6 @@ pub struct NewtonSettings {
     /// are left.
     #[schemars(range(min = 0.0))]
     pub absolute: f64,
-    /// Correction relative to the size of the model (and to one radian) below which only
-    /// round-off is left.
-    pub correction: f64,
     /// Most linear solutions per step.
     #[schemars(range(min = 1))]
     pub max_iterations: usize,
@@ -269,7 +266,6 @@ impl Default for NewtonSettings {
         Self {
             relative: d.relative,
             absolute: d.absolute,
-            correction: d.correction,
             max_iterations: d.max_iterations,
         }
     }

@@ -1,0 +1,203 @@
+//! When Newton's method may stop: states that are no equilibrium are not called one, and rounding
+//! errors do not keep one from being found. All against closed forms.
+#![allow(non_snake_case)]
+
+use nalgebra::Matrix3;
+use pullback::prelude::*;
+
+/// Displacement of the crown of a von Mises truss of height `rise` and half span 1 (stiffness 1 of
+/// each bar) under a load that presses it down, with another node held `far` away.
+fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
+    let mut b = ModelBuilder::new();
+    let places = [[-1.0, 0.0, 0.0], [0.0, rise, 0.0], [1.0, 0.0, 0.0]];
+    let names = ["left", "crown", "right"];
+    let [left, crown, right] = std::array::from_fn(|k| b.node(names[k], places[k]).unwrap());
+    for (name, ends) in [("bar 1", [left, crown]), ("bar 2", [crown, right])] {
+        let bar = AxialSpring::new(&ends.map(|n| b.place(n)), 1.0, 0.0).unwrap();
+        b.element(name, bar, &ends).unwrap();
+    }
+    b.support(left, &Dof::ALL);
+    b.support(right, &Dof::ALL);
+    b.support(crown, &[Dof::X, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
+    let other = b.node("other", [far, 0.0, 0.0]).unwrap();
+    b.element("mass", PointMass::new(1.0).unwrap(), &[other])
+        .unwrap();
+    b.support(other, &Dof::ALL);
+    let force = NodalLoad::new(Which::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
+    b.element("load", force, &[crown]).unwrap();
+    let mut model = b.build().unwrap();
+    let mut found = 0.0;
+    solve_statics(
+        &mut model,
+        &mut vec![],
+        &StaticOptions::default(),
+        &mut |model, _| {
+            found = model.coordinate(crown, 1).unwrap()[0];
+            ControlFlow::Continue(())
+        },
+    )?;
+    Ok(found)
+}
+
+#[test]
+fn a_node_far_away_does_not_blur_a_limit_load() {
+    // f(y) = 2 y (ℓ₀/ℓ − 1) with ℓ² = 1 + y²; f′ = 0 where ℓ³ = ℓ₀.
+    let rise = 0.1_f64;
+    let rest = (1.0 + rise * rise).sqrt();
+    let force = |y: f64| 2.0 * y * (rest / (1.0 + y * y).sqrt() - 1.0);
+    let top = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
+    for far in [2.0, 1e6, 1e12] {
+        for part in [1.001, 1.0001] {
+            let above = truss(rise, part * force(top), far);
+            assert!(
+                above.is_err(),
+                "{part} of the limit load at {far:e}: {above:?}"
+            );
+        }
+        for part in [0.99, 0.9999] {
+            let load = part * force(top);
+            let y = rise + truss(rise, load, far).unwrap();
+            assert!(y > top, "before the limit point");
+            let gap = force(y) / load - 1.0;
+            assert!(gap.abs() < 1e-8, "{part} at {far:e}: {gap:.1e}");
+        }
+    }
+}
+
+#[test]
+fn a_stiff_spring_keeps_what_turns_on_it() {
+    // Two masses of 1 on a spring of length 1 at 1 rad/s: the angle is t, L = ½. The trapezoidal rule
+    // is off by h²/12 of the angle, and L by what it leaves of the spring's length.
+    for (k, gravity) in [(1e6, 0.0), (1e9, 0.0), (1e11, 0.0), (1e11, 1e-3)] {
+        let mut b = ModelBuilder::new();
+        let masses = [("a", 0.0), ("b", 1.0)].map(|(name, x)| {
+            let node = b.node(name, [x, 0.0, 0.0]).unwrap();
+            let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+            if gravity > 0.0 {
+                let weight = body.weight([0.0, 0.0, -gravity], Box::new(Constant(1.0)));
+                b.element(format!("weight of {name}"), weight, &[node])
+                    .unwrap();
+            }
+            b.element(format!("body {name}"), body, &[node]).unwrap();
+            node
+        });
+        let spring = AxialSpring::new(&masses.map(|n| b.place(n)), k, 0.0).unwrap();
+        b.element("spring", spring, &masses).unwrap();
+        let mut model = b.build().unwrap();
+        let n = model.initial().len();
+        let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
+        for (node, rate) in [(masses[0], -0.5), (masses[1], 0.5)] {
+            v[model.unknown(node, Dof::Y).unwrap()] = rate;
+        }
+        let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+        let mut options = DynamicOptions::new(1.0, 0.01);
+        options.scheme = Scheme::chung_hulbert(0.8).unwrap();
+        let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        integrate(&mut model, &mut progress, &options, proceed).unwrap();
+        let at = |node: NodeId, k: usize| model.coordinate(node, k).unwrap();
+        let [x, y] = [0, 1].map(|k| at(masses[1], k)[0] - at(masses[0], k)[0]);
+        let [u, w] = [0, 1].map(|k| at(masses[1], k)[1] - at(masses[0], k)[1]);
+        let angle = y.atan2(1.0 + x);
+        let momentum = 0.5 * ((1.0 + x) * w - y * u);
+        assert!((angle - 1.0).abs() < 1e-4, "{k:e}, {gravity}: {angle}");
+        assert!(
+            (momentum - 0.5).abs() < 1e-4,
+            "{k:e}, {gravity}: {momentum}"
+        );
+    }
+}
+
+#[test]
+fn coupled_stages_of_a_stiff_rod_stop_at_rounding_errors() {
+    // A free steel rod falls from rest: −g t²/2 in as many steps as were asked for.
+    for E in [2.1e11, 2.1e13] {
+        let mut b = ModelBuilder::new();
+        let ends = [("a", 0.0), ("b", 1.0)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
+        let axis = Straight {
+            from: b.place(ends[0]),
+            to: b.place(ends[1]),
+            second: None,
+            twist: 0.0,
+        };
+        let area = std::f64::consts::PI * 1e-4;
+        let I = std::f64::consts::PI * 1e-8 / 4.0;
+        let (EA, EI, rho) = (E * area, E * I, 7850.0);
+        let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (rho * I);
+        let section = Section::diagonal(EA, [0.35 * EA; 2], 0.8 * EI, [EI; 2]).unwrap();
+        let line = Line {
+            elements: 4,
+            order: 1,
+            section: section.with_mass(rho * area, J),
+        };
+        let nodes = b.line("rod", &axis, ends, &line).unwrap().nodes;
+        for pair in nodes.windows(2) {
+            let places = [b.place(pair[0]), b.place(pair[1])];
+            let weight = [0.0, -9.81 * rho * area, 0.0];
+            let load = LineLoad::new(&places, weight, false, Box::new(Constant(1.0))).unwrap();
+            let name = format!("weight of {}", b.node_name(pair[0]));
+            b.element(name, load, pair).unwrap();
+        }
+        let mut model = b.build().unwrap();
+        let rest = vec![0.0; model.initial().len()];
+        let mut progress = Progress::new(start(&model, 0.0, &rest, &rest).unwrap());
+        let mut options = DynamicOptions::new(1.0, 0.01);
+        options.scheme = Scheme::radau();
+        let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        integrate(&mut model, &mut progress, &options, proceed).unwrap();
+        let summary = &progress.summary;
+        assert_eq!((summary.steps, summary.failed), (100, 0), "E = {E:e}");
+        for node in ends {
+            let fallen = model.coordinate(node, 1).unwrap()[0];
+            assert!((fallen + 9.81 / 2.0).abs() < 1e-8, "{fallen}");
+        }
+    }
+}
+
+#[test]
+fn a_load_on_a_support_measures_nothing() {
+    // A cantilever of EI = L = 1 under 10 across its tip, bent far; the elastica by elliptic integrals
+    // (Bisshopp & Drucker 1945) ends at 1 − 0.55500, 0.81061; the mesh is the same in both runs.
+    let bent = |pressed: f64| {
+        let mut b = ModelBuilder::new();
+        let root = b.node("root", [0.0; 3]).unwrap();
+        let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
+        let axis = Straight {
+            from: b.place(root),
+            to: b.place(tip),
+            second: None,
+            twist: 0.0,
+        };
+        let line = Line {
+            elements: 6,
+            order: 3,
+            section: Section::diagonal(1e4, [1e4; 2], 1.0, [1.0; 2]).unwrap(),
+        };
+        b.line("beam", &axis, [root, tip], &line).unwrap();
+        b.support(root, &Dof::ALL);
+        for (name, node, force) in [("load", tip, 10.0), ("pressed", root, -pressed)] {
+            let load = NodalLoad::new(Which::DeadForce, [0.0, force, 0.0], Proportional(1.0));
+            b.element(name, load, &[node]).unwrap();
+        }
+        let mut model = b.build().unwrap();
+        let mut end = [0.0; 2];
+        solve_statics(
+            &mut model,
+            &mut vec![],
+            &StaticOptions::default(),
+            &mut |model, _| {
+                end = [0, 1].map(|k| model.coordinate(tip, k).unwrap()[0]);
+                ControlFlow::Continue(())
+            },
+        )
+        .unwrap();
+        end
+    };
+    let expected = bent(0.0);
+    for pressed in [1.0, 1e8, 1e11, 1e15] {
+        let found = bent(pressed);
+        for k in 0..2 {
+            let gap = (found[k] - expected[k]).abs();
+            assert!(gap < 1e-9, "{pressed:e}: {found:?}, not {expected:?}");
+        }
+    }
+}
