@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::linear_solver::{LinearError, null_vector};
-use crate::statics::Iteration;
+use crate::statics::{Event, Iteration};
 use pullback_manifold::system::{Kind, System, SystemError};
 use std::fmt;
 
@@ -34,6 +34,11 @@ pub enum Cause {
     TooManyIterations,
     /// The estimate of the local error asks for steps below the smallest.
     Inaccurate,
+    /// A place on the path lies within the step, but cannot be found in it.
+    Unlocated {
+        /// Which, in words.
+        place: String,
+    },
 }
 
 /// A step that failed: where, how far it came, and which coordinate was worst.
@@ -77,6 +82,7 @@ pub(crate) enum Failure {
     Diverged,
     TooManyIterations,
     Inaccurate,
+    Unlocated(Event),
 }
 
 /// What an iteration left behind when it failed.
@@ -103,6 +109,15 @@ impl FailedStep {
             Failure::Diverged => Cause::Diverged,
             Failure::TooManyIterations => Cause::TooManyIterations,
             Failure::Inaccurate => Cause::Inaccurate,
+            Failure::Unlocated(event) => Cause::Unlocated {
+                place: match event {
+                    Event::TurningPoint => "a turning point".to_owned(),
+                    Event::Load(load) => format!("load parameter {load}"),
+                    Event::Coordinate { unknown, value } => {
+                        format!("{} = {value}", system.name(unknown))
+                    }
+                },
+            },
             Failure::Linear(error) => Cause::Linear {
                 error,
                 mechanism: mechanism(system, wreck.S),
@@ -191,6 +206,11 @@ impl fmt::Display for FailedStep {
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",
             )?,
+            Cause::Unlocated { place } => write!(
+                f,
+                "the path passes {place} in this step, but no equilibrium is found there: it may \
+                 jump or branch; an imperfection makes it smooth"
+            )?,
             Cause::TooManyIterations => write!(
                 f,
                 "Newton's method did not converge in {} iterations",
@@ -218,5 +238,16 @@ impl fmt::Display for FailedStep {
             }
         }
         Ok(())
+    }
+}
+
+/// A number for reading: seven significant digits at most, whatever its size.
+pub fn significant(x: f64) -> String {
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x);
+    // Debug writes the shortest digits, with an exponent where zeros would be many.
+    let text = format!("{:?}", rounded + 0.0);
+    match text.strip_suffix(".0") {
+        Some(whole) => whole.to_owned(),
+        None => text,
     }
 }

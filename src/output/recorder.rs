@@ -12,6 +12,7 @@ use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
+use crate::warnings::Watch;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -52,13 +53,16 @@ pub struct Recorder<'a> {
     /// The grid of the last row, where it has not been written.
     pending: Option<(Frame, String)>,
     grids: Grids,
+    watch: Watch,
+    warnings: Vec<String>,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as the place of a run that has not ended.
+    /// Marks the directory as the place of a run that has not ended. `warnings` are those that the
+    /// model gives rise to.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -67,6 +71,7 @@ impl<'a> Recorder<'a> {
         directory: Directory,
         probes: Vec<Probe>,
         model: &Model,
+        warnings: Vec<String>,
     ) -> Result<Self, OutputError> {
         let lines = setting.geometry.lines.iter();
         let elements = lines.map(|l| l.elements.len()).sum::<usize>();
@@ -82,6 +87,8 @@ impl<'a> Recorder<'a> {
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, true),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
+            watch: Watch::new(setting.plan.start()),
+            warnings,
             setting,
             directory,
             probes,
@@ -170,10 +177,12 @@ impl<'a> Recorder<'a> {
         let counts = &mut self.statistics.counts;
         if let Some(progress) = step.progress {
             *counts = Counts::of_motion(&progress.summary);
-        } else if step.event.is_none() {
-            counts.steps += 1;
+        } else {
             counts.iterations += step.iterations;
-            counts.chart_changes += step.chart_changes;
+            if step.event.is_none() {
+                counts.steps = step.number;
+                counts.chart_changes += step.chart_changes;
+            }
         }
         self.record.since[0] += step.iterations;
         self.record.since[1] += step.chart_changes;
@@ -202,8 +211,10 @@ impl<'a> Recorder<'a> {
             correction,
             chart_changes,
             event,
+            unstable: step.unstable,
             ..Row::default()
         };
+        self.watch.see(step.t, step.unstable);
         let answers = match step.progress {
             Some(progress) => moving(model, progress)?,
             None => Answers::of(model, step.t),
@@ -236,7 +247,7 @@ impl<'a> Recorder<'a> {
         for probe in &mut self.probes {
             probe.record(model, &answers, &mut row.probes);
         }
-        self.last = Some(final_state(model, &answers, row.t, self.setting.file));
+        self.last = Some(final_state(model, &answers, &row, self.setting.file));
         let number = self.rows.len();
         let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
         if number.is_multiple_of(self.record.stride) {
@@ -292,7 +303,14 @@ impl<'a> Recorder<'a> {
         self.directory.write("history.csv", &text)
     }
 
+    /// What looks doubtful so far.
+    pub fn warnings(&self) -> Vec<String> {
+        let seen = self.watch.warnings();
+        self.warnings.iter().cloned().chain(seen).collect()
+    }
+
     fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
+        let warnings = self.warnings();
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;
         let results = Results {
@@ -303,6 +321,7 @@ impl<'a> Recorder<'a> {
             ending,
             settings: self.setting.file,
             statistics: self.statistics,
+            warnings: &warnings,
             last: self.last.as_ref(),
             files: self.directory.files(),
         };

@@ -152,6 +152,12 @@ impl LinearSolver for BlockLu {
         ready.scatter(b);
         Ok(())
     }
+
+    /// At no cost: the signs of the pivots, see the source of `inertia`.
+    fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
+        let ready = self.ready.as_ref().filter(|_| self.factorised)?;
+        (ready.symbolic.symmetry == Symmetry::Symmetric).then(|| ready.negative_pivots())
+    }
 }
 
 /// Refines the solution in `x` until the residual is what it should be.

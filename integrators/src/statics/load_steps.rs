@@ -4,6 +4,7 @@
 
 use super::error::StaticsError;
 use super::newton::Newton;
+use super::stability::unstable;
 use super::{Iteration, NewtonOptions, Step};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
@@ -115,7 +116,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     summary.chart_changes = system
         .change_charts(options.from, q, &mut [], &mut [])
         .charts;
-    let mut fresh = false;
+    let mut known = Known::Nothing;
     loop {
         let rest = options.to - summary.t;
         // The last step absorbs a remainder that would be a tiny step of its own.
@@ -123,7 +124,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
         let t = if last { options.to } else { summary.t + dt };
         start.copy_from_slice(q);
         newton.history.clear();
-        let outcome = predict(&mut newton, solver, system, q, [summary.t, t], fresh)
+        let outcome = predict(&mut newton, solver, system, q, [summary.t, t], known)
             .and_then(|()| {
                 let previous = Some((summary.t, start.as_slice()));
                 correct(&mut newton, solver, system, q, t, previous)
@@ -139,7 +140,15 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                 summary.chart_changes += chart_changes;
                 let step_size = t - summary.t;
                 summary.t = t;
-                fresh = true;
+                // The next step begins with this factorisation; that of the last iteration was made
+                // at the iterate before. A singular tangent fails the next step, if there is one.
+                known = Known::Evaluated;
+                let mut stability = None;
+                if system.is_symmetric() && newton.factorise(solver).is_ok() {
+                    known = Known::Factorised;
+                    stability = unstable(&newton, solver, system);
+                }
+                summary.factorisations = newton.factorisations;
                 let report = Step {
                     number: summary.steps,
                     t,
@@ -149,6 +158,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                     residuals: &newton.history,
                     chart_changes,
                     event: None,
+                    unstable: stability,
                 };
                 let flow = observer(system, &report);
                 if last {
@@ -164,7 +174,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
             }
             Err(failure) => {
                 summary.rejected += 1;
-                fresh = false;
+                known = Known::Nothing;
                 let failed = newton.fail(system, failure, &summary, t);
                 q.copy_from_slice(&start);
                 system.start(summary.t, q);
@@ -178,6 +188,14 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     }
 }
 
+/// What is there of the tangent where a step begins.
+#[derive(Clone, Copy, PartialEq)]
+enum Known {
+    Nothing,
+    Evaluated,
+    Factorised,
+}
+
 /// The first correction, with the tangent at the old load.
 fn predict<Y: System + ?Sized>(
     newton: &mut Newton,
@@ -185,14 +203,16 @@ fn predict<Y: System + ?Sized>(
     system: &mut Y,
     q: &mut [f64],
     [from, to]: [f64; 2],
-    fresh: bool,
+    known: Known,
 ) -> Result<(), Failure> {
-    if !fresh {
+    if known == Known::Nothing {
         newton
             .evaluate(system, None, q, from)
             .map_err(Failure::System)?;
     }
-    newton.factorise(solver)?;
+    if known != Known::Factorised {
+        newton.factorise(solver)?;
+    }
     // δq = K⁻¹ (r + r_λ Δλ): with r_λ a driven support bends the structure at once, where the
     // residual alone would first tear at the element next to it.
     for ((dq, r), rate) in newton.dq.iter_mut().zip(&newton.r).zip(&newton.r_lambda) {

@@ -9,8 +9,10 @@
 mod arc_length;
 mod error;
 mod load_steps;
+mod locate;
 mod newton;
 mod path;
+mod stability;
 
 pub use crate::failure::{Along, Cause, FailedStep, Spent};
 pub use arc_length::{trace_path, trace_path_with};
@@ -75,7 +77,8 @@ pub struct Step<'a> {
     pub step_size: f64,
     /// Coordinates in the charts of this step.
     pub q: &'a [f64],
-    /// Linear solutions of this step, predictor included.
+    /// Linear solutions of this step, predictor included; of a located event those that locating it
+    /// took, to which the one that ends a path adds those of the step it lies in.
     pub iterations: usize,
     /// History of the iterations; the last entry is the converged state.
     pub residuals: &'a [Iteration],
@@ -83,4 +86,8 @@ pub struct Step<'a> {
     pub chart_changes: usize,
     /// Index of the event located here, if it is one.
     pub event: Option<usize>,
+    /// In how many directions the equilibrium is unstable: negative eigenvalues of the tangent at
+    /// this very state, less one for each equation that has a multiplier. `None` where the tangent
+    /// is not symmetric or is singular, as at a turning point, or where the solver does not know.
+    pub unstable: Option<usize>,
 }
