@@ -1,6 +1,9 @@
 //! What looks doubtful about a model or its results, in words: for the terminal and `result.json`.
 
+#![allow(non_snake_case)]
+
 use crate::input::{Joint, ModelFile, Time};
+use crate::probe::Answers;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_integrators::significant;
@@ -21,7 +24,19 @@ pub(crate) struct Watch {
     /// Load parameter and unstable directions of the last row that knows them.
     stability: (f64, usize),
     changes: Vec<Change>,
+    /// Converged rows.
+    rows: usize,
+    /// Whether anything has moved, and whether a support has had anything to hold.
+    stirred: bool,
+    held: bool,
+    /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
+    inverted: Option<(String, f64, f64)>,
+    /// Element, strain and load parameter of the first row with a large strain.
+    strained: Option<(String, f64, f64)>,
 }
+
+/// Elongation or shear beyond which a linear law of the section is doubtful.
+const LARGE_STRAIN: f64 = 0.2;
 
 impl Watch {
     /// Begins at a load parameter, with a structure that is stable.
@@ -29,11 +44,36 @@ impl Watch {
         Self {
             stability: (t, 0),
             changes: Vec::new(),
+            rows: 0,
+            stirred: false,
+            held: false,
+            inverted: None,
+            strained: None,
         }
     }
 
-    /// A converged row.
-    pub(crate) fn see(&mut self, t: f64, unstable: Option<usize>) {
+    /// A converged row, with the model in its configuration.
+    pub(crate) fn see(
+        &mut self,
+        model: &Model,
+        answers: &Answers,
+        t: f64,
+        unstable: Option<usize>,
+    ) {
+        self.rows += 1;
+        self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
+        let mut reactions = answers.reactions().iter();
+        self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
+        for (id, state) in answers.sections() {
+            let about = |value| Some((model.element(*id).0.to_owned(), value, t));
+            let stretch = 1.0 + state.Gamma.x;
+            if stretch <= 0.0 && self.inverted.is_none() {
+                self.inverted = about(stretch);
+            }
+            if state.Gamma.amax() > LARGE_STRAIN && self.strained.is_none() {
+                self.strained = about(state.Gamma.amax());
+            }
+        }
         let Some(now) = unstable else { return };
         let (before, directions) = self.stability;
         if now != directions {
@@ -47,7 +87,41 @@ impl Watch {
 
     /// What there is to say.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        self.instability().into_iter().collect()
+        let idle = || {
+            (self.rows > 0 && !self.stirred).then(|| {
+                if self.held {
+                    "all loads act on coordinates that supports hold: nothing moves, and only \
+                     reactions are computed. Load free nodes, or free these coordinates"
+                } else {
+                    "no load acts and nothing is driven: nothing moves. See `loads`, `driven`, and \
+                     whether a `time` is zero over the whole range of the load parameter"
+                }
+                .to_owned()
+            })
+        };
+        let inverted = self.inverted.as_ref().map(|(element, stretch, t)| {
+            format!(
+                "element {element} is turned inside out from load parameter {} on: its axis is \
+                 stretched by 1 + Γ₁ = {stretch:.3}, which no beam can be. The load is too large for \
+                 EA, or in other units than the section",
+                significant(*t)
+            )
+        });
+        let strained = self.strained.as_ref().map(|(element, strain, t)| {
+            format!(
+                "element {element} is elongated or sheared by {:.0} % at load parameter {}: beyond \
+                 {:.0} % the linear law of its section is doubtful. See the units of load and section",
+                100.0 * strain,
+                significant(*t),
+                100.0 * LARGE_STRAIN
+            )
+        });
+        let strained = strained.filter(|_| inverted.is_none());
+        (self.instability().into_iter())
+            .chain(idle())
+            .chain(inverted)
+            .chain(strained)
+            .collect()
     }
 
     fn instability(&self) -> Option<String> {
@@ -83,6 +157,14 @@ impl Watch {
         }
         Some(out)
     }
+}
+
+/// Whether any node is elsewhere than where it is drawn.
+fn moved(model: &Model) -> bool {
+    model.frames().any(|(id, _)| {
+        let state = model.node_state(id);
+        state.d.norm() + state.psi.norm() > 0.0
+    })
 }
 
 /// A word about energy that is stored at the start of a motion because driven coordinates, or

@@ -121,7 +121,8 @@ impl<'a> Recorder<'a> {
         self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
     }
 
-    /// Records the reference configuration where it is in equilibrium at the first load.
+    /// Records the reference configuration where nothing acts on it at the first load; otherwise the
+    /// equilibrium there is a step of its own, number 0.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -214,10 +215,13 @@ impl<'a> Recorder<'a> {
             unstable: step.unstable,
             ..Row::default()
         };
-        self.watch.see(step.t, step.unstable);
         let answers = match step.progress {
             Some(progress) => moving(model, progress)?,
-            None => Answers::of(model, step.t),
+            None => {
+                let answers = Answers::of(model, step.t);
+                self.watch.see(model, &answers, step.t, step.unstable);
+                answers
+            }
         };
         self.add(model, row, answers)?;
         if self.saved.elapsed() > SAVED {
@@ -257,11 +261,17 @@ impl<'a> Recorder<'a> {
             self.record.latest = Some(shape);
         }
         if self.grids != Grids::None {
+            // A path may turn back in the load, but a player goes on.
+            let (at, load) = match self.setting.plan {
+                Plan::Dynamic(_) => (row.t, None),
+                Plan::Static(_) => (row.t, Some(row.t)),
+                Plan::Path(..) => (number as f64, Some(row.t)),
+            };
             let frame = Frame {
-                t: row.t,
+                t: at,
                 file: grid_name(self.setting.plan, number),
             };
-            let text = grid(model, self.setting.geometry, &answers);
+            let text = grid(model, self.setting.geometry, &answers, load);
             self.pending = Some((frame, text));
             let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {

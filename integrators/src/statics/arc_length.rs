@@ -13,13 +13,15 @@ use super::locate::{Located, locate};
 use super::newton::{Condition, Newton};
 use super::path::{ArcLengthOptions, PathSummary};
 use super::stability::unstable;
+use super::start::begin;
 use super::{Iteration, Step};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
-/// Follows the equilibrium path of `system` from `q`, with the default solver.
+/// Follows the equilibrium path of `system` from `q`, with the default solver. Loads that are there
+/// at the start are balanced first, as step 0.
 ///
 /// # Errors
 /// [`StaticsError`]: which step at which load failed, why, and with what residuals.
@@ -91,7 +93,18 @@ pub fn trace_path_with<Y: System + ?Sized>(
         d_lambda: if options.forward { 1.0 } else { -1.0 },
     };
     out.summary.t = at.lambda;
-    system.start(at.lambda, &at.q);
+    let beginning = begin(
+        &mut newton,
+        solver,
+        system,
+        &mut at.q,
+        &mut out.summary,
+        observer,
+    )?;
+    if beginning.flow.is_break() {
+        q.copy_from_slice(&at.q);
+        return Ok(out);
+    }
     let mut ds = options.first_step;
     let mut next = at.clone();
     let mut fresh = false;

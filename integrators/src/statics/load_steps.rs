@@ -5,6 +5,7 @@
 use super::error::StaticsError;
 use super::newton::Newton;
 use super::stability::unstable;
+use super::start::begin;
 use super::{Iteration, NewtonOptions, Step};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
@@ -77,7 +78,8 @@ pub struct Summary {
     pub finished: bool,
 }
 
-/// Follows the equilibrium of `system` from `q` over the load range, with the default solver.
+/// Follows the equilibrium of `system` from `q` over the load range, with the default solver. Loads
+/// that are there at the start are balanced first, as step 0.
 ///
 /// # Errors
 /// [`StaticsError`]: which step at which load failed, why, and with what residuals.
@@ -112,11 +114,11 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     let direction = (options.to - options.from).signum();
     let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
     let mut start = q.clone();
-    system.start(options.from, q);
-    summary.chart_changes = system
-        .change_charts(options.from, q, &mut [], &mut [])
-        .charts;
-    let mut known = Known::Nothing;
+    let beginning = begin(&mut newton, solver, system, q, &mut summary, observer)?;
+    if beginning.flow.is_break() {
+        return Ok(summary);
+    }
+    let mut known = beginning.known;
     loop {
         let rest = options.to - summary.t;
         // The last step absorbs a remainder that would be a tiny step of its own.
@@ -190,7 +192,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
 
 /// What is there of the tangent where a step begins.
 #[derive(Clone, Copy, PartialEq)]
-enum Known {
+pub(super) enum Known {
     Nothing,
     Evaluated,
     Factorised,
@@ -248,7 +250,7 @@ fn correct<Y: System + ?Sized>(
 
 /// Changes charts where that is due and restores equilibrium where an element's own
 /// discretisation depends on them, so that what is reported does not depend on the way there.
-fn settle<Y: System + ?Sized>(
+pub(super) fn settle<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,

@@ -13,6 +13,7 @@ mod locate;
 mod newton;
 mod path;
 mod stability;
+mod start;
 
 pub use crate::failure::{Along, Cause, FailedStep, Spent};
 pub use arc_length::{trace_path, trace_path_with};
@@ -69,7 +70,8 @@ pub struct Iteration {
 /// A converged step, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// Number of the step, from 1; located events repeat the number of the step they lie in.
+    /// Number of the step, from 1; located events repeat the number of the step they lie in. 0 is
+    /// the equilibrium under the loads that are there at the start, where there are any.
     pub number: usize,
     /// Load parameter.
     pub t: f64,
