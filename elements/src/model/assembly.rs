@@ -137,9 +137,8 @@ impl Model {
         let statics = at.is_static();
         let w = &mut self.work;
         if !statics {
-            for ((&c, v), a) in self.coordinates.iter().zip(at.v).zip(at.a) {
-                (w.v[c], w.a[c]) = (*v, *a);
-            }
+            self.runs.scatter(at.v, &mut w.v);
+            self.runs.scatter(at.a, &mut w.a);
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
@@ -153,9 +152,7 @@ impl Model {
     fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
-        for (&c, q) in self.coordinates.iter().zip(q) {
-            w.x[c] = *q;
-        }
+        self.runs.scatter(q, &mut w.x);
         for p in &self.prescribed {
             // In statics the velocity of a prescribed coordinate is its rate with the load
             // parameter; that of free coordinates stays zero.
@@ -257,7 +254,7 @@ impl Model {
                 local.pull_back_switch(e, &self.nodes, weights, statics, rates);
             }
             local.add_residual(e, &self.spans, &mut w.r);
-            if rates {
+            if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
             let Some((weights, values)) = S else {
@@ -328,16 +325,12 @@ impl Model {
         self.add_elements(at.t, statics, borrow, rates)?;
         self.pull_back_nodes(at.t, S, rates);
         self.measure_reactions();
-        for (u, &c) in self.coordinates.iter().enumerate() {
-            r[u] = self.work.r[c];
-            if !r[u].is_finite() {
-                return Err(SystemError::NotFinite { what: self.name(u) });
-            }
+        self.runs.gather(&self.work.r, r);
+        if let Some(u) = r.iter().position(|r| !r.is_finite()) {
+            return Err(SystemError::NotFinite { what: self.name(u) });
         }
         if let Some(r_t) = r_t {
-            for (u, &c) in self.coordinates.iter().enumerate() {
-                r_t[u] = self.work.r_t[c];
-            }
+            self.runs.gather(&self.work.r_t, r_t);
         }
         Ok(())
     }

@@ -182,9 +182,7 @@ impl Model {
             local.add_residual(e, &self.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, false);
-        for (p, &c) in p.iter_mut().zip(&self.coordinates) {
-            *p = self.work.r[c];
-        }
+        self.runs.gather(&self.work.r, p);
         Ok(true)
     }
 }
