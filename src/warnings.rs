@@ -85,10 +85,10 @@ impl Watch {
         self.stability = (t, now);
     }
 
-    /// What there is to say.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    /// What there is to say; that nothing moves only of a run that is complete.
+    pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
         let idle = || {
-            (self.rows > 0 && !self.stirred).then(|| {
+            (complete && self.rows > 0 && !self.stirred).then(|| {
                 if self.held {
                     "all loads act on coordinates that supports hold: nothing moves, and only \
                      reactions are computed. Load free nodes, or free these coordinates"

@@ -112,10 +112,13 @@ pub fn trace_path_with<Y: System + ?Sized>(
         newton.history.clear();
         let mut outcome = Ok(());
         let mut changes = 0;
+        let mut hopeless = false;
         if !fresh {
             let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
             changes = changed.charts;
             outcome = tangent(&mut newton, solver, system, &mut at, &norm);
+            // No smaller step has another tangent to begin with.
+            hopeless = outcome.is_err();
         }
         out.summary.chart_changes += changes;
         if outcome.is_ok() {
@@ -146,9 +149,10 @@ pub fn trace_path_with<Y: System + ?Sized>(
             out.summary.rejected += 1;
             fresh = false;
             let to = at.lambda + ds * at.d_lambda;
-            let failed = newton.fail(system, failure, &out.summary, to);
+            let mut failed = newton.fail(system, failure, &out.summary, to);
             ds *= 0.5;
-            if ds < options.min_step {
+            if ds < options.min_step || hopeless {
+                failed.min_step = (!hopeless).then_some(options.min_step);
                 q.copy_from_slice(&at.q);
                 return Err(StaticsError::Step(failed));
             }

@@ -126,7 +126,11 @@ pub fn solve_statics_with<Y: System + ?Sized>(
         let t = if last { options.to } else { summary.t + dt };
         start.copy_from_slice(q);
         newton.history.clear();
-        let outcome = predict(&mut newton, solver, system, q, [summary.t, t], known)
+        let predicted = predict(&mut newton, solver, system, q, [summary.t, t], known);
+        // No smaller step has another tangent to begin with, unless this one was extrapolated.
+        let exact = known != Known::Evaluated || summary.steps == 0;
+        let hopeless = exact && matches!(predicted, Err(Failure::Linear(_)));
+        let outcome = predicted
             .and_then(|()| {
                 let previous = Some((summary.t, start.as_slice()));
                 correct(&mut newton, solver, system, q, t, previous)
@@ -177,12 +181,16 @@ pub fn solve_statics_with<Y: System + ?Sized>(
             Err(failure) => {
                 summary.rejected += 1;
                 known = Known::Nothing;
-                let failed = newton.fail(system, failure, &summary, t);
+                let mut failed = newton.fail(system, failure, &summary, t);
                 q.copy_from_slice(&start);
                 system.start(summary.t, q);
                 system.change_charts(summary.t, q, &mut [], &mut []);
                 dt = 0.5 * (t - summary.t);
+                if hopeless {
+                    return Err(StaticsError::Step(failed));
+                }
                 if dt.abs() < options.min_step.abs() || dt == 0.0 {
+                    failed.min_step = Some(options.min_step);
                     return Err(StaticsError::Step(failed));
                 }
             }

@@ -228,7 +228,7 @@ impl Newton {
                 || (small_correction && ratio <= 1e6)
                 || self.is_rounding(system, q, ratio);
             let stop = on_condition && balanced;
-            if stop || self.history.len() > options.max_iterations {
+            if stop || self.history.len() >= options.max_iterations {
                 self.history.push(Iteration {
                     residual,
                     ratio,
