@@ -218,7 +218,7 @@ fn execute(
         },
         None => ending(&ended, t),
     };
-    let warnings = recorder.warnings();
+    let warnings = recorder.warnings(&ending);
     let written = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,

@@ -178,3 +178,33 @@ fn the_equilibrium_at_the_start_is_the_first_row() {
         );
     }
 }
+
+#[test]
+fn figures_tell_exaggeration_and_incompleteness() {
+    let scaled = format!("{MODEL}\n[output]\ndeformation_scale = 25\nparaview_every = 0\n");
+    let (_, result, out) = run("statics_scaled", &scaled);
+    let shape = read(out.join("deformed.svg"));
+    assert!(shape.contains("Quarter circle, displacements × 25"));
+    assert!(!read(out.join("history.svg")).contains('×'));
+    // Whatever the defaults depend on, the results tell them.
+    assert_eq!(result["settings"]["analysis"]["static"]["min_step"], 1e-6);
+    let (_, result, out) = run("statics_plain", &MODEL.replace("steps = 4", ""));
+    assert!(!read(out.join("deformed.svg")).contains('×'));
+    let settings = &result["settings"]["analysis"]["static"];
+    assert_eq!(settings["first_step"], 0.1);
+    assert_eq!(settings["max_step"], 0.25);
+
+    let directory = directory("statics_incomplete");
+    let failing = with(
+        "steps = 4",
+        "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 1 }",
+    );
+    assert_eq!(
+        program(&[&write(&directory, &failing)]).status.code(),
+        Some(1)
+    );
+    for name in ["deformed.svg", "history.svg"] {
+        let figure = read(directory.join("model.out").join(name));
+        assert!(figure.contains("Quarter circle, incomplete"), "{name}");
+    }
+}

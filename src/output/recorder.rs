@@ -85,7 +85,7 @@ impl<'a> Recorder<'a> {
         };
         let now = Instant::now();
         let mut recorder = Self {
-            reference: Shapes::of(model, setting.geometry, true),
+            reference: Shapes::of(model, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
             watch: Watch::new(setting.plan.start()),
             warnings,
@@ -253,7 +253,8 @@ impl<'a> Recorder<'a> {
         }
         self.last = Some(final_state(model, &answers, &row, self.setting.file));
         let number = self.rows.len();
-        let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
+        let scale = self.setting.output.deformation_scale;
+        let shape = (row.t, Shapes::of(model, self.setting.geometry, scale));
         if number.is_multiple_of(self.record.stride) {
             self.record.latest = None;
             self.keep(shape);
@@ -313,14 +314,14 @@ impl<'a> Recorder<'a> {
         self.directory.write("history.csv", &text)
     }
 
-    /// What looks doubtful so far.
-    pub fn warnings(&self) -> Vec<String> {
-        let seen = self.watch.warnings();
+    /// What looks doubtful so far, of a run that is complete or not.
+    pub fn warnings(&self, ending: &Ending) -> Vec<String> {
+        let seen = self.watch.warnings(*ending == Ending::Complete);
         self.warnings.iter().cloned().chain(seen).collect()
     }
 
     fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
-        let warnings = self.warnings();
+        let warnings = self.warnings(ending);
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;
         let results = Results {
@@ -386,6 +387,20 @@ impl<'a> Recorder<'a> {
         &self.rows
     }
 
+    /// Title of a figure, with what a reader has to know of the run, and of shapes that are drawn
+    /// with exaggerated displacements.
+    fn figure_title(&self, ending: &Ending, shape: bool) -> Option<String> {
+        let mut words: Vec<String> = self.setting.file.title.iter().cloned().collect();
+        let scale = self.setting.output.deformation_scale;
+        if shape && scale != 1.0 {
+            words.push(format!("displacements × {scale}"));
+        }
+        if *ending != Ending::Complete {
+            words.push("incomplete".to_owned());
+        }
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+
     /// Writes everything that a run ends with; `result.json` comes last.
     ///
     /// # Errors
@@ -395,7 +410,8 @@ impl<'a> Recorder<'a> {
         self.write_pending()?;
         self.write_history()?;
         if self.setting.output.figures && !self.rows.is_empty() {
-            let title = self.setting.file.title.as_deref();
+            let title = self.figure_title(ending, false);
+            let shape_title = self.figure_title(ending, true);
             let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
                 drawn.map_err(|source| OutputError::Draw {
                     name: name.to_owned(),
@@ -403,14 +419,15 @@ impl<'a> Recorder<'a> {
                 })
             };
             self.record.shapes.extend(self.record.latest.take());
-            let shape = plot::deformed(title, &self.reference, &self.record.shapes);
+            let shape =
+                plot::deformed(shape_title.as_deref(), &self.reference, &self.record.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;
             let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
             let extents = shapes.chain([&self.reference]).map(Shapes::extent);
             let length = extents.fold(0.0, f64::max);
             let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
-            let history = draw("history.svg", plot::panels(title, &panels))?;
+            let history = draw("history.svg", plot::panels(title.as_deref(), &panels))?;
             self.directory.write("history.svg", &history)?;
         }
         self.write_results(ending)?;
