@@ -190,8 +190,9 @@ impl FailedStep {
         let known = if self.step == 1 { "start" } else { "converged" };
         write!(
             f,
-            "step {} failed between {parameter} {from} ({known}) and {to}",
-            self.step
+            "step {} failed between {parameter} {from} ({known}) and {to} (smallest step {:.1e})",
+            self.step,
+            self.to - self.from
         )?;
         match self.rejected {
             0 => {}

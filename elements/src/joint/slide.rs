@@ -9,7 +9,7 @@ use super::Sheet;
 use crate::beam::Interpolation;
 use chain::on;
 use nalgebra::{SVector, Vector3};
-use pullback_manifold::map::Map;
+use pullback_manifold::map::{Map, Motion};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 use pullback_manifold::system::ChartChanges;
@@ -21,7 +21,9 @@ use std::f64::consts::TAU;
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
 /// the end of the chain: one coordinate for all its elements, zero in the reference. Where it
-/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the chain the joint is outside its domain.
+/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the
+/// chain the joint is outside its domain. A closed ring is a chain that goes round as often as the frame
+/// may: its nodes may occur again.
 ///
 #[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +35,8 @@ pub struct Slide {
     origin: f64,
     start: Vector3<f64>,
     segment: usize,
+    /// The element that takes over next.
+    next: Option<usize>,
     interpolation: Interpolation,
     /// Sheets on which the rotation vectors of the two ends are interpolated: those of the beam.
     sheets: [Sheet; 2],
@@ -74,7 +78,23 @@ impl Map<13, 6> for Slide {
         self.segment
     }
 
-    fn overdue(&self, _t: f64, q: &SVector<f64, 13>, v: &SVector<f64, 13>) -> Option<f64> {
-        self.past_end(q[12], v[12])
+    fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
+        self.leaves(h, from, to)
+    }
+
+    fn enter(&mut self, segment: usize) {
+        self.next = Some(segment);
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        vec![self.segment as f64]
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        let known = (0..self.places.len() - 1).find(|k| memory == [*k as f64]);
+        // Who reads which masters is found anew when it goes there.
+        self.next = known;
+        known.is_some()
     }
 }

@@ -7,6 +7,7 @@ use super::dependence::Operators;
 use super::local::Local;
 use super::scatter::{Group, Into};
 use super::sheets::{Sheets, TOO_FAR};
+use super::travel::Travel;
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
@@ -50,9 +51,9 @@ pub(super) struct Workspace {
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may change their meaning.
     pub rewriting: Vec<Rewriting>,
-    /// Momentum before maps were handed over, and whether one was.
-    pub kept: Vec<f64>,
+    /// Whether a map was handed over with the last change of charts.
     pub handed_over: bool,
+    pub travel: Travel,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     accelerations_asked: Option<f64>,
     /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
@@ -116,8 +117,8 @@ impl Workspace {
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
             rewriting: Vec::new(),
-            kept: Vec::new(),
             handed_over: false,
+            travel: Travel::default(),
             accelerations_asked: None,
             released: Vec::new(),
             sheets: Sheets::default(),
@@ -415,8 +416,12 @@ impl System for Model {
         changes
     }
 
-    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        self.find_overdue(at)
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overdue(from, to)
+    }
+
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_overdue(from, to, since);
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {
@@ -445,11 +450,8 @@ impl System for Model {
         self.write_rigid_rates(q, motion, rates);
     }
 
-    fn kept_momentum(&self, p: &mut [f64]) -> bool {
-        if self.work.handed_over {
-            p.copy_from_slice(&self.work.kept);
-        }
-        self.work.handed_over
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.mean_momentum(at, p)
     }
 
     fn is_symmetric(&self) -> bool {

@@ -32,6 +32,7 @@ mod scatter;
 mod sheets;
 mod slots;
 mod symmetry;
+mod travel;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};

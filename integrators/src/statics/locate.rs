@@ -82,7 +82,7 @@ pub(super) fn locate<Y: System + ?Sized>(
         if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
             let mut one = find(newton, solver, system, step, norm, event)?;
             let missed =
-                !(event_value(event, &one.place).abs() <= largest_miss(event, newton, options));
+                event_value(event, &one.place).abs() > largest_miss(event, newton, options);
             let place = &mut one.place;
             if event != Event::TurningPoint {
                 place.dq.copy_from_slice(&at.dq);
