@@ -205,13 +205,14 @@ impl Energies {
 pub type RigidRates = [f64; 6];
 
 /// What coordinates leave when a step is too large for their chart.
-pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
+pub const CHART_EDGE: &str =
+    "the domain of its chart (it moved or turned too far at once): take smaller steps";
 
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left {edge} (margin {margin:.3e})")]
+    #[error("{what} left {edge}")]
     OutsideChart {
         /// What it left, and what to do about it.
         edge: &'static str,

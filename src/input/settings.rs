@@ -261,6 +261,17 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
     })
 }
 
+/// Puts the defaults that depend on other keys into the settings that a run reports.
+pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
+    if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
+        s.min_step = Some(options.min_step);
+        if s.steps.is_none() {
+            s.first_step = Some(options.first_step);
+            s.max_step = Some(options.max_step);
+        }
+    }
+}
+
 fn path(
     source: &Text<'_>,
     model: &Model,

@@ -364,17 +364,17 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
             edge: CHART_EDGE,
-            what: name.to_owned(),
+            what: format!("element {name}"),
             margin: TAU - psi,
         },
         ElementError::Overturned { psi } => SystemError::OutsideChart {
             edge: TOO_FAR,
-            what: name.to_owned(),
+            what: format!("element {name}"),
             margin: TAU - psi,
         },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
             edge: CHART_EDGE,
-            what: format!("{name}, whose ends coincide,"),
+            what: format!("element {name}, whose ends coincide,"),
             margin: 0.0,
         },
     }

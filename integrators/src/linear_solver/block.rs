@@ -151,6 +151,12 @@ impl LinearSolver for BlockLu {
         ready.scatter(b);
         Ok(())
     }
+
+    /// At no cost: the signs of the pivots, see the source of `inertia`.
+    fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
+        let ready = self.ready.as_ref().filter(|_| self.factorised)?;
+        (ready.symbolic.symmetry == Symmetry::Symmetric).then(|| ready.negative_pivots())
+    }
 }
 
 /// Sizes of vectors whose rounding errors are relative ones: far from underflow and overflow.

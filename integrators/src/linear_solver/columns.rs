@@ -12,6 +12,9 @@ use super::{
 /// the direction of its mechanism.
 pub(super) const SHIFT: f64 = 1e-9;
 
+/// Diagonal entry, of the scaled matrix, that a multiplier gets where only signs are wanted.
+const SOFTNESS: f64 = 1e-8;
+
 /// The scaled matrix column by column, and the work vectors of the checks.
 pub(super) struct Columns {
     pub pattern: BlockPattern,
@@ -78,12 +81,26 @@ impl Columns {
 
     /// Adds [`SHIFT`] to the diagonal.
     pub fn shift_diagonal(&mut self) {
+        self.diagonal(|value| *value += SHIFT);
+    }
+
+    /// Makes diagonal entries that are zero a little negative: half of the digits for the equations
+    /// of multipliers, half for what they constrain.
+    pub fn soften(&mut self) {
+        self.diagonal(|value| {
+            if *value == 0.0 {
+                *value = -SOFTNESS;
+            }
+        });
+    }
+
+    fn diagonal(&mut self, change: impl Fn(&mut f64)) {
         let (starts, rows) = (&self.starts, &self.rows);
         for c in 0..self.scales.len() {
             let range = starts[c]..starts[c + 1];
             for (value, &r) in self.values[range.clone()].iter_mut().zip(&rows[range]) {
                 if r == c {
-                    *value += SHIFT;
+                    change(value);
                 }
             }
         }

@@ -27,6 +27,7 @@ mod block;
 mod columns;
 mod factors;
 mod faer;
+mod inertia;
 mod kernels;
 mod null_vector;
 mod ordering;
@@ -72,6 +73,14 @@ pub trait LinearSolver: Send {
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise(values)?;
         self.solve(Some(values), b)
+    }
+
+    /// How many eigenvalues of the matrix of the last factorisation, analysed as symmetric and with
+    /// these `values`, are negative: in statics the number of directions in which an equilibrium
+    /// is unstable. `None` where that is not known, and by default.
+    fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
+        let _ = values;
+        None
     }
 }
 

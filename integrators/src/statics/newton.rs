@@ -222,7 +222,7 @@ impl Newton {
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
             let balanced = ratio <= 1.0 || self.is_rounding(system, q, ratio);
             let stop = on_condition && balanced;
-            if stop || self.history.len() > options.max_iterations {
+            if stop || self.history.len() >= options.max_iterations {
                 self.history.push(Iteration {
                     residual,
                     ratio,
