@@ -44,7 +44,7 @@ fn iterations_that_were_converging_are_asked_for() {
     let text = with(
         "steps = 4",
         "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 3, \
-         relative = 1e-15, correction = 1e-15 }",
+         relative = 1e-15 }",
     );
     let said = failure("messages_iterations", &text);
     has(

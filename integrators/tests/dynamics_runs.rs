@@ -71,7 +71,7 @@ fn failed_steps_are_halved_and_grow_back() {
     let error = integrate(&mut stuck, &mut progress, &options, &mut onward).unwrap_err();
     let text = error.to_string();
     assert!(
-        text.contains("step 1 failed between time 0.000000"),
+        text.contains("step 1 failed between time 0 (start) and 0.125"),
         "{text}"
     );
     assert!(text.contains("the pendulum left the domain"), "{text}");
@@ -85,7 +85,9 @@ fn failed_steps_are_halved_and_grow_back() {
 #[test]
 fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
     let mut system = Pendulum::new();
-    for (tangent, most) in [(Tangent::Every, 5), (Tangent::Once, 14)] {
+    // Nothing measures the forces of this system: it is solved down to rounding errors, by a kept
+    // tangent with a contraction of 0.091 in log(ε)/log(0.091) = 15 corrections.
+    for (tangent, most) in [(Tangent::Every, 5), (Tangent::Once, 15)] {
         let options = DynamicOptions {
             newton: NewtonOptions {
                 tangent,
