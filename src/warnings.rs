@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::input::{Joint, ModelFile, Time};
+use crate::output::Row;
 use crate::probe::Answers;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
@@ -33,14 +34,24 @@ pub(crate) struct Watch {
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
     strained: Option<(String, f64, f64)>,
+    /// Residual relative to loads and reactions at which a step has converged, unless what is left is
+    /// rounding.
+    relative: f64,
+    /// Residual force and moment, and load parameter, of the first row where they are no smaller than
+    /// that part of loads and reactions.
+    unresolved: Option<([f64; 2], f64)>,
 }
+
+/// Residuals from this part of loads and reactions on leave too few correct digits.
+const UNRESOLVED: f64 = 1e-3;
 
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
 
 impl Watch {
-    /// Begins at a load parameter, with a structure that is stable.
-    pub(crate) fn new(t: f64) -> Self {
+    /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
+    /// residual.
+    pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),
             changes: Vec::new(),
@@ -49,18 +60,18 @@ impl Watch {
             held: false,
             inverted: None,
             strained: None,
+            relative,
+            unresolved: None,
         }
     }
 
     /// A converged row, with the model in its configuration.
-    pub(crate) fn see(
-        &mut self,
-        model: &Model,
-        answers: &Answers,
-        t: f64,
-        unstable: Option<usize>,
-    ) {
+    pub(crate) fn see(&mut self, model: &Model, answers: &Answers, row: &Row) {
+        let t = row.t;
         self.rows += 1;
+        if row.ratio * self.relative >= UNRESOLVED && self.unresolved.is_none() {
+            self.unresolved = Some((row.residual, t));
+        }
         self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
         let mut reactions = answers.reactions().iter();
         self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
@@ -74,7 +85,7 @@ impl Watch {
                 self.strained = about(state.Gamma.amax());
             }
         }
-        let Some(now) = unstable else { return };
+        let Some(now) = row.unstable else { return };
         let (before, directions) = self.stability;
         if now != directions {
             self.changes.push(Change {
@@ -117,10 +128,20 @@ impl Watch {
             )
         });
         let strained = strained.filter(|_| inverted.is_none());
+        let unresolved = self.unresolved.map(|([force, moment], t)| {
+            format!(
+                "forces are no larger than rounding errors at load parameter {}: the residual (force \
+                 {force:.1e}, moment {moment:.1e}) cannot be made smaller with such stiffnesses, and \
+                 forces and reactions of this size, and what they move, have no correct digits. Load \
+                 it more, or make stiff parts softer or rigid",
+                significant(t)
+            )
+        });
         (self.instability().into_iter())
             .chain(idle())
             .chain(inverted)
             .chain(strained)
+            .chain(unresolved)
             .collect()
     }
 

@@ -128,7 +128,12 @@ fn what_does_nothing_or_too_much_is_warned_of() {
     let (_, result, _) = run("statics_held", &held);
     assert!(first(&result).contains("supports hold"));
 
-    // EA = 1e6: 30 % of elongation, and a bar pressed to -10 % of its length.
+    // EA = 1e6: rounding errors of forces are of the order of 1e-9.
+    let faint = with(moment, "force = [1e-12, 0, 0]");
+    let (_, result, _) = run("statics_faint", &faint);
+    assert!(first(&result).contains("no larger than rounding errors"));
+
+    // 30 % of elongation, and a bar pressed to -10 % of its length.
     let stretched = with(moment, "force = [3e5, 0, 0]");
     let (_, result, _) = run("statics_stretched", &stretched);
     let said = first(&result);

@@ -48,6 +48,15 @@ impl Plan {
         }
     }
 
+    /// Residual relative to loads and reactions at which a step has converged.
+    pub fn relative(&self) -> f64 {
+        match self {
+            Self::Static(options) => options.newton.relative,
+            Self::Path(options, _) => options.newton.relative,
+            Self::Dynamic(plan) => plan.options.newton.relative,
+        }
+    }
+
     /// What the steps advance, for messages and axes.
     pub fn parameter(&self) -> &'static str {
         match self {

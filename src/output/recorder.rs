@@ -87,7 +87,7 @@ impl<'a> Recorder<'a> {
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
-            watch: Watch::new(setting.plan.start()),
+            watch: Watch::new(setting.plan.start(), setting.plan.relative()),
             warnings,
             setting,
             directory,
@@ -219,7 +219,7 @@ impl<'a> Recorder<'a> {
             Some(progress) => moving(model, progress)?,
             None => {
                 let answers = Answers::of(model, step.t);
-                self.watch.see(model, &answers, step.t, step.unstable);
+                self.watch.see(model, &answers, &row);
                 answers
             }
         };
