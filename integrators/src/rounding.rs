@@ -17,12 +17,16 @@ pub(crate) fn allowed(
     absolute: f64,
 ) -> [f64; 3] {
     let allow = |k: usize| {
-        let force = match measures[k] > 0.0 {
-            true => relative * measures[k],
-            false if k == Kind::Other.index() => relative * first[k],
-            false => f64::EPSILON * first[k],
+        let measure = match measures[k] > 0.0 {
+            false if k == Kind::Other.index() => first[k],
+            _ => measures[k],
         };
-        force.max(absolute).max(f64::MIN_POSITIVE)
+        // No digit of the first residual is left below its own rounding.
+        let rounding = f64::EPSILON * first[k];
+        (relative * measure)
+            .max(rounding)
+            .max(absolute)
+            .max(f64::MIN_POSITIVE)
     };
     std::array::from_fn(allow)
 }
