@@ -4,8 +4,8 @@
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{
-    LinearError, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, check_length, first_non_finite,
-    max_abs, rounding_level, scaling,
+    LinearError, REFINEMENTS, check_length, first_non_finite, is_final, max_abs, rounding_level,
+    scaling,
 };
 
 /// What is added to the diagonal of a scaled matrix whose factors are not finite, only to learn
@@ -175,13 +175,7 @@ impl Columns {
         let mut best = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
             let relative = self.relative_residual()?;
-            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
-                if !(relative <= RESIDUAL_LIMIT) {
-                    return Err(LinearError::Residual {
-                        residual: relative,
-                        limit: RESIDUAL_LIMIT,
-                    });
-                }
+            if is_final(relative, best, refinement)? {
                 break;
             }
             best = relative;

@@ -199,6 +199,21 @@ pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
 /// Steps of iterative refinement at most.
 pub(crate) const REFINEMENTS: usize = 2;
 
+/// Whether a solution with this relative residual is final: good enough, refined as often as may be, or
+/// no longer mended by it, `best` being the residual before. An error where that leaves it too bad.
+fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearError> {
+    if relative > RESIDUAL_GOAL && refinement < REFINEMENTS && relative <= 0.5 * best {
+        return Ok(false);
+    }
+    if relative <= RESIDUAL_LIMIT {
+        return Ok(true);
+    }
+    Err(LinearError::Residual {
+        residual: relative,
+        limit: RESIDUAL_LIMIT,
+    })
+}
+
 /// What counts as rounding in a matrix of `blocks` nodes whose scaled rows are of order one.
 ///
 /// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. Along

@@ -2,10 +2,7 @@
 
 use super::factors::Factors;
 use super::symbolic::{Link, Panel, Symbolic};
-use super::{
-    LinearError, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, Symmetry, first_non_finite, kernels,
-    max_abs,
-};
+use super::{LinearError, REFINEMENTS, Symmetry, first_non_finite, is_final, kernels, max_abs};
 
 impl Factors {
     /// Scaled right-hand side in elimination order, into `y`.
@@ -96,13 +93,7 @@ impl Factors {
         let mut best = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
             let relative = self.relative_residual(values, b)?;
-            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
-                if !(relative <= RESIDUAL_LIMIT) {
-                    return Err(LinearError::Residual {
-                        residual: relative,
-                        limit: RESIDUAL_LIMIT,
-                    });
-                }
+            if is_final(relative, best, refinement)? {
                 break;
             }
             best = relative;
@@ -192,6 +183,7 @@ pub(super) fn forward(
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+    use super::super::RESIDUAL_GOAL;
     use super::*;
     use pullback_manifold::sparse::BlockPattern;
 
