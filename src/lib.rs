@@ -94,6 +94,7 @@ pub mod run;
 pub mod solve;
 pub mod spectrum;
 mod terminal;
+mod warnings;
 
 pub use pullback_elements as elements;
 pub use pullback_integrators as integrators;

@@ -1,10 +1,11 @@
 //! A run: model file in, results out.
 
-use crate::input::{self, InputError, Job, Joint, ModelFile, Plan, Time};
+use crate::input::{self, InputError, Job, Plan};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
 };
 use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
+use crate::warnings;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::{DynamicsError, Progress, start};
 use std::ops::ControlFlow;
@@ -174,17 +175,17 @@ fn execute(
     }
     let mut warnings = Vec::new();
     if checkpoint.is_none() {
-        warnings = strained(&model, &file, &progress);
+        warnings = warnings::strained(&model, &file, &progress);
         if matches!(plan, Plan::Dynamic(_)) {
-            warnings.extend(immobile(&model));
-            warnings.extend(massless(&mut model, &progress));
+            warnings.extend(warnings::immobile(&model));
+            warnings.extend(warnings::massless(&mut model, &progress));
         }
     }
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
     };
-    let mut recorder = Recorder::new(setting, directory, probes, &model)?;
+    let mut recorder = Recorder::new(setting, directory, probes, &model, warnings)?;
     match (&plan, checkpoint) {
         (Plan::Dynamic(_), Some(checkpoint)) => recorder.resume(checkpoint),
         (Plan::Dynamic(_), None) => recorder.start_motion(&mut model, &progress)?,
@@ -217,6 +218,7 @@ fn execute(
         },
         None => ending(&ended, t),
     };
+    let warnings = recorder.warnings(&ending);
     let written = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,
@@ -229,77 +231,6 @@ fn execute(
         notes,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
-    })
-}
-
-/// A word about energy that is stored at the start of a motion because driven coordinates, or
-/// initial values, are not where the model is drawn.
-fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
-    let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
-    let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
-    // The coordinates of a loop are where they are together.
-    let looped = |j: &&Joint| {
-        let own = format!("{} ", j.name);
-        let mut all = model
-            .released()
-            .filter(|(_, name, _)| name.starts_with(&own));
-        all.any(|(node, ..)| !model.is_own(node))
-    };
-    let joints = file
-        .joints
-        .iter()
-        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off))
-        .filter(|j| !looped(j));
-    let joints = joints.map(|j| format!("joint {}", j.name));
-    let supports = file.supports.iter().filter(|s| {
-        let driven = s.driven.as_ref();
-        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
-    });
-    let names: Vec<String> = (supports.map(|s| format!("support of {}", s.node)))
-        .chain(joints)
-        .collect();
-    if stored <= 0.0 || names.is_empty() {
-        return Vec::new();
-    }
-    vec![format!(
-        "{} not where the model is drawn at t = 0, which stores the energy {stored:.3e} in it; draw \
-         it in that position, or start at 0",
-        match names.as_slice() {
-            [one] => format!("{one} is"),
-            all => format!("{} are", all.join(", ")),
-        }
-    )]
-}
-
-/// A word about loops that cannot move.
-fn immobile(model: &Model) -> impl Iterator<Item = String> {
-    model.locked().into_iter().map(|(joint, x, equations)| {
-        format!(
-            "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
-             {x} coordinates free. If it should, see whether axes and places are given with all \
-             their digits; if not, weld it"
-        )
-    })
-}
-
-/// Names that a message lists.
-const LISTED: usize = 4;
-
-/// A word about coordinates on which no mass acts.
-fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
-    let state = &progress.state;
-    // A state outside of a domain is told of by the first step.
-    let names = model.massless(state.t, &state.q, &state.v).ok()?;
-    let more = match names.len().saturating_sub(LISTED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    (!names.is_empty()).then(|| {
-        format!(
-            "no mass acts on {}{more}: they follow forces at once. Give `rho` to the sections of \
-             lines, and bodies to joints that carry none",
-            names[..names.len().min(LISTED)].join("; ")
-        )
     })
 }
 

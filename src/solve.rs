@@ -50,6 +50,8 @@ pub struct Advance<'a> {
     pub chart_changes: usize,
     /// Index of the event located here, if it is one.
     pub event: Option<usize>,
+    /// In how many directions an equilibrium is unstable, where that is known.
+    pub unstable: Option<usize>,
     /// Where a motion is.
     pub progress: Option<&'a Progress>,
 }
@@ -68,6 +70,7 @@ impl<'a> From<&Step<'a>> for Advance<'a> {
                 None => step.chart_changes,
             },
             event: step.event,
+            unstable: step.unstable,
             progress: None,
         }
     }
@@ -83,6 +86,7 @@ impl<'a> From<&StepReport<'a>> for Advance<'a> {
             residuals: step.residuals,
             chart_changes: step.chart_changes,
             event: None,
+            unstable: None,
             progress: Some(step.progress),
         }
     }
@@ -195,9 +199,9 @@ pub fn solve(
     let mut step_limit = None;
     let mut seen = |model: &mut Model, step: &Step<'_>| {
         let advance = Advance::from(step);
+        counts.iterations += advance.iterations;
         if advance.event.is_none() {
             counts.steps = advance.number;
-            counts.iterations += advance.iterations;
             counts.chart_changes += advance.chart_changes;
         }
         observer(model, &advance)

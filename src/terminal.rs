@@ -3,6 +3,7 @@
 use crate::gallery::Comparison;
 use crate::solve::{Advance, Counts};
 use indicatif::{ProgressBar, ProgressStyle};
+use pullback_integrators::significant;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,8 +32,11 @@ impl Progress {
             None => "load parameter",
         };
         self.0.set_message(format!(
-            "step {}  {parameter} {:.6}  step size {:.3e}  {} iterations",
-            step.number, step.t, step.step_size, step.iterations
+            "step {}  {parameter} {}  step size {:.3e}  {}",
+            step.number,
+            significant(step.t),
+            step.step_size,
+            plural(step.iterations, "iteration")
         ));
         self.0.tick();
     }
@@ -135,20 +139,27 @@ pub fn table(rows: &[Comparison]) -> String {
     out
 }
 
+/// A number of things.
+pub fn plural(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        n => format!("{n} {thing}s"),
+    }
+}
+
 /// Error of the energy over the energy supplied that makes results doubtful.
 const DOUBTFUL: f64 = 0.1;
 
 /// What an analysis did, in lines.
 pub fn counts(counts: &Counts) -> String {
     let mut out = format!(
-        "{} steps ({} rejected), {} iterations, {} evaluations, {} factorisations, {} changes of \
-         chart\n",
-        counts.steps,
+        "{} ({} rejected), {}, {}, {}, {} of chart\n",
+        plural(counts.steps, "step"),
         counts.rejected + counts.inaccurate,
-        counts.iterations,
-        counts.evaluations,
-        counts.factorisations,
-        counts.chart_changes
+        plural(counts.iterations, "iteration"),
+        plural(counts.evaluations, "evaluation"),
+        plural(counts.factorisations, "factorisation"),
+        plural(counts.chart_changes, "change")
     );
     if let Some(energy) = counts.energy {
         // Writing to a string cannot fail.

@@ -336,8 +336,7 @@ fn conditioning_does_not_depend_on_the_step() {
         let mut x = b.clone();
         solver.solve(Some(&S), &mut x).unwrap();
         println!("step 1e-{k}: {:?}", solver.active());
-        let room = [&mut vec![0.0; n][..], &mut vec![0.0; n]];
-        scaling::equilibrate(&pattern, &S, &mut scales, room).unwrap();
+        scaling::equilibrate(&pattern, &S, &mut scales, &mut vec![0.0; n]).unwrap();
         let scaled = DVector::from_fn(n, |i, _| b[i] * scales[i]);
         let exact = dense(&scales).lu().solve(&scaled).unwrap();
         let found = DVector::from_fn(n, |i, _| x[i] / scales[i]);

@@ -6,7 +6,7 @@ mod program_support;
 use program_support::{
     MODEL, directory, files, history, number, program, read, results, with, write,
 };
-use pullback::output::COLUMNS;
+use pullback::output::{COLUMNS, STATIC_COLUMNS};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -43,9 +43,16 @@ fn a_run_writes_all_its_files() {
         .unwrap()
         .to_owned();
     let probes = "tip.x,tip.y,tip.z,turn,clamp,bending";
-    assert_eq!(head, format!("{},{probes}", COLUMNS.join(",")));
+    assert_eq!(
+        head,
+        format!(
+            "{},{},{probes}",
+            COLUMNS.join(","),
+            STATIC_COLUMNS.join(",")
+        )
+    );
     let reference = read(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/model_file.md"));
-    for column in COLUMNS {
+    for column in COLUMNS.iter().chain(&STATIC_COLUMNS) {
         assert!(
             reference.contains(&format!("| `{column}` |")),
             "{column} is not documented"

@@ -113,5 +113,8 @@ fn a_spring_without_length_is_named() {
         .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
         .unwrap_err();
     let text = error.to_string();
-    assert!(text.starts_with("spring, whose ends coincide,"), "{text}");
+    assert!(
+        text.starts_with("element spring, whose ends coincide,"),
+        "{text}"
+    );
 }

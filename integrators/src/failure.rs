@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::linear_solver::{LinearError, null_vector};
-use crate::statics::Iteration;
+use crate::statics::{Event, Iteration};
 use pullback_manifold::system::{Kind, System, SystemError};
 use std::fmt;
 
@@ -34,12 +34,17 @@ pub enum Cause {
     TooManyIterations,
     /// The estimate of the local error asks for steps below the smallest.
     Inaccurate,
+    /// A place on the path lies within the step, but cannot be found in it.
+    Unlocated {
+        /// Which, in words.
+        place: String,
+    },
 }
 
 /// A step that failed: where, how far it came, and which coordinate was worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedStep {
-    /// Number of the step, from 1.
+    /// Number of the step, from 1; 0 is the equilibrium at the start of statics.
     pub step: usize,
     /// What the step advances.
     pub along: Along,
@@ -55,6 +60,10 @@ pub struct FailedStep {
     pub worst: Vec<(Kind, String, f64)>,
     /// Failed attempts so far.
     pub rejected: usize,
+    /// The smallest step allowed, where that is why it was not halved again; in statics.
+    pub min_step: Option<f64>,
+    /// A kink or jump of a function of the load parameter within the step.
+    pub kink: Option<f64>,
     /// Evaluations and factorisations so far.
     pub spent: Spent,
 }
@@ -77,6 +86,7 @@ pub(crate) enum Failure {
     Diverged,
     TooManyIterations,
     Inaccurate,
+    Unlocated(Event),
 }
 
 /// What an iteration left behind when it failed.
@@ -103,6 +113,15 @@ impl FailedStep {
             Failure::Diverged => Cause::Diverged,
             Failure::TooManyIterations => Cause::TooManyIterations,
             Failure::Inaccurate => Cause::Inaccurate,
+            Failure::Unlocated(event) => Cause::Unlocated {
+                place: match event {
+                    Event::TurningPoint => "a turning point".to_owned(),
+                    Event::Load(load) => format!("load parameter {load}"),
+                    Event::Coordinate { unknown, value } => {
+                        format!("{} = {value}", system.name(unknown))
+                    }
+                },
+            },
             Failure::Linear(error) => Cause::Linear {
                 error,
                 mechanism: mechanism(system, wreck.S),
@@ -130,8 +149,60 @@ impl FailedStep {
                 })
                 .collect(),
             rejected,
+            min_step: None,
+            kink: match along {
+                Along::Load => (system.kinks().into_iter())
+                    .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
+                Along::Time => None,
+            },
             spent,
         }
+    }
+
+    /// Linear solutions of the last attempt.
+    fn iterations(&self) -> usize {
+        self.history.iter().filter(|i| i.damping > 0.0).count()
+    }
+
+    /// Whether the residual was falling by orders of magnitude when the iterations ended.
+    fn was_converging(&self) -> bool {
+        let ratios: Vec<f64> = self.history.iter().map(|i| i.ratio).collect();
+        match ratios[..] {
+            [.., before, last] => last < 0.1 * before,
+            _ => false,
+        }
+    }
+
+    /// Where the step was, and how often it was tried.
+    fn heading(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parameter = match self.along {
+            Along::Load => "load parameter",
+            Along::Time => "time",
+        };
+        let [from, to] = [self.from, self.to].map(significant);
+        if self.step == 0 {
+            return write!(
+                f,
+                "no equilibrium is found under the loads that are there at the start, {parameter} \
+                 {from}: "
+            );
+        }
+        let known = if self.step == 1 { "start" } else { "converged" };
+        write!(
+            f,
+            "step {} failed between {parameter} {from} ({known}) and {to} (smallest step {:.1e})",
+            self.step,
+            self.to - self.from
+        )?;
+        match self.rejected {
+            0 => {}
+            1 => write!(f, " after 1 rejected attempt")?,
+            n => write!(f, " after {n} rejected attempts")?,
+        }
+        if let Some(min) = self.min_step {
+            write!(f, "; half of this step is below min_step = {min:?}")?;
+        }
+        f.write_str(": ")
     }
 }
 
@@ -152,36 +223,39 @@ pub(crate) fn mechanism<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<(
 
 impl fmt::Display for FailedStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "step {} failed between {} {:.6} (converged) and {:.6} after {} rejected attempts: ",
-            self.step,
-            match self.along {
-                Along::Load => "load parameter",
-                Along::Time => "time",
-            },
-            self.from,
-            self.to,
-            self.rejected
-        )?;
+        self.heading(f)?;
         match &self.cause {
-            Cause::System(error) => write!(f, "{error}")?,
-            Cause::Linear { error, mechanism } => {
-                write!(f, "the tangent cannot be solved with: {error}")?;
-                if !mechanism.is_empty() {
-                    write!(f, "\n  what moves without resistance:")?;
-                    for (name, entry) in mechanism {
-                        write!(f, "\n    {name} ({entry:+.3})")?;
-                    }
-                    f.write_str(match self.along {
-                        Along::Load => {
-                            "\n  support it, or follow the path with arc-length control if this is a limit point"
-                        }
-                        Along::Time => "\n  give it mass or stiffness, or hold it",
-                    })?;
+            Cause::System(error) => {
+                write!(f, "{error}")?;
+                if self.min_step.is_some() {
+                    write!(
+                        f,
+                        "\n  where halving does not help the load is far too large (units?), or the \
+                         structure is a mechanism"
+                    )?;
                 }
             }
+            Cause::Linear { error, mechanism } if mechanism.is_empty() => {
+                write!(f, "the tangent cannot be solved with: {error}")?;
+            }
+            Cause::Linear { error, mechanism } => {
+                write!(f, "what moves without resistance:")?;
+                for (name, entry) in mechanism {
+                    write!(f, "\n    {name} ({entry:+.3})")?;
+                }
+                f.write_str(match self.along {
+                    Along::Load => {
+                        "\n  support it, or follow the path with arc-length control if this is a limit point"
+                    }
+                    Along::Time => "\n  give it mass or stiffness, or hold it",
+                })?;
+                write!(f, "\n  (the tangent cannot be solved with: {error})")?;
+            }
             Cause::Diverged => f.write_str(match self.along {
+                Along::Load if self.step == 0 => {
+                    "Newton's corrections grow however they are damped; let these loads grow with \
+                     the load parameter, or make them smaller"
+                }
                 Along::Load => {
                     "Newton's corrections grow however they are damped; a limit point may lie ahead \
                      (try arc-length control), or the load is too large"
@@ -191,11 +265,29 @@ impl fmt::Display for FailedStep {
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",
             )?,
-            Cause::TooManyIterations => write!(
+            Cause::Unlocated { place } => write!(
                 f,
-                "Newton's method did not converge in {} iterations",
-                self.history.len().saturating_sub(1)
+                "the path passes {place} in this step, but no equilibrium is found there: it may \
+                 jump or branch; an imperfection makes it smooth"
             )?,
+            Cause::TooManyIterations => {
+                let word = match self.iterations() {
+                    1 => "1 iteration".to_owned(),
+                    n => format!("{n} iterations"),
+                };
+                write!(f, "Newton's method did not converge in {word}")?;
+                if self.was_converging() {
+                    write!(f, "; it was converging fast: raise max_iterations")?;
+                }
+            }
+        }
+        if let (Some(kink), Some(_)) = (self.kink, self.min_step) {
+            write!(
+                f,
+                "\n  a function of t has a jump or kink at {}, within this step: where a load jumps \
+                 no step is small enough; let it grow by a ramp",
+                significant(kink)
+            )?;
         }
         for (kind, name, residual) in &self.worst {
             write!(
@@ -218,5 +310,16 @@ impl fmt::Display for FailedStep {
             }
         }
         Ok(())
+    }
+}
+
+/// A number for reading: seven significant digits at most, whatever its size.
+pub fn significant(x: f64) -> String {
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x);
+    // Debug writes the shortest digits, with an exponent where zeros would be many.
+    let text = format!("{:?}", rounded + 0.0);
+    match text.strip_suffix(".0") {
+        Some(whole) => whole.to_owned(),
+        None => text,
     }
 }

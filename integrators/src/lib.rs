@@ -21,3 +21,5 @@ pub mod linear_solver;
 mod rounding;
 pub mod spectrum;
 pub mod statics;
+
+pub use failure::significant;

@@ -1,13 +1,15 @@
 //! The scales of coordinates, and when a residual is nothing but rounding errors.
 
-use pullback_manifold::system::System;
+use crate::statics::Iteration;
+use pullback_manifold::system::{Kind, System};
 
 /// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
-pub(crate) const SMALL: f64 = 1e-6;
+const SMALL: f64 = 1e-6;
 
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
-/// place makes it as large as it likes.
+/// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
+/// prediction leaves of one is a fair measure.
 pub(crate) fn allowed(
     measures: [f64; 3],
     first: [f64; 3],
@@ -15,13 +17,25 @@ pub(crate) fn allowed(
     absolute: f64,
 ) -> [f64; 3] {
     let allow = |k: usize| {
-        let force = match measures[k] > 0.0 {
-            true => relative * measures[k],
-            false => f64::EPSILON * first[k],
+        let measure = match measures[k] > 0.0 {
+            false if k == Kind::Other.index() => first[k],
+            _ => measures[k],
         };
-        force.max(absolute).max(f64::MIN_POSITIVE)
+        // No digit of the first residual is left below its own rounding.
+        let rounding = f64::EPSILON * first[k];
+        (relative * measure)
+            .max(rounding)
+            .max(absolute)
+            .max(f64::MIN_POSITIVE)
     };
     std::array::from_fn(allow)
+}
+
+/// Whether another correction is not expected to mend anything: the last was small, and nothing that is
+/// out of balance has become much less so by it.
+pub(crate) fn stagnates(before: &Iteration, residual: [f64; 3], allowed: [f64; 3]) -> bool {
+    let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > 0.1 * before.residual[k];
+    before.damping > 0.0 && before.correction < SMALL && (0..3).all(stays)
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.

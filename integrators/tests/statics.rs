@@ -52,6 +52,10 @@ impl System for Scalar {
         Kind::Length
     }
 
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
     fn name(&self, _: usize) -> String {
         "the crown, downwards".to_owned()
     }
@@ -135,6 +139,32 @@ fn the_truss_snaps_through_and_back() {
     }
     assert!((there[2].1 - 0.5).abs() < 1e-12);
     assert!((back[2].1 + 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn the_truss_is_unstable_between_its_limit_points() {
+    let root = 1.0 / 3.0_f64.sqrt();
+    let options = ArcLengthOptions {
+        events: vec![
+            (Event::TurningPoint, false),
+            (Event::Load(0.2), false),
+            (Event::Load(0.5), true),
+        ],
+        ..ArcLengthOptions::default()
+    };
+    let mut seen = [0; 3];
+    trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
+        if step.event == Some(0) {
+            seen[2] += 1;
+            return ControlFlow::Continue(());
+        }
+        let expected = usize::from((step.q[0] - 1.0).abs() < root);
+        assert_eq!(step.unstable, Some(expected), "w = {}", step.q[0]);
+        seen[expected] += 1;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(seen[0] > 5 && seen[1] > 5 && seen[2] == 2, "{seen:?}");
 }
 
 #[test]

@@ -66,6 +66,9 @@ pub struct Rewritten<const D: usize> {
     pub c: SVector<f64, D>,
 }
 
+/// Coordinates and velocities of a map, (q, q̇).
+pub type Motion<'a, const D: usize> = [&'a SVector<f64, D>; 2];
+
 /// A holonomic constraint x = φ(t, q) from D coordinates into N.
 ///
 /// Only [`Map::phi`] has to be written. The other methods follow from it by exact
@@ -150,12 +153,17 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         None
     }
 
-    /// By what time a change to another segment ([`Map::segment`]) is overdue at coordinates q with
-    /// velocities v, to first order; negative before that. An integrator ends a step there. `None`
-    /// where no change lies ahead, and by default.
-    fn overdue(&self, t: f64, q: &SVector<f64, D>, v: &SVector<f64, D>) -> Option<f64> {
-        let _ = (t, q, v);
+    /// By what time the first change to another segment ([`Map::segment`]) is overdue at the end of a
+    /// step of size h between two states (q, q̇), negative before that, and that segment. An integrator
+    /// ends a step there. `None` where no change lies ahead, and by default.
+    fn overdue(&self, h: f64, from: Motion<'_, D>, to: Motion<'_, D>) -> Option<(f64, usize)> {
+        let _ = (h, from, to);
         None
+    }
+
+    /// The next [`Map::change_charts`] goes on to this segment, which [`Map::overdue`] gave.
+    fn enter(&mut self, segment: usize) {
+        let _ = segment;
     }
 
     /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
@@ -289,10 +297,15 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// See [`Map::overdue`].
-    fn overdue(&self, t: f64, q: &[f64], v: &[f64]) -> Option<f64> {
-        let _ = (t, q, v);
+    /// See [`Map::overdue`]; both states are (q, q̇).
+    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let _ = (h, from, to);
         None
+    }
+
+    /// See [`Map::enter`].
+    fn enter(&mut self, segment: usize) {
+        let _ = segment;
     }
 
     /// See [`Map::segment`].
@@ -408,9 +421,13 @@ where
         self.0.note()
     }
 
-    fn overdue(&self, t: f64, q: &[f64], v: &[f64]) -> Option<f64> {
-        let [q, v] = [q, v].map(SVector::from_column_slice);
-        self.0.overdue(t, &q, &v)
+    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
+        self.0.overdue(h, from.each_ref(), to.each_ref())
+    }
+
+    fn enter(&mut self, segment: usize) {
+        self.0.enter(segment);
     }
 
     fn segment(&self) -> usize {

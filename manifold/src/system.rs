@@ -205,13 +205,14 @@ impl Energies {
 pub type RigidRates = [f64; 6];
 
 /// What coordinates leave when a step is too large for their chart.
-pub const CHART_EDGE: &str = "the domain of its chart: take smaller steps";
+pub const CHART_EDGE: &str =
+    "the domain of its chart (it moved or turned too far at once): take smaller steps";
 
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left {edge} (margin {margin:.3e})")]
+    #[error("{what} left {edge}")]
     OutsideChart {
         /// What it left, and what to do about it.
         edge: &'static str,
@@ -300,13 +301,19 @@ pub trait System {
         ChartChanges::default()
     }
 
-    /// By what time a change of the system's coordinates or maps is overdue at a point in motion, to
-    /// first order; negative before that. A change that leaves values as they are, but not their
-    /// derivatives, costs a step that crosses it its order: the step is made to end there, and
-    /// [`System::change_charts`] then makes the change. `None` where none lies ahead, and by default.
-    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        let _ = at;
+    /// By what time the first change of the system's maps is overdue at the end of a step between two
+    /// points in motion, negative before that. A change that leaves values as they are, but not their
+    /// derivatives, costs a step that crosses it its order: the step is made to end there.
+    /// `None` where none lies ahead, and by default.
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        let _ = (from, to);
         None
+    }
+
+    /// The next [`System::change_charts`] makes the changes that are overdue by the time `since` at
+    /// least ([`System::overdue`]).
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        let _ = (from, to, since);
     }
 
     /// A run starts from `q` at time `t`, or goes on from there after a step that failed: a system
@@ -344,10 +351,17 @@ pub trait System {
     }
 
     /// The momentum that the last change of charts has to keep, into `p`, where it has handed a map
-    /// over whose values stay and whose operator jumps; false where it has not.
-    fn kept_momentum(&self, p: &mut [f64]) -> bool {
-        let _ = p;
-        false
+    /// over whose values stay and whose operator jumps from B₋ to B₊: that before the change, or at a
+    /// point behind it. False where it has not.
+    ///
+    /// It is ½ (B₊ + B₋)ᵀ M ẋ: what is handed over goes on as along a curve that the corner stands for,
+    /// however the whole moves, while B₋ᵀ M ẋ₋ = B₊ᵀ M ẋ₊ depends on who looks.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        let _ = (at, p);
+        Ok(false)
     }
 
     /// Symmetries of the system: a basis of those motions of the whole as a rigid body (velocity of

@@ -10,6 +10,7 @@ use crate::solve::Advance;
 use crate::terminal::{self, Interrupt, Progress};
 use clap::{Parser, Subcommand};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+use pullback_integrators::significant;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -199,7 +200,11 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     let Outcome {
         rows, t, parameter, ..
     } = outcome;
-    let reached = format!("{rows} rows up to {parameter} {t:.6}");
+    let reached = format!(
+        "{} up to {parameter} {}",
+        terminal::plural(*rows, "row"),
+        significant(*t)
+    );
     let again = match parameter {
         &"time" => "; --resume goes on from there",
         _ => "",
@@ -210,7 +215,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     for warning in &outcome.warnings {
         eprintln!("warning: {warning}");
     }
-    let kept = format!("{reached} are kept in {directory}, marked incomplete{again}");
+    let kept = format!("kept in {directory}: {reached}, marked incomplete{again}");
     match &outcome.ending {
         Ending::Complete if quiet => 0,
         Ending::Complete => print(&format!(

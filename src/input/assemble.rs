@@ -4,7 +4,9 @@ use super::file::{Analysis, ModelFile, Output};
 use super::initial::Start;
 use super::registry::Registry;
 use super::settings::Plan;
-use super::{InputError, Problem, Text, bodies, initial, loads, parts, probes, sections, settings};
+use super::{
+    InputError, Problem, Text, bodies, initial, loads, parts, positive, probes, sections, settings,
+};
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
@@ -159,7 +161,7 @@ pub(super) fn distinct<'a>(
 pub(super) fn assemble(
     source: &Text<'_>,
     registry: &Registry,
-    file: ModelFile,
+    mut file: ModelFile,
     formulation: Option<Formulation>,
 ) -> Result<Job, InputError> {
     let matter = file.lines.is_empty() && file.bodies.is_empty();
@@ -243,6 +245,14 @@ pub(super) fn assemble(
         ));
     }
     let plan = settings::plan(source, &model, &nodes, &file.analysis)?;
+    let path = ["output", "deformation_scale"];
+    positive(
+        source,
+        &path,
+        "deformation_scale",
+        file.output.deformation_scale,
+    )?;
+    settings::fill_in(&plan, &mut file.analysis);
     if !dynamic && !file.initial.is_empty() {
         return Err(source.value(&["initial", "0"], Problem::InitialStatics));
     }

@@ -236,8 +236,37 @@ fn names(known: &[String]) -> String {
     shown.join(", ")
 }
 
+/// Words of other programs, and ours.
+const SYNONYMS: [(&str, &str); 5] = [
+    ("linear", "proportional"),
+    ("limit-point", "turning-point"),
+    ("harmonic", "sine"),
+    ("step", "pulse"),
+    ("hinge", "revolute"),
+];
+
+/// What a message of the parser alone does not tell.
+fn explanation(message: &str) -> Option<String> {
+    let told = if message.contains("an array of length 3") {
+        "three numbers in brackets are expected, such as [X, Y, Z] of a place or [Fx, Fy, Fz] of a \
+         force"
+    } else if message.contains("exactly one key") {
+        "one at a time: one of static, arc-length and dynamic for an analysis, one function for a \
+         time"
+    } else {
+        return None;
+    };
+    Some(told.to_owned())
+}
+
 fn suggestion(found: &str, known: &[String]) -> String {
-    let near = closest(found, known.iter().map(String::as_str));
+    let known_as = SYNONYMS
+        .iter()
+        .find(|(word, ours)| *word == found && known.iter().any(|known| known == ours));
+    let near = match known_as {
+        Some((_, ours)) => Some((*ours).to_owned()),
+        None => closest(found, known.iter().map(String::as_str)),
+    };
     match near {
         _ if known.is_empty() => "none is defined".to_owned(),
         Some(near) => format!("did you mean `{near}`? There are: {}", names(known)),
@@ -260,6 +289,13 @@ impl Problem {
             }
             Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
                 return Some(format!("expected {expected}"));
+            }
+            Self::Toml(message) => return explanation(message),
+            Self::Components { expected: 3, .. } => {
+                return explanation("an array of length 3");
+            }
+            Self::LoadTarget { load: "force", .. } => {
+                "on a line use force_per_length = [fx, fy, fz]; a force needs a node"
             }
             Self::Empty => "describe at least [nodes] and [[lines]] or [[bodies]]",
             Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",

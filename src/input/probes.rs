@@ -3,7 +3,7 @@
 use super::assemble::{Geometry, Names, distinct};
 use super::file::{Probe as Described, Quantity};
 use super::{InputError, Problem, Text};
-use crate::output::{COLUMNS, DYNAMIC_COLUMNS};
+use crate::output::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};
 use pullback_elements::model::{ElementId, Model, NodeId};
 use std::collections::HashSet;
@@ -34,9 +34,12 @@ pub(super) fn resolve(
         elements: &elements,
         supports: &geometry.supports,
     };
-    let mut columns: HashSet<String> = (COLUMNS.iter().chain(&DYNAMIC_COLUMNS))
-        .map(|&column| column.to_owned())
-        .collect();
+    let mut columns: HashSet<String> = (COLUMNS
+        .iter()
+        .chain(&DYNAMIC_COLUMNS)
+        .chain(&STATIC_COLUMNS))
+    .map(|&column| column.to_owned())
+    .collect();
     let mut out = Vec::with_capacity(described.len());
     for (k, probe) in described.iter().enumerate() {
         let made = one(source, model, &names, k, probe)?;

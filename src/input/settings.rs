@@ -48,6 +48,15 @@ impl Plan {
         }
     }
 
+    /// Residual relative to loads and reactions at which a step has converged.
+    pub fn relative(&self) -> f64 {
+        match self {
+            Self::Static(options) => options.newton.relative,
+            Self::Path(options, _) => options.newton.relative,
+            Self::Dynamic(plan) => plan.options.newton.relative,
+        }
+    }
+
     /// What the steps advance, for messages and axes.
     pub fn parameter(&self) -> &'static str {
         match self {
@@ -259,6 +268,17 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
         newton: newton(source, "static", &s.newton)?,
         ..StaticOptions::default()
     })
+}
+
+/// Puts the defaults that depend on other keys into the settings that a run reports.
+pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
+    if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
+        s.min_step = Some(options.min_step);
+        if s.steps.is_none() {
+            s.first_step = Some(options.first_step);
+            s.max_step = Some(options.max_step);
+        }
+    }
 }
 
 fn path(

@@ -17,6 +17,12 @@ pub enum OutputError {
         /// Why.
         source: io::Error,
     },
+    /// The place for results is a file.
+    #[error("cannot write results to {}: it is a file, and they take a directory", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+    },
     /// A figure cannot be drawn.
     #[error("cannot draw {name}: {source}")]
     Draw {
@@ -72,6 +78,10 @@ impl Directory {
             path: path.to_owned(),
             source,
         };
+        if path.is_file() {
+            let path = path.to_owned();
+            return Err(OutputError::File { path });
+        }
         fs::create_dir_all(path).map_err(fail)?;
         if path.join(known_by).is_file() {
             for entry in fs::read_dir(path).map_err(fail)? {

@@ -20,6 +20,9 @@ pub const COLUMNS: [&str; 13] = [
     "strain_energy",
 ];
 
+/// Columns after those in statics.
+pub const STATIC_COLUMNS: [&str; 1] = ["unstable"];
+
 /// Columns after those in dynamics.
 pub const DYNAMIC_COLUMNS: [&str; 2] = ["kinetic_energy", "energy_defect"];
 
@@ -48,6 +51,9 @@ pub struct Row {
     pub largest_rotation: f64,
     /// Strain energy.
     pub strain_energy: f64,
+    /// In how many directions an equilibrium is unstable, where that is known; in statics.
+    #[serde(default)]
+    pub unstable: Option<usize>,
     /// Kinetic energy, and energy that was never supplied; in dynamics.
     pub motion: Option<[f64; 2]>,
     /// Values of the probes.
@@ -57,10 +63,14 @@ pub struct Row {
 /// The whole file.
 pub fn csv(probes: &[String], rows: &[Row]) -> String {
     let mut out = COLUMNS.join(",");
-    if rows.iter().any(|row| row.motion.is_some()) {
-        out += ",";
-        out += &DYNAMIC_COLUMNS.join(",");
-    }
+    let moving = rows.iter().any(|row| row.motion.is_some());
+    let more: &[&str] = if moving {
+        &DYNAMIC_COLUMNS
+    } else {
+        &STATIC_COLUMNS
+    };
+    out += ",";
+    out += &more.join(",");
     for probe in probes {
         out += ",";
         out += probe;
@@ -83,6 +93,10 @@ pub fn csv(probes: &[String], rows: &[Row]) -> String {
             row.largest_rotation,
             row.strain_energy,
         );
+        if !moving {
+            out += ",";
+            out += &row.unstable.map_or_else(String::new, |n| n.to_string());
+        }
         for value in row.motion.iter().flatten().chain(&row.probes) {
             // No signs of zero.
             let _ = write!(out, ",{:?}", value + 0.0);

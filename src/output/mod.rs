@@ -16,7 +16,7 @@ mod vtu;
 
 pub use checkpoint::{Checkpoint, ResumeError};
 pub use directory::{Directory, OutputError};
-pub use history::{COLUMNS, DYNAMIC_COLUMNS, Row, csv};
+pub use history::{COLUMNS, DYNAMIC_COLUMNS, Row, STATIC_COLUMNS, csv};
 pub use recorder::{RecordError, Recorder, Setting};
 pub use results::{
     Ending, FinalState, MotionResult, NodeResult, ReactionResult, Results, Statistics,

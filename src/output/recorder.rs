@@ -12,6 +12,7 @@ use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
+use crate::warnings::Watch;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -52,13 +53,16 @@ pub struct Recorder<'a> {
     /// The grid of the last row, where it has not been written.
     pending: Option<(Frame, String)>,
     grids: Grids,
+    watch: Watch,
+    warnings: Vec<String>,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as the place of a run that has not ended.
+    /// Marks the directory as the place of a run that has not ended. `warnings` are those that the
+    /// model gives rise to.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -67,6 +71,7 @@ impl<'a> Recorder<'a> {
         directory: Directory,
         probes: Vec<Probe>,
         model: &Model,
+        warnings: Vec<String>,
     ) -> Result<Self, OutputError> {
         let lines = setting.geometry.lines.iter();
         let elements = lines.map(|l| l.elements.len()).sum::<usize>();
@@ -80,8 +85,10 @@ impl<'a> Recorder<'a> {
         };
         let now = Instant::now();
         let mut recorder = Self {
-            reference: Shapes::of(model, setting.geometry, true),
+            reference: Shapes::of(model, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
+            watch: Watch::new(setting.plan.start(), setting.plan.relative()),
+            warnings,
             setting,
             directory,
             probes,
@@ -114,7 +121,8 @@ impl<'a> Recorder<'a> {
         self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
     }
 
-    /// Records the reference configuration where it is in equilibrium at the first load.
+    /// Records the reference configuration where nothing acts on it at the first load; otherwise the
+    /// equilibrium there is a step of its own, number 0.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -170,10 +178,12 @@ impl<'a> Recorder<'a> {
         let counts = &mut self.statistics.counts;
         if let Some(progress) = step.progress {
             *counts = Counts::of_motion(&progress.summary);
-        } else if step.event.is_none() {
-            counts.steps += 1;
+        } else {
             counts.iterations += step.iterations;
-            counts.chart_changes += step.chart_changes;
+            if step.event.is_none() {
+                counts.steps = step.number;
+                counts.chart_changes += step.chart_changes;
+            }
         }
         self.record.since[0] += step.iterations;
         self.record.since[1] += step.chart_changes;
@@ -202,11 +212,16 @@ impl<'a> Recorder<'a> {
             correction,
             chart_changes,
             event,
+            unstable: step.unstable,
             ..Row::default()
         };
         let answers = match step.progress {
             Some(progress) => moving(model, progress)?,
-            None => Answers::of(model, step.t),
+            None => {
+                let answers = Answers::of(model, step.t);
+                self.watch.see(model, &answers, &row);
+                answers
+            }
         };
         self.add(model, row, answers)?;
         if self.saved.elapsed() > SAVED {
@@ -236,9 +251,10 @@ impl<'a> Recorder<'a> {
         for probe in &mut self.probes {
             probe.record(model, &answers, &mut row.probes);
         }
-        self.last = Some(final_state(model, &answers, row.t, self.setting.file));
+        self.last = Some(final_state(model, &answers, &row, self.setting.file));
         let number = self.rows.len();
-        let shape = (row.t, Shapes::of(model, self.setting.geometry, false));
+        let scale = self.setting.output.deformation_scale;
+        let shape = (row.t, Shapes::of(model, self.setting.geometry, scale));
         if number.is_multiple_of(self.record.stride) {
             self.record.latest = None;
             self.keep(shape);
@@ -246,11 +262,17 @@ impl<'a> Recorder<'a> {
             self.record.latest = Some(shape);
         }
         if self.grids != Grids::None {
+            // A path may turn back in the load, but a player goes on.
+            let (at, load) = match self.setting.plan {
+                Plan::Dynamic(_) => (row.t, None),
+                Plan::Static(_) => (row.t, Some(row.t)),
+                Plan::Path(..) => (number as f64, Some(row.t)),
+            };
             let frame = Frame {
-                t: row.t,
+                t: at,
                 file: grid_name(self.setting.plan, number),
             };
-            let text = grid(model, self.setting.geometry, &answers);
+            let text = grid(model, self.setting.geometry, &answers, load);
             self.pending = Some((frame, text));
             let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {
@@ -292,7 +314,14 @@ impl<'a> Recorder<'a> {
         self.directory.write("history.csv", &text)
     }
 
+    /// What looks doubtful so far, of a run that is complete or not.
+    pub fn warnings(&self, ending: &Ending) -> Vec<String> {
+        let seen = self.watch.warnings(*ending == Ending::Complete);
+        self.warnings.iter().cloned().chain(seen).collect()
+    }
+
     fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
+        let warnings = self.warnings(ending);
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;
         let results = Results {
@@ -303,6 +332,7 @@ impl<'a> Recorder<'a> {
             ending,
             settings: self.setting.file,
             statistics: self.statistics,
+            warnings: &warnings,
             last: self.last.as_ref(),
             files: self.directory.files(),
         };
@@ -357,6 +387,20 @@ impl<'a> Recorder<'a> {
         &self.rows
     }
 
+    /// Title of a figure, with what a reader has to know of the run, and of shapes that are drawn
+    /// with exaggerated displacements.
+    fn figure_title(&self, ending: &Ending, shape: bool) -> Option<String> {
+        let mut words: Vec<String> = self.setting.file.title.iter().cloned().collect();
+        let scale = self.setting.output.deformation_scale;
+        if shape && scale != 1.0 {
+            words.push(format!("displacements × {scale}"));
+        }
+        if *ending != Ending::Complete {
+            words.push("incomplete".to_owned());
+        }
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+
     /// Writes everything that a run ends with; `result.json` comes last.
     ///
     /// # Errors
@@ -366,7 +410,8 @@ impl<'a> Recorder<'a> {
         self.write_pending()?;
         self.write_history()?;
         if self.setting.output.figures && !self.rows.is_empty() {
-            let title = self.setting.file.title.as_deref();
+            let title = self.figure_title(ending, false);
+            let shape_title = self.figure_title(ending, true);
             let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
                 drawn.map_err(|source| OutputError::Draw {
                     name: name.to_owned(),
@@ -374,14 +419,15 @@ impl<'a> Recorder<'a> {
                 })
             };
             self.record.shapes.extend(self.record.latest.take());
-            let shape = plot::deformed(title, &self.reference, &self.record.shapes);
+            let shape =
+                plot::deformed(shape_title.as_deref(), &self.reference, &self.record.shapes);
             let shape = draw("deformed.svg", shape)?;
             self.directory.write("deformed.svg", &shape)?;
             let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
             let extents = shapes.chain([&self.reference]).map(Shapes::extent);
             let length = extents.fold(0.0, f64::max);
             let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
-            let history = draw("history.svg", plot::panels(title, &panels))?;
+            let history = draw("history.svg", plot::panels(title.as_deref(), &panels))?;
             self.directory.write("history.svg", &history)?;
         }
         self.write_results(ending)?;

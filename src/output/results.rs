@@ -1,5 +1,6 @@
 //! `result.json`: settings, summary and the final state.
 
+use super::history::Row;
 use crate::input::ModelFile;
 use crate::probe::Answers;
 use crate::solve::Counts;
@@ -54,6 +55,8 @@ pub struct Results<'a> {
     pub settings: &'a ModelFile,
     /// Counts.
     pub statistics: Statistics,
+    /// What looks doubtful about the model or its results.
+    pub warnings: &'a [String],
     /// The last converged state.
     pub last: Option<&'a FinalState>,
     /// Names of the other files.
@@ -93,6 +96,9 @@ pub struct FinalState {
     pub strain_energy: f64,
     /// Potential of the loads that have one.
     pub load_potential: f64,
+    /// In how many directions the equilibrium is unstable, in statics where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unstable: Option<usize>,
     /// What moves, in dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionResult>,
@@ -139,7 +145,7 @@ pub struct ReactionResult {
 pub(super) fn final_state(
     model: &Model,
     answers: &Answers,
-    t: f64,
+    row: &Row,
     file: &ModelFile,
 ) -> FinalState {
     let moving = answers.is_moving();
@@ -164,11 +170,12 @@ pub(super) fn final_state(
         (r.node.clone(), result)
     });
     FinalState {
-        t,
+        t: row.t,
         nodes: nodes.collect(),
         reactions: reactions.collect(),
         strain_energy: answers.strain_energy(),
-        load_potential: model.load_potential(t),
+        load_potential: model.load_potential(row.t),
+        unstable: row.unstable,
         motion: moving.then(|| {
             let audit = answers.audit();
             MotionResult {

@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// A grid and its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Load parameter or time.
+    /// Load parameter or time, and along a path the number of the row.
     pub t: f64,
     /// File name.
     pub file: String,
@@ -42,8 +42,9 @@ pub fn collection(frames: &[Frame]) -> String {
     out + "</Collection>\n</VTKFile>\n"
 }
 
-/// The grid (`.vtu`) of a model in its present configuration: points where the nodes are now.
-pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
+/// The grid (`.vtu`) of a model in its present configuration: points where the nodes are now, and
+/// in statics the load parameter.
+pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
     let mut points = Vec::new();
     let mut displacement = Vec::new();
     let mut rotation = Vec::new();
@@ -105,7 +106,12 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers) -> String {
         "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
          <UnstructuredGrid>\n\
+         {}\
          <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+        load.map_or_else(String::new, |load| format!(
+            "<FieldData>\n<DataArray type=\"Float64\" Name=\"load_parameter\" \
+             NumberOfTuples=\"1\" format=\"ascii\">\n{load:?}\n</DataArray>\n</FieldData>\n"
+        )),
         points.len(),
         types.len()
     );

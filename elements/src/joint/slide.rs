@@ -7,11 +7,10 @@ pub use nodes::{SlideNodes, slide, slide_on};
 
 use super::Sheet;
 use crate::beam::Interpolation;
-use chain::on;
+use chain::{between, on};
 use nalgebra::{SVector, Vector3};
-use pullback_manifold::map::Map;
+use pullback_manifold::map::{Map, Motion};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{log_quaternion, quaternion};
 use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
@@ -21,7 +20,9 @@ use std::f64::consts::TAU;
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards
 /// the end of the chain: one coordinate for all its elements, zero in the reference. Where it
-/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the chain the joint is outside its domain.
+/// passes the end of an element a step ends, and the next element takes over; beyond the ends of the
+/// chain the joint is outside its domain. A closed ring is a chain that goes round as often as the frame
+/// may: its nodes may occur again.
 ///
 #[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,8 @@ pub struct Slide {
     origin: f64,
     start: Vector3<f64>,
     segment: usize,
+    /// The element that takes over next.
+    next: Option<usize>,
     interpolation: Interpolation,
     /// Sheets on which the rotation vectors of the two ends are interpolated: those of the beam.
     sheets: [Sheet; 2],
@@ -45,21 +48,13 @@ impl Map<13, 6> for Slide {
         let place = |k: usize| self.places[self.segment + k].map(S::constant);
         let d = (place(0) + three(0)) * a + (place(1) + three(6)) * b - self.start.map(S::constant);
         let ends = [on(self.sheets[0], &three(3)), on(self.sheets[1], &three(9))];
-        let psi = match self.interpolation {
-            Interpolation::Total => ends[0] * a + ends[1] * b,
-            Interpolation::Geodesic => {
-                let [p, r] = [quaternion(&ends[0]), quaternion(&ends[1])];
-                let theta = log_quaternion(&p.conjugate().product(&r));
-                log_quaternion(&p.product(&quaternion(&(theta * b))))
-            }
-        };
+        let psi = between(self.interpolation, ends, [a, b]);
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
     fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
-        let x = self.phi(t, q);
-        self.room(q[12])
-            .min(TAU - Vector3::new(x[3], x[4], x[5]).norm())
+        let psi = self.phi(t, q).fixed_rows::<3>(3).norm();
+        self.room(q[12]).min(TAU - psi)
     }
 
     fn edge(&self) -> &'static str {
@@ -74,7 +69,20 @@ impl Map<13, 6> for Slide {
         self.segment
     }
 
-    fn overdue(&self, _t: f64, q: &SVector<f64, 13>, v: &SVector<f64, 13>) -> Option<f64> {
-        self.past_end(q[12], v[12])
+    fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
+        self.leaves(h, from, to)
+    }
+
+    fn enter(&mut self, segment: usize) {
+        self.next = Some(segment);
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        vec![self.segment as f64]
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        self.remember(memory)
     }
 }

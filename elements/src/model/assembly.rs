@@ -7,6 +7,7 @@ use super::dependence::Operators;
 use super::local::Local;
 use super::scatter::{Group, Into};
 use super::sheets::{Sheets, TOO_FAR};
+use super::travel::Travel;
 use super::{Attached, Model, Node, Source};
 use crate::element::ElementError;
 use pullback_manifold::sparse::BlockPattern;
@@ -52,9 +53,9 @@ pub(super) struct Workspace {
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may change their meaning.
     pub rewriting: Vec<Rewriting>,
-    /// Momentum before maps were handed over, and whether one was.
-    pub kept: Vec<f64>,
+    /// Whether a map was handed over with the last change of charts.
     pub handed_over: bool,
+    pub travel: Travel,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     accelerations_asked: Option<f64>,
     /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
@@ -125,8 +126,8 @@ impl Workspace {
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
             rewriting: Vec::new(),
-            kept: Vec::new(),
             handed_over: false,
+            travel: Travel::default(),
             accelerations_asked: None,
             released: Vec::new(),
             sheets: Sheets::default(),
@@ -147,9 +148,8 @@ impl Model {
         let statics = at.is_static();
         let w = &mut self.work;
         if !statics {
-            for ((&c, v), a) in self.coordinates.iter().zip(at.v).zip(at.a) {
-                (w.v[c], w.a[c]) = (*v, *a);
-            }
+            self.runs.scatter(at.v, &mut w.v);
+            self.runs.scatter(at.a, &mut w.a);
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
@@ -163,9 +163,7 @@ impl Model {
     fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
-        for (&c, q) in self.coordinates.iter().zip(q) {
-            w.x[c] = *q;
-        }
+        self.runs.scatter(q, &mut w.x);
         for p in &self.prescribed {
             // In statics the velocity of a prescribed coordinate is its rate with the load
             // parameter; that of free coordinates stays zero.
@@ -274,7 +272,7 @@ impl Model {
             if e.load && e.held {
                 local.add_residual(e, &self.spans, &mut w.direct);
             }
-            if rates {
+            if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
                 local.add_load_rate(e, &self.spans, &mut w.r_t);
             }
             let Some((weights, values)) = S else {
@@ -351,16 +349,12 @@ impl Model {
         self.add_elements(at.t, statics, borrow, rates)?;
         self.pull_back_nodes(at.t, S, rates);
         self.measure_reactions();
-        for (u, &c) in self.coordinates.iter().enumerate() {
-            r[u] = self.work.r[c];
-            if !r[u].is_finite() {
-                return Err(SystemError::NotFinite { what: self.name(u) });
-            }
+        self.runs.gather(&self.work.r, r);
+        if let Some(u) = r.iter().position(|r| !r.is_finite()) {
+            return Err(SystemError::NotFinite { what: self.name(u) });
         }
         if let Some(r_t) = r_t {
-            for (u, &c) in self.coordinates.iter().enumerate() {
-                r_t[u] = self.work.r_t[c];
-            }
+            self.runs.gather(&self.work.r_t, r_t);
         }
         Ok(())
     }
@@ -370,17 +364,17 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
     match error {
         ElementError::OutsideChart { psi } => SystemError::OutsideChart {
             edge: CHART_EDGE,
-            what: name.to_owned(),
+            what: format!("element {name}"),
             margin: TAU - psi,
         },
         ElementError::Overturned { psi } => SystemError::OutsideChart {
             edge: TOO_FAR,
-            what: name.to_owned(),
+            what: format!("element {name}"),
             margin: TAU - psi,
         },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
             edge: CHART_EDGE,
-            what: format!("{name}, whose ends coincide,"),
+            what: format!("element {name}, whose ends coincide,"),
             margin: 0.0,
         },
     }
@@ -445,8 +439,12 @@ impl System for Model {
         changes
     }
 
-    fn overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        self.find_overdue(at)
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overdue(from, to)
+    }
+
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_overdue(from, to, since);
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {
@@ -475,11 +473,8 @@ impl System for Model {
         self.write_rigid_rates(q, motion, rates);
     }
 
-    fn kept_momentum(&self, p: &mut [f64]) -> bool {
-        if self.work.handed_over {
-            p.copy_from_slice(&self.work.kept);
-        }
-        self.work.handed_over
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.mean_momentum(at, p)
     }
 
     fn is_symmetric(&self) -> bool {

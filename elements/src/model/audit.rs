@@ -154,6 +154,14 @@ impl Model {
         if self.prescribed.is_empty() && self.dependent.is_empty() {
             return Ok(false);
         }
+        self.node_momenta(at)?;
+        self.pull_back_nodes(at.t, None, false);
+        self.runs.gather(&self.work.r, p);
+        Ok(true)
+    }
+
+    /// The momenta M ẋ at all nodes, in the place of residuals.
+    pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
         let w = &mut self.work;
         w.r.fill(0.0);
@@ -181,11 +189,7 @@ impl Model {
             }
             local.add_residual(e, &self.spans, &mut w.r);
         }
-        self.pull_back_nodes(at.t, None, false);
-        for (p, &c) in p.iter_mut().zip(&self.coordinates) {
-            *p = self.work.r[c];
-        }
-        Ok(true)
+        Ok(())
     }
 }
 

@@ -6,7 +6,7 @@ use super::builder::{ModelBuilder, NodeId};
 use super::formulation;
 use super::loops;
 use super::placement::Placement;
-use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Source, Span};
+use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
@@ -153,6 +153,7 @@ impl ModelBuilder {
             initial: Vec::new(),
             prescribed,
             driven_rotations,
+            runs: Runs::new(&coordinates),
             coordinates,
             unknowns,
             kinds,

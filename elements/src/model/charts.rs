@@ -1,6 +1,5 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
-use super::assembly::Workspace;
 use super::dependence::Dependence;
 use super::gather::collect;
 use super::slots::Complement;
@@ -277,42 +276,6 @@ impl Model {
             }
         }
         true
-    }
-
-    /// See [`System::overdue`](pullback_manifold::system::System::overdue).
-    pub(super) fn find_overdue(&mut self, at: Point<'_>) -> Option<f64> {
-        let travels = |n: &u32| match &self.nodes[*n as usize].source {
-            Source::Mapped(d) => d.segments.len() > 1,
-            Source::Own => false,
-        };
-        if !self.dependent.iter().any(travels) || self.expand(at).is_err() {
-            return None;
-        }
-        let Workspace { local, x, v, .. } = &mut self.work;
-        let overdue = self.dependent.iter().filter_map(|&n| {
-            let Source::Mapped(d) = &self.nodes[n as usize].source else {
-                return None;
-            };
-            let k = collect(d.masters(), &self.spans, x, &mut local.q);
-            collect(d.masters(), &self.spans, v, &mut local.qv);
-            d.map.overdue(at.t, &local.q[..k], &local.qv[..k])
-        });
-        overdue.reduce(f64::max)
-    }
-
-    /// Keeps the momentum where a map may be handed over.
-    fn keep_momentum(&mut self, at: Point<'_>) {
-        let travels = |n: &Node| match &n.source {
-            Source::Mapped(d) => d.segments.len() > 1,
-            Source::Own => false,
-        };
-        if self.nodes.iter().any(travels) {
-            let mut kept = std::mem::take(&mut self.work.kept);
-            kept.resize(at.q.len(), 0.0);
-            // Where a map cannot be evaluated, the next evaluation says so.
-            self.generalised_momentum(at, &mut kept).ok();
-            self.work.kept = kept;
-        }
     }
 
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's

@@ -239,7 +239,7 @@ impl Model {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            hand_back(d, node, &self.spans, w, rates);
+            hand_back(d, d.masters(), node, &self.spans, w, rates);
             let Some((weights, values)) = &mut S else {
                 continue;
             };
@@ -338,7 +338,14 @@ impl Model {
 }
 
 /// Adds Bᵀ r (and its rate) to the masters' residuals.
-fn hand_back(d: &Dependence, node: &Node, spans: &[Span], w: &mut Workspace, rates: bool) {
+pub(super) fn hand_back(
+    d: &Dependence,
+    masters: &[u32],
+    node: &Node,
+    spans: &[Span],
+    w: &mut Workspace,
+    rates: bool,
+) {
     let range = d.local..d.local + node.dim * d.direct;
     let slot = [Slot {
         n: node.dim,
@@ -358,7 +365,7 @@ fn hand_back(d: &Dependence, node: &Node, spans: &[Span], w: &mut Workspace, rat
         pullback::residual(&slot_dot, &w.r[node.range()], df);
     }
     let mut k = 0;
-    for &m in d.masters() {
+    for &m in masters {
         for c in spans[m as usize].range() {
             w.r[c] += f[k];
             if rates {

@@ -27,10 +27,12 @@ mod other_charts;
 mod placement;
 mod query;
 mod rates;
+mod runs;
 mod scatter;
 mod sheets;
 mod slots;
 mod symmetry;
+mod travel;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
@@ -52,6 +54,7 @@ use nalgebra::Vector3;
 use placement::Placement;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
+use runs::Runs;
 use std::ops::{Deref, Range};
 
 /// Marks an absent index.
@@ -246,6 +249,8 @@ pub struct Model {
     driven_rotations: Vec<(usize, i32)>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
+    /// The same by runs of free coordinates.
+    runs: Runs,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     kinds: Vec<Kind>,

@@ -243,59 +243,55 @@ impl Placement {
         let d = e.element.dim();
         let mut column = 0;
         for (&nj, places) in nodes.iter().zip(places.chunks_exact(nodes.len())) {
-            let columns = &self.rows[spans[nj as usize].range()];
+            let columns = spans[nj as usize].range();
             let mut row = 0;
             for (&ni, place) in nodes.iter().zip(places) {
-                let rows = &self.rows[spans[ni as usize].range()];
+                let rows = spans[ni as usize].range();
+                let size = (rows.len(), columns.len());
                 if place.start != NONE {
                     let (S, values) = (&S[row + column * d..], &mut values[place.start as usize..]);
-                    if place.first {
-                        visit_block(rows, columns, S, d, values, |value, s| *value = s);
+                    let first = place.first;
+                    // Most nodes are frames with all their coordinates free: constant extents.
+                    if e.held || size != (6, 6) || !d.is_multiple_of(6) {
+                        let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
+                        free_part(rows, columns, S, d, values, first);
+                    } else if first {
+                        whole_block(S, d / 6, values, |value, s| *value = s);
                     } else {
-                        visit_block(rows, columns, S, d, values, |value, s| *value += s);
+                        whole_block(S, d / 6, values, |value, s| *value += s);
                     }
                 }
-                row += rows.len();
+                row += size.0;
             }
             column += columns.len();
         }
     }
 }
 
-/// Takes one dense block to its values, leaving out prescribed rows and columns; `S` has leading
-/// dimension d.
+/// Takes a 6×6 block to its values; `S` has leading dimension 6·stride.
 #[inline(always)]
-fn visit_block(
-    rows: &[u32],
-    columns: &[u32],
-    S: &[f64],
-    d: usize,
-    values: &mut [f64],
-    put: impl Fn(&mut f64, f64),
-) {
-    let free = |rows: &[u32]| rows.iter().filter(|&&r| r != NONE).count();
-    let height = free(rows);
-    if let (Ok(rows), Ok(columns)) = (<&[u32; 6]>::try_from(rows), <&[u32; 6]>::try_from(columns))
-        && free(rows) == 6
-        && free(columns) == 6
-    {
-        for (c, values) in values[..36].chunks_exact_mut(6).enumerate() {
-            for (value, s) in values.iter_mut().zip(&S[c * d..c * d + 6]) {
-                put(value, *s);
-            }
+fn whole_block(S: &[f64], stride: usize, values: &mut [f64], put: impl Fn(&mut f64, f64)) {
+    let values: Option<&mut [[f64; 6]; 6]> = values.as_chunks_mut().0.first_chunk_mut();
+    let S = S.as_chunks::<6>().0.iter().step_by(stride);
+    for (values, S) in values.into_iter().flatten().zip(S) {
+        for k in 0..6 {
+            put(&mut values[k], S[k]);
         }
-        return;
     }
+}
+
+/// Takes the free rows and columns of one dense block to its values; `S` has leading dimension d.
+fn free_part(rows: &[u32], columns: &[u32], S: &[f64], d: usize, values: &mut [f64], first: bool) {
+    let height = rows.iter().filter(|&&r| r != NONE).count();
     for (c, &column) in columns.iter().enumerate() {
         if column == NONE {
             continue;
         }
         for (r, &row) in rows.iter().enumerate() {
             if row != NONE {
-                put(
-                    &mut values[row as usize + column as usize * height],
-                    S[r + c * d],
-                );
+                let value = &mut values[row as usize + column as usize * height];
+                let s = S[r + c * d];
+                *value = if first { s } else { *value + s };
             }
         }
     }

@@ -75,45 +75,52 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Where a driven velocity jumps, or a map is handed over, the momentum of the free coordinates
-/// does not: their velocities jump by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive or map and
-/// the old velocities. Returns whether there was such an impulse.
+/// Where a driven velocity jumps, the momentum of the free coordinates does not: their velocities jump
+/// by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive and the old velocities. Where a map was handed
+/// over the same is done until p is kept, p what [`System::kept_momentum`] says. Returns how often.
 pub(super) fn strike<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &mut State,
-    before: &[f64],
+    (before, driven): (&[f64], bool),
     t: f64,
     h: f64,
     [r, S, missing]: [&mut [f64]; 3],
-) -> Result<bool, DynamicsError> {
-    let at = Point {
-        t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    };
-    system
-        .momentum(at, missing)
-        .map_err(|source| DynamicsError::System { t, source })?;
+) -> Result<usize, DynamicsError> {
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let size = largest(before).max(largest(missing));
-    for (missing, before) in missing.iter_mut().zip(before) {
-        *missing = before - *missing;
-    }
-    if largest(missing) <= ROUNDING * size {
-        return Ok(false);
-    }
-    solve_mass(system, solver, state, h, [r, S], Some(missing))?;
-    for (i, (v, dv)) in state.v.iter_mut().zip(&*r).enumerate() {
-        // That of a multiplier is the impulse of its constraint.
-        if !system.is_multiplier(i) {
-            *v += dv;
+    let most = if driven { 1 } else { STROKES };
+    for stroke in 0..most {
+        let at = Point {
+            t,
+            q: &state.q,
+            v: &state.v,
+            a: &state.a,
+        };
+        let known = match driven {
+            true => system.momentum(at, missing),
+            false => system.kept_momentum(Some(at), missing),
+        };
+        known.map_err(|source| DynamicsError::System { t, source })?;
+        let size = largest(before).max(largest(missing));
+        for (missing, before) in missing.iter_mut().zip(before) {
+            *missing = before - *missing;
+        }
+        if largest(missing) <= ROUNDING * size {
+            return Ok(stroke);
+        }
+        solve_mass(system, solver, state, h, [&mut *r, &mut *S], Some(missing))?;
+        for (i, (v, dv)) in state.v.iter_mut().zip(&*r).enumerate() {
+            // That of a multiplier is the impulse of its constraint.
+            if !system.is_multiplier(i) {
+                *v += dv;
+            }
         }
     }
-    Ok(true)
+    Ok(most)
 }
 
+/// Strokes at most: each leaves ½ (1 − cos θ) of what is missing at a corner of θ.
+const STROKES: usize = 30;
 /// Differences of momentum below this part of the momentum are rounding errors.
 const ROUNDING: f64 = 1e-12;
 

@@ -10,6 +10,7 @@
 mod error;
 mod frequency;
 mod initial;
+mod jumps;
 mod keep;
 mod landing;
 mod options;

@@ -94,6 +94,9 @@ pub struct Progress {
     pub kept: Option<Kept>,
     /// Converged steps in a row since the last failure.
     pub easy: usize,
+    /// Steps in a row that ended early, at once after they began, where a map was handed over.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub short: usize,
     /// Counters so far.
     pub summary: Summary,
 }

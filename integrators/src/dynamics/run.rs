@@ -3,8 +3,9 @@
 #![allow(non_snake_case)]
 
 use super::frequency::check_step;
-use super::initial::{accelerate, strike};
+use super::initial::accelerate;
 use super::keep::{Keeper, energies};
+use super::landing::Landing;
 use super::options::check;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, stops};
@@ -51,6 +52,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: stops(system, progress.state.t, options.to),
+        landing: Landing::default(),
         keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
         options,
     };
@@ -85,11 +87,12 @@ pub(super) struct Run<'a> {
     /// Times at which a step must end, ascending; the last one is the end.
     stops: Vec<Stop>,
     /// A momentum that is kept over a jump.
-    momentum: Vec<f64>,
+    pub(super) momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
-    missing: Vec<f64>,
+    pub(super) missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
-    keeper: Option<Keeper>,
+    pub(super) keeper: Option<Keeper>,
+    pub(super) landing: Landing,
     pub(super) options: &'a DynamicOptions,
 }
 
@@ -135,14 +138,7 @@ impl Run<'_> {
         if fresh {
             progress.summary.chart_changes += changed;
             self.accelerate(system, solver, progress)?;
-            progress.summary.energy = None;
-            if let Some(now) = self.energies(system, &progress.state, progress.state.t)? {
-                progress.summary.energy = Some(EnergyBalance {
-                    start: now.kinetic + now.stored,
-                    now,
-                    ..EnergyBalance::default()
-                });
-            }
+            self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
         match &progress.kept {
@@ -160,6 +156,21 @@ impl Run<'_> {
         check_step(system, solver, &progress.state, scheme, step, [r, S])
     }
 
+    /// The balance of energies begins with the present state.
+    pub(super) fn open_balance<Y: System + ?Sized>(
+        &self,
+        system: &mut Y,
+        progress: &mut Progress,
+    ) -> Result<(), DynamicsError> {
+        let now = self.energies(system, &progress.state, progress.state.t)?;
+        progress.summary.energy = now.map(|now| EnergyBalance {
+            start: now.kinetic + now.stored,
+            now,
+            ..EnergyBalance::default()
+        });
+        Ok(())
+    }
+
     /// The next kink, or a time that is some steps away.
     fn next_kink<Y: System + ?Sized>(&self, system: &Y, t: f64) -> f64 {
         let kinks = system.kinks().into_iter().filter(|kink| *kink > t);
@@ -167,7 +178,7 @@ impl Run<'_> {
     }
 
     /// A scheme that restores energy and momenta keeps those of this state from now on.
-    fn aim<Y: System + ?Sized>(
+    pub(super) fn aim<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -182,7 +193,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn accelerate<Y: System + ?Sized>(
+    pub(super) fn accelerate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -195,7 +206,7 @@ impl Run<'_> {
         accelerate(system, solver, &mut progress.state, h, [r, S])
     }
 
-    fn energies<Y: System + ?Sized>(
+    pub(super) fn energies<Y: System + ?Sized>(
         &self,
         system: &mut Y,
         state: &State,
@@ -251,7 +262,11 @@ impl Run<'_> {
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
-            Ok(end) => end,
+            Ok(Some(end)) => end,
+            Ok(None) => {
+                self.begin_anew(system, solver, progress)?;
+                return Ok(None);
+            }
             Err(failure) => {
                 progress.summary.failed += 1;
                 return self.halve(system, progress, failure, [from, to]);
@@ -342,6 +357,7 @@ impl Run<'_> {
             left
         };
         let mut now = self.energies(system, &progress.state, asked)?;
+        self.leave(system, progress, h);
         let State {
             t,
             q,
@@ -351,7 +367,11 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
+        let handed_over = self.has_handed_over(system, left)?;
+        if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
+            // What is missing is given back with the jump.
+            kept.energy += 0.5 * h * (kept.power + now.power());
+        } else if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
@@ -366,10 +386,8 @@ impl Run<'_> {
             balance.book(&now, h);
             balance.judge(left)?;
         }
-        // A map that was handed over leaves the momentum as it is.
-        if system.kept_momentum(&mut self.momentum) {
+        if handed_over {
             self.jump(system, solver, progress, left, false)?;
-            self.aim(system, progress)?;
         }
         match kink {
             // What lies behind the end is not known to be asked for.
@@ -386,75 +404,6 @@ impl Run<'_> {
             }
         }
         Ok(changes.charts)
-    }
-
-    /// Goes on behind a kink.
-    fn pass<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        stop: Stop,
-    ) -> Result<(), DynamicsError> {
-        let State { t, q, v, a, .. } = &mut progress.state;
-        let before = Point {
-            t: stop.left.next_down(),
-            q,
-            v,
-            a,
-        };
-        let known = system.momentum(before, &mut self.momentum);
-        let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
-        *t = stop.right;
-        if known {
-            self.jump(system, solver, progress, stop.right, true)?;
-        } else {
-            self.renew(system, solver, progress, true)?;
-        }
-        self.aim(system, progress)
-    }
-
-    /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
-    fn jump<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        t: f64,
-        supplied: bool,
-    ) -> Result<(), DynamicsError> {
-        let h = progress.last_step;
-        let Stepper { r, S, .. } = &mut self.stepper;
-        let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
-        let state = &mut progress.state;
-        if strike(system, solver, state, &self.momentum, t, h, buffers)? {
-            progress.summary.evaluations += 1;
-            progress.summary.factorisations += 1;
-        }
-        self.renew(system, solver, progress, supplied)
-    }
-
-    /// Accelerations and energies of a state that has jumped; `supplied` says that supports have
-    /// done the work of it.
-    fn renew<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        solver: &mut dyn LinearSolver,
-        progress: &mut Progress,
-        supplied: bool,
-    ) -> Result<(), DynamicsError> {
-        self.accelerate(system, solver, progress)?;
-        let now = self.energies(system, &progress.state, progress.state.t)?;
-        if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            if supplied {
-                let energy = |e: &Energies| e.kinetic + e.stored;
-                let work = energy(&now) - energy(&balance.now);
-                balance.work += work;
-                balance.gross += work.abs();
-            }
-            balance.now = now;
-        }
-        Ok(())
     }
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).

@@ -7,7 +7,7 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{SMALL, allowed, inverse_scales, is_rounding};
+use crate::rounding::{allowed, inverse_scales, is_rounding, stagnates};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -162,8 +162,8 @@ impl Stepper {
             let allowed = allowed(system.scales().measures(), unbalanced, relative, absolute);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
-            let stagnates = before.is_some_and(|i| i.correction < SMALL && ratio > 0.1 * i.ratio);
-            let converged = ratio <= 1.0 || (stagnates && self.is_rounding(system, step, group)?);
+            let stays = before.is_some_and(|i| stagnates(i, residual, allowed));
+            let converged = ratio <= 1.0 || (stays && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {

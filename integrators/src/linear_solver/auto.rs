@@ -20,6 +20,8 @@ pub struct AutoSolver {
     /// Factorisations in a row in which the block solver failed and the fallback did not.
     failures: usize,
     lu_analysed: bool,
+    /// Whether the Cholesky solver knows the pattern.
+    signs_analysed: bool,
 }
 
 /// One of the solvers behind [`AutoSolver`].
@@ -130,6 +132,7 @@ impl LinearSolver for AutoSolver {
         if self.chosen == Chosen::Cholesky {
             self.cholesky.analyse(pattern, symmetry)?;
         }
+        self.signs_analysed = self.chosen == Chosen::Cholesky;
         Ok(())
     }
 
@@ -171,6 +174,24 @@ impl LinearSolver for AutoSolver {
                 Chosen::Block => Ok(()),
                 _ => self.lu.solve(Some(values), b),
             },
+        }
+    }
+
+    /// An LU with row interchanges does not know the signs: an LDLᵀ factorisation is made for them.
+    fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
+        match self.active? {
+            Chosen::Block => self.block.negative_pivots(values),
+            Chosen::Cholesky => self.cholesky.negative_pivots(values),
+            Chosen::Lu if self.symmetry == Symmetry::General => None,
+            Chosen::Lu => {
+                if !self.signs_analysed {
+                    self.cholesky
+                        .analyse(self.pattern.as_ref()?, self.symmetry)
+                        .ok()?;
+                    self.signs_analysed = true;
+                }
+                self.cholesky.signs(values)
+            }
         }
     }
 }

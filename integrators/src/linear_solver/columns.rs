@@ -4,13 +4,16 @@
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{
-    LinearError, REFINEMENTS, RESIDUAL_GOAL, RESIDUAL_LIMIT, check_length, first_non_finite,
-    max_abs, rounding_level, scaling,
+    LinearError, REFINEMENTS, check_length, first_non_finite, is_final, max_abs, rounding_level,
+    scaling,
 };
 
 /// What is added to the diagonal of a scaled matrix whose factors are not finite, only to learn
 /// the direction of its mechanism.
 pub(super) const SHIFT: f64 = 1e-9;
+
+/// Diagonal entry, of the scaled matrix, that a multiplier gets where only signs are wanted.
+const SOFTNESS: f64 = 1e-8;
 
 /// The scaled matrix column by column, and the work vectors of the checks.
 pub(super) struct Columns {
@@ -58,12 +61,7 @@ impl Columns {
         check_length("matrix", self.pattern.len(), values.len())?;
         self.finished = false;
         let pattern = &self.pattern;
-        scaling::scales(
-            pattern,
-            values,
-            &mut self.scales,
-            [&mut self.x, &mut self.residual],
-        )?;
+        scaling::scales(pattern, values, &mut self.scales, &mut self.x)?;
         self.norm = scaling::norm(pattern, values, &self.scales);
         let mut place = 0;
         for j in 0..pattern.blocks() {
@@ -83,12 +81,26 @@ impl Columns {
 
     /// Adds [`SHIFT`] to the diagonal.
     pub fn shift_diagonal(&mut self) {
+        self.diagonal(|value| *value += SHIFT);
+    }
+
+    /// Makes diagonal entries that are zero a little negative: half of the digits for the equations
+    /// of multipliers, half for what they constrain.
+    pub fn soften(&mut self) {
+        self.diagonal(|value| {
+            if *value == 0.0 {
+                *value = -SOFTNESS;
+            }
+        });
+    }
+
+    fn diagonal(&mut self, change: impl Fn(&mut f64)) {
         let (starts, rows) = (&self.starts, &self.rows);
         for c in 0..self.scales.len() {
             let range = starts[c]..starts[c + 1];
             for (value, &r) in self.values[range.clone()].iter_mut().zip(&rows[range]) {
                 if r == c {
-                    *value += SHIFT;
+                    change(value);
                 }
             }
         }
@@ -163,13 +175,7 @@ impl Columns {
         let mut best = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
             let relative = self.relative_residual()?;
-            if relative <= RESIDUAL_GOAL || refinement == REFINEMENTS || relative > 0.5 * best {
-                if !(relative <= RESIDUAL_LIMIT) {
-                    return Err(LinearError::Residual {
-                        residual: relative,
-                        limit: RESIDUAL_LIMIT,
-                    });
-                }
+            if is_final(relative, best, refinement)? {
                 break;
             }
             best = relative;

@@ -23,11 +23,18 @@ pub(super) struct Factors {
     pub squares: Vec<f64>,
     pub norm: f64,
     pub smallest: f64,
+    /// Bounds on the row sums of |L||U|, the largest of each panel; see [`Factors::error_bound`].
+    pub products: Vec<f64>,
+    /// Row sums of |U| of one panel.
+    sums: Vec<f64>,
+    /// The right-hand side, then what is solved for.
+    pub y: Vec<f64>,
+    /// Largest entry of the scaled right-hand side.
+    pub largest_rhs: f64,
     pub rhs: Vec<f64>,
     pub x: Vec<f64>,
     /// `x` with its scales undone.
     pub unscaled: Vec<f64>,
-    pub residual: Vec<f64>,
 }
 
 /// Why a factorisation stopped.
@@ -51,19 +58,21 @@ impl Factors {
             squares: vec![0.0; panels],
             norm: 0.0,
             smallest: 0.0,
+            products: vec![0.0; panels],
+            sums: vec![0.0; symbolic.panels.iter().map(|p| p.size).max().unwrap_or(0)],
+            y: vec![0.0; n],
+            largest_rhs: 0.0,
             rhs: vec![0.0; n],
             x: vec![0.0; n],
             unscaled: vec![0.0; n],
-            residual: vec![0.0; n],
             symbolic,
         }
     }
 
     /// Scales for a matrix whose diagonal is no measure.
     pub fn equilibrate(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        // These are free during a factorisation.
-        let room = [&mut self.residual[..], &mut self.unscaled];
-        scaling::equilibrate(&self.pattern, values, &mut self.x, room)?;
+        // `x` and `unscaled` are free during a factorisation.
+        scaling::equilibrate(&self.pattern, values, &mut self.x, &mut self.unscaled)?;
         for panel in &self.symbolic.panels {
             let from = &self.x[panel.unknown..panel.unknown + panel.size];
             self.scales[panel.first..panel.first + panel.size].copy_from_slice(from);
@@ -71,8 +80,8 @@ impl Factors {
         Ok(())
     }
 
-    /// The factors of the matrix with these values. A right-hand side `b` is scaled into `rhs` and
-    /// goes through the lower factor on the way, into `residual`: while the factors are at hand.
+    /// The factors of the matrix with these values. A right-hand side `b` is scaled into `y` and
+    /// goes through the lower factor on the way, while the factors are at hand.
     pub fn factorise(
         &mut self,
         values: &[f64],
@@ -82,8 +91,10 @@ impl Factors {
     ) -> Result<(), Failure> {
         let limit = rounding_level(self.symbolic.panels.len());
         self.squares.fill(0.0);
+        self.products.fill(0.0);
         if b.is_some() {
-            self.residual.fill(0.0);
+            self.y.fill(0.0);
+            self.largest_rhs = 0.0;
         }
         self.smallest = f64::INFINITY;
         let (mut links, mut targets, mut loads, mut fills) = (0, 0, 0, 0);
@@ -118,6 +129,8 @@ impl Factors {
                 return Err(Failure::Error(name_pivot(panel.unknown, n, d, limit)));
             }
             let my_links = &symbolic.links[links..panel.links];
+            let sums = &mut self.sums[..n];
+            kernels::upper_sums(n, d, sums);
             let mut rest = &mut *below;
             for link in my_links {
                 let (pair, others) = rest.split_at_mut(2 * link.size * n);
@@ -132,7 +145,13 @@ impl Factors {
                     swaps,
                     pivots.swapped,
                 );
+                kernels::add_sums(link.size, n, ut, sums);
                 rest = others;
+            }
+            self.products[k] += kernels::lower_product(n, d, sums);
+            for link in my_links {
+                let l = &below[link.start - panel.start - n * n..];
+                self.products[link.panel] += kernels::product(link.size, n, l, sums);
             }
             let offset = panel.start + n * n;
             let mut target = targets;
@@ -155,10 +174,11 @@ impl Factors {
                 let own = panel.first..panel.first + n;
                 let b = &b[panel.unknown..panel.unknown + n];
                 for (i, b) in own.zip(b) {
-                    self.rhs[i] = b * self.scales[i];
-                    self.residual[i] += self.rhs[i];
+                    let b = b * self.scales[i];
+                    self.y[i] += b;
+                    self.largest_rhs = self.largest_rhs.max(b.abs());
                 }
-                let y = &mut self.residual;
+                let y = &mut self.y;
                 forward(
                     symbolic,
                     k,

@@ -6,10 +6,11 @@
 //! precision the answer is a mechanism, whose largest component is named.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::lu::{
@@ -20,7 +21,7 @@ use faer::{Conj, Par, Side};
 use pullback_manifold::sparse::BlockPattern;
 
 use super::columns::Columns;
-use super::{LinearError, LinearSolver, Symmetry, max_abs};
+use super::{LinearError, LinearSolver, Symmetry, max_abs, rounding_level};
 
 /// What `analyse` allocates.
 struct Ready<S> {
@@ -321,5 +322,64 @@ impl LinearSolver for FaerCholesky {
                 })
             }
         }
+    }
+
+    /// Zero where the last matrix was positive definite; else the signs of an LDLᵀ factorisation
+    /// made for the purpose, unless it meets a pivot too small to have a sign.
+    fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
+        let ready = self.ready.as_mut()?;
+        if self.misses == 0 {
+            return ready.columns.finished.then_some(0);
+        }
+        self.signs(values)
+    }
+}
+
+impl FaerCholesky {
+    /// Negative pivots of an LDLᵀ factorisation that is made for them, unless one is too small to
+    /// have a sign; the factors there were are lost.
+    ///
+    /// Unknowns without a diagonal, Lagrange multipliers, get a small negative one: their equations
+    /// become stiff springs, which leaves the signs what they are.
+    pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
+        let Ready {
+            columns, symbolic, ..
+        } = self.ready.as_mut()?;
+        columns.load(values).ok()?;
+        columns.soften();
+        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).ok()?;
+        symbolic
+            .factorize_numeric_ldlt(
+                &mut self.factor,
+                SparseColMatRef::new(structure(columns), &columns.values),
+                Side::Lower,
+                LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .ok()?;
+        let mut count = 0;
+        let mut regular = true;
+        let mut see = |pivot: f64| {
+            count += usize::from(pivot < 0.0);
+            regular &= pivot.abs() > rounding_level(columns.pattern.blocks());
+        };
+        match symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(l) => {
+                let starts = &l.col_ptr()[..l.nrows()];
+                starts.iter().for_each(|&start| see(self.factor[start]));
+            }
+            SymbolicCholeskyRaw::Supernodal(l) => {
+                let spans = l.supernode_begin().iter().zip(l.supernode_end());
+                for ((&begin, &end), bounds) in spans.zip(l.col_ptr_for_val().windows(2)) {
+                    // A dense trapezium, column by column.
+                    let rows = (bounds[1] - bounds[0]) / (end - begin);
+                    (0..end - begin).for_each(|k| see(self.factor[bounds[0] + k * (rows + 1)]));
+                }
+            }
+        }
+        regular.then_some(count)
     }
 }

@@ -27,6 +27,7 @@ mod block;
 mod columns;
 mod factors;
 mod faer;
+mod inertia;
 mod kernels;
 mod null_vector;
 mod ordering;
@@ -72,6 +73,14 @@ pub trait LinearSolver: Send {
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise(values)?;
         self.solve(Some(values), b)
+    }
+
+    /// How many eigenvalues of the matrix of the last factorisation, analysed as symmetric and with
+    /// these `values`, are negative: in statics the number of directions in which an equilibrium
+    /// is unstable. `None` where that is not known, and by default.
+    fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
+        let _ = values;
+        None
     }
 }
 
@@ -189,6 +198,21 @@ pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
 pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
 /// Steps of iterative refinement at most.
 pub(crate) const REFINEMENTS: usize = 2;
+
+/// Whether a solution with this relative residual is final: good enough, refined as often as may be, or
+/// no longer mended by it, `best` being the residual before. An error where that leaves it too bad.
+fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearError> {
+    if relative > RESIDUAL_GOAL && refinement < REFINEMENTS && relative <= 0.5 * best {
+        return Ok(false);
+    }
+    if relative <= RESIDUAL_LIMIT {
+        return Ok(true);
+    }
+    Err(LinearError::Residual {
+        residual: relative,
+        limit: RESIDUAL_LIMIT,
+    })
+}
 
 /// What counts as rounding in a matrix of `blocks` nodes whose scaled rows are of order one.
 ///

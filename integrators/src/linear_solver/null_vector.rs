@@ -30,11 +30,8 @@ pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector>
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
     }
-    let mut scales = vec![1.0; pattern.dim()];
-    let [mut first, mut second] = [vec![0.0; pattern.dim()], vec![0.0; pattern.dim()]];
-    if let Err(error) =
-        super::scaling::scales(pattern, values, &mut scales, [&mut first, &mut second])
-    {
+    let (mut scales, mut work) = (vec![1.0; pattern.dim()], vec![0.0; pattern.dim()]);
+    if let Err(error) = super::scaling::scales(pattern, values, &mut scales, &mut work) {
         // A zero row and column is a mechanism by itself.
         let LinearError::ZeroRow { unknown } = error else {
             return None;

@@ -9,15 +9,19 @@
 
 use super::error::StaticsError;
 use super::load_steps::analyse;
+use super::locate::{Located, locate};
 use super::newton::{Condition, Newton};
-use super::path::{ArcLengthOptions, Event, PathSummary};
+use super::path::{ArcLengthOptions, PathSummary};
+use super::stability::unstable;
+use super::start::begin;
 use super::{Iteration, Step};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
-/// Follows the equilibrium path of `system` from `q`, with the default solver.
+/// Follows the equilibrium path of `system` from `q`, with the default solver. Loads that are there
+/// at the start are balanced first, as step 0.
 ///
 /// # Errors
 /// [`StaticsError`]: which step at which load failed, why, and with what residuals.
@@ -32,16 +36,16 @@ pub fn trace_path<Y: System + ?Sized>(
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
-struct Place {
-    q: Vec<f64>,
-    lambda: f64,
+pub(super) struct Place {
+    pub q: Vec<f64>,
+    pub lambda: f64,
     /// dq/ds and dλ/ds.
-    dq: Vec<f64>,
-    d_lambda: f64,
+    pub dq: Vec<f64>,
+    pub d_lambda: f64,
 }
 
 /// The norm in which arc length is measured.
-struct Norm {
+pub(super) struct Norm {
     /// Weight of each coordinate, 1/(n scale²).
     weights: Vec<f64>,
     /// Weight of the load, 1/load_scale².
@@ -49,7 +53,7 @@ struct Norm {
 }
 
 impl Norm {
-    fn dot(&self, a: (&[f64], f64), b: (&[f64], f64)) -> f64 {
+    pub fn dot(&self, a: (&[f64], f64), b: (&[f64], f64)) -> f64 {
         let q: f64 = (a.0.iter().zip(b.0).zip(&self.weights))
             .map(|((a, b), w)| a * b * w)
             .sum();
@@ -89,7 +93,18 @@ pub fn trace_path_with<Y: System + ?Sized>(
         d_lambda: if options.forward { 1.0 } else { -1.0 },
     };
     out.summary.t = at.lambda;
-    system.start(at.lambda, &at.q);
+    let beginning = begin(
+        &mut newton,
+        solver,
+        system,
+        &mut at.q,
+        &mut out.summary,
+        observer,
+    )?;
+    if beginning.flow.is_break() {
+        q.copy_from_slice(&at.q);
+        return Ok(out);
+    }
     let mut ds = options.first_step;
     let mut next = at.clone();
     let mut fresh = false;
@@ -97,10 +112,13 @@ pub fn trace_path_with<Y: System + ?Sized>(
         newton.history.clear();
         let mut outcome = Ok(());
         let mut changes = 0;
+        let mut hopeless = false;
         if !fresh {
             let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
             changes = changed.charts;
             outcome = tangent(&mut newton, solver, system, &mut at, &norm);
+            // No smaller step has another tangent to begin with.
+            hopeless = outcome.is_err();
         }
         out.summary.chart_changes += changes;
         if outcome.is_ok() {
@@ -113,10 +131,17 @@ pub fn trace_path_with<Y: System + ?Sized>(
             next.d_lambda = at.d_lambda;
             outcome = tangent(&mut newton, solver, system, &mut next, &norm);
         }
-        // A path that turns by more than this within one step may have been left for another.
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
         if outcome.is_ok() && bend < SHARPEST_BEND {
             outcome = Err(Failure::Diverged);
+        }
+        let mut stability = None;
+        let mut located = Vec::new();
+        if outcome.is_ok() {
+            stability = unstable(&newton, solver, system);
+            let step = (&at, &next, ds);
+            outcome = locate(&mut newton, solver, system, step, &norm, options)
+                .map(|found| located = found);
         }
         out.summary.evaluations = newton.evaluations;
         out.summary.factorisations = newton.factorisations;
@@ -124,20 +149,26 @@ pub fn trace_path_with<Y: System + ?Sized>(
             out.summary.rejected += 1;
             fresh = false;
             let to = at.lambda + ds * at.d_lambda;
-            let failed = newton.fail(system, failure, &out.summary, to);
+            let mut failed = newton.fail(system, failure, &out.summary, to);
             ds *= 0.5;
-            if ds < options.min_step {
+            if ds < options.min_step || hopeless {
+                failed.min_step = (!hopeless).then_some(options.min_step);
                 q.copy_from_slice(&at.q);
                 return Err(StaticsError::Step(failed));
             }
             continue;
         }
         out.summary.steps += 1;
-        out.summary.iterations += iterations;
-        let located = locate_events(&mut newton, solver, system, &at, &next, ds, &norm, options);
         let moved = !located.is_empty();
-        for Located { index, s, place } in located {
-            out.events.push((index, place.lambda));
+        // What the row that ends the path has to tell besides its own.
+        let mut untold: usize = iterations + located.iter().map(|l| l.iterations).sum::<usize>();
+        for found in located {
+            let Located { index, place, .. } = &found;
+            let last = options.events[*index].1;
+            let spent = if last { untold } else { found.iterations };
+            untold -= spent;
+            out.summary.iterations += spent;
+            out.events.push((*index, place.lambda));
             newton
                 .evaluate(system, None, &place.q, place.lambda)
                 .map_err(|source| {
@@ -147,21 +178,23 @@ pub fn trace_path_with<Y: System + ?Sized>(
             let report = Step {
                 number: out.summary.steps,
                 t: place.lambda,
-                step_size: s,
+                step_size: found.s,
                 q: &place.q,
-                iterations: newton.iterations(),
-                residuals: &newton.history,
+                iterations: spent,
+                residuals: &found.history,
                 chart_changes: changes,
-                event: Some(index),
+                event: Some(*index),
+                unstable: found.unstable,
             };
             let flow = observer(system, &report);
-            if options.events[index].1 || flow.is_break() {
+            if last || flow.is_break() {
                 q.copy_from_slice(&place.q);
                 out.summary.t = place.lambda;
-                out.summary.finished = options.events[index].1;
+                out.summary.finished = last;
                 return Ok(out);
             }
         }
+        out.summary.iterations += iterations;
         std::mem::swap(&mut at, &mut next);
         out.summary.t = at.lambda;
         if moved {
@@ -177,6 +210,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
             residuals: &history,
             chart_changes: changes,
             event: None,
+            unstable: stability,
         };
         if observer(system, &report).is_break() {
             break;
@@ -193,13 +227,14 @@ pub fn trace_path_with<Y: System + ?Sized>(
     Ok(out)
 }
 
-/// Cosine between successive tangents below which a step is rejected.
-const SHARPEST_BEND: f64 = 0.6;
+/// Cosine between successive tangents below which a step is rejected: a path that turns by more than
+/// this within one step may have been left for another.
+pub(super) const SHARPEST_BEND: f64 = 0.6;
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
 
 /// Unit tangent at a place, in the sense of the one it has.
-fn tangent<Y: System + ?Sized>(
+pub(super) fn tangent<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
@@ -226,7 +261,7 @@ fn tangent<Y: System + ?Sized>(
 
 /// Predict along the tangent and correct on the hyperplane normal to it.
 #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
-fn advance<Y: System + ?Sized>(
+pub(super) fn advance<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
@@ -264,100 +299,6 @@ fn advance<Y: System + ?Sized>(
         Some(&condition),
         Some((at.lambda, &at.q)),
     )
-}
-
-/// Value of an event's function at a place: zero where it happens.
-fn event_value(event: Event, place: &Place) -> f64 {
-    match event {
-        Event::TurningPoint => place.d_lambda,
-        Event::Load(load) => place.lambda - load,
-        Event::Coordinate { unknown, value } => {
-            place.q.get(unknown).map_or(f64::NAN, |q| q - value)
-        }
-    }
-}
-
-/// An event found within a step.
-struct Located {
-    index: usize,
-    /// Distance from the step's start.
-    s: f64,
-    place: Place,
-}
-
-/// Change of an event's function, relative to its change over the step, that counts as zero.
-///
-/// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
-/// and K solvable.
-fn resolution(event: Event) -> f64 {
-    match event {
-        Event::TurningPoint => 1e-7,
-        Event::Load(_) | Event::Coordinate { .. } => 1e-12,
-    }
-}
-
-/// The events between `at` and `next`, in order.
-#[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
-fn locate_events<Y: System + ?Sized>(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    at: &Place,
-    next: &Place,
-    ds: f64,
-    norm: &Norm,
-    options: &ArcLengthOptions,
-) -> Vec<Located> {
-    let mut found = Vec::new();
-    for (index, &(event, _)) in options.events.iter().enumerate() {
-        let (mut a, mut fa) = (0.0, event_value(event, at));
-        let (mut b, mut fb) = (ds, event_value(event, next));
-        // An event that cannot be evaluated (NaN) does not happen; one that happened at the start
-        // was reported with the step before.
-        let crossed = fa * fb < 0.0 || (fb == 0.0 && fa != 0.0);
-        if !crossed {
-            continue;
-        }
-        // Regula falsi with the Illinois modification; each trial is a converged place, and the
-        // best of them is reported even where the last bit cannot be resolved.
-        let size = fa.abs().max(fb.abs());
-        let mut best = Located {
-            index,
-            s: ds,
-            place: next.clone(),
-        };
-        let mut least = fb.abs();
-        let mut trial = at.clone();
-        for _ in 0..60 {
-            if least <= resolution(event) * size || (b - a).abs() <= 1e-13 * ds {
-                break;
-            }
-            let s = (a * fb - b * fa) / (fb - fa);
-            trial.dq.copy_from_slice(&at.dq);
-            trial.d_lambda = at.d_lambda;
-            let converged = advance(newton, solver, system, at, s, norm, &mut trial).is_ok()
-                && (event != Event::TurningPoint
-                    || tangent(newton, solver, system, &mut trial, norm).is_ok());
-            if !converged {
-                break;
-            }
-            let f = event_value(event, &trial);
-            if f.abs() < least {
-                least = f.abs();
-                best.s = s;
-                best.place.clone_from(&trial);
-            }
-            if f * fb < 0.0 {
-                (a, fa) = (b, fb);
-            } else {
-                fa *= 0.5;
-            }
-            (b, fb) = (s, f);
-        }
-        found.push(best);
-    }
-    found.sort_by(|x, y| x.s.total_cmp(&y.s));
-    found
 }
 
 fn check(options: &ArcLengthOptions) -> Result<(), StaticsError> {

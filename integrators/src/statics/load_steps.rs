@@ -4,6 +4,8 @@
 
 use super::error::StaticsError;
 use super::newton::Newton;
+use super::stability::unstable;
+use super::start::begin;
 use super::{Iteration, NewtonOptions, Step};
 use crate::failure::Failure;
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
@@ -76,7 +78,8 @@ pub struct Summary {
     pub finished: bool,
 }
 
-/// Follows the equilibrium of `system` from `q` over the load range, with the default solver.
+/// Follows the equilibrium of `system` from `q` over the load range, with the default solver. Loads
+/// that are there at the start are balanced first, as step 0.
 ///
 /// # Errors
 /// [`StaticsError`]: which step at which load failed, why, and with what residuals.
@@ -111,11 +114,11 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     let direction = (options.to - options.from).signum();
     let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
     let mut start = q.clone();
-    system.start(options.from, q);
-    summary.chart_changes = system
-        .change_charts(options.from, q, &mut [], &mut [])
-        .charts;
-    let mut fresh = false;
+    let beginning = begin(&mut newton, solver, system, q, &mut summary, observer)?;
+    if beginning.flow.is_break() {
+        return Ok(summary);
+    }
+    let mut known = beginning.known;
     loop {
         let rest = options.to - summary.t;
         // The last step absorbs a remainder that would be a tiny step of its own.
@@ -123,7 +126,11 @@ pub fn solve_statics_with<Y: System + ?Sized>(
         let t = if last { options.to } else { summary.t + dt };
         start.copy_from_slice(q);
         newton.history.clear();
-        let outcome = predict(&mut newton, solver, system, q, [summary.t, t], fresh)
+        let predicted = predict(&mut newton, solver, system, q, [summary.t, t], known);
+        // No smaller step has another tangent to begin with, unless this one was extrapolated.
+        let exact = known != Known::Evaluated || summary.steps == 0;
+        let hopeless = exact && matches!(predicted, Err(Failure::Linear(_)));
+        let outcome = predicted
             .and_then(|()| {
                 let previous = Some((summary.t, start.as_slice()));
                 correct(&mut newton, solver, system, q, t, previous)
@@ -139,7 +146,15 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                 summary.chart_changes += chart_changes;
                 let step_size = t - summary.t;
                 summary.t = t;
-                fresh = true;
+                // The next step begins with this factorisation; that of the last iteration was made
+                // at the iterate before. A singular tangent fails the next step, if there is one.
+                known = Known::Evaluated;
+                let mut stability = None;
+                if system.is_symmetric() && newton.factorise(solver).is_ok() {
+                    known = Known::Factorised;
+                    stability = unstable(&newton, solver, system);
+                }
+                summary.factorisations = newton.factorisations;
                 let report = Step {
                     number: summary.steps,
                     t,
@@ -149,6 +164,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                     residuals: &newton.history,
                     chart_changes,
                     event: None,
+                    unstable: stability,
                 };
                 let flow = observer(system, &report);
                 if last {
@@ -164,18 +180,30 @@ pub fn solve_statics_with<Y: System + ?Sized>(
             }
             Err(failure) => {
                 summary.rejected += 1;
-                fresh = false;
-                let failed = newton.fail(system, failure, &summary, t);
+                known = Known::Nothing;
+                let mut failed = newton.fail(system, failure, &summary, t);
                 q.copy_from_slice(&start);
                 system.start(summary.t, q);
                 system.change_charts(summary.t, q, &mut [], &mut []);
                 dt = 0.5 * (t - summary.t);
+                if hopeless {
+                    return Err(StaticsError::Step(failed));
+                }
                 if dt.abs() < options.min_step.abs() || dt == 0.0 {
+                    failed.min_step = Some(options.min_step);
                     return Err(StaticsError::Step(failed));
                 }
             }
         }
     }
+}
+
+/// What is there of the tangent where a step begins.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Known {
+    Nothing,
+    Evaluated,
+    Factorised,
 }
 
 /// The first correction, with the tangent at the old load.
@@ -185,14 +213,16 @@ fn predict<Y: System + ?Sized>(
     system: &mut Y,
     q: &mut [f64],
     [from, to]: [f64; 2],
-    fresh: bool,
+    known: Known,
 ) -> Result<(), Failure> {
-    if !fresh {
+    if known == Known::Nothing {
         newton
             .evaluate(system, None, q, from)
             .map_err(Failure::System)?;
     }
-    newton.factorise(solver)?;
+    if known != Known::Factorised {
+        newton.factorise(solver)?;
+    }
     // δq = K⁻¹ (r + r_λ Δλ): with r_λ a driven support bends the structure at once, where the
     // residual alone would first tear at the element next to it.
     for ((dq, r), rate) in newton.dq.iter_mut().zip(&newton.r).zip(&newton.r_lambda) {
@@ -228,7 +258,7 @@ fn correct<Y: System + ?Sized>(
 
 /// Changes charts where that is due and restores equilibrium where an element's own
 /// discretisation depends on them, so that what is reported does not depend on the way there.
-fn settle<Y: System + ?Sized>(
+pub(super) fn settle<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,

@@ -9,8 +9,11 @@
 mod arc_length;
 mod error;
 mod load_steps;
+mod locate;
 mod newton;
 mod path;
+mod stability;
+mod start;
 
 pub use crate::failure::{Along, Cause, FailedStep, Spent};
 pub use arc_length::{trace_path, trace_path_with};
@@ -63,7 +66,8 @@ pub struct Iteration {
 /// A converged step, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// Number of the step, from 1; located events repeat the number of the step they lie in.
+    /// Number of the step, from 1; located events repeat the number of the step they lie in. 0 is
+    /// the equilibrium under the loads that are there at the start, where there are any.
     pub number: usize,
     /// Load parameter.
     pub t: f64,
@@ -71,7 +75,8 @@ pub struct Step<'a> {
     pub step_size: f64,
     /// Coordinates in the charts of this step.
     pub q: &'a [f64],
-    /// Linear solutions of this step, predictor included.
+    /// Linear solutions of this step, predictor included; of a located event those that locating it
+    /// took, to which the one that ends a path adds those of the step it lies in.
     pub iterations: usize,
     /// History of the iterations; the last entry is the converged state.
     pub residuals: &'a [Iteration],
@@ -79,4 +84,8 @@ pub struct Step<'a> {
     pub chart_changes: usize,
     /// Index of the event located here, if it is one.
     pub event: Option<usize>,
+    /// In how many directions the equilibrium is unstable: negative eigenvalues of the tangent at
+    /// this very state, less one for each equation that has a multiplier. `None` where the tangent
+    /// is not symmetric or is singular, as at a turning point, or where the solver does not know.
+    pub unstable: Option<usize>,
 }

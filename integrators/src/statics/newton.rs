@@ -21,7 +21,7 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{SMALL, allowed, inverse_scales, is_rounding};
+use crate::rounding::{allowed, inverse_scales, is_rounding, stagnates};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -61,6 +61,8 @@ pub(super) struct Newton {
     pub factorisations: usize,
     /// First residual per kind of a step that is not zero.
     unbalanced: [f64; 3],
+    /// What the convergence test allows per kind.
+    allowed: [f64; 3],
     options: NewtonOptions,
 }
 
@@ -81,6 +83,7 @@ impl Newton {
             evaluations: 0,
             factorisations: 0,
             unbalanced: [0.0; 3],
+            allowed: [0.0; 3],
             options: *options,
         }
     }
@@ -172,10 +175,14 @@ impl Newton {
     }
 
     /// Whether the last correction left rounding errors only, which the next one cannot mend.
-    fn is_rounding<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], ratio: f64) -> bool {
-        let stagnates =
-            |i: &Iteration| i.damping > 0.0 && i.correction < SMALL && ratio > 0.1 * i.ratio;
-        self.history.last().is_some_and(stagnates) && {
+    fn is_rounding<Y: System + ?Sized>(
+        &mut self,
+        system: &Y,
+        q: &[f64],
+        residual: [f64; 3],
+    ) -> bool {
+        let stays = |i: &Iteration| stagnates(i, residual, self.allowed);
+        self.history.last().is_some_and(stays) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
         }
@@ -194,8 +201,8 @@ impl Newton {
         let NewtonOptions {
             relative, absolute, ..
         } = self.options;
-        let allowed = allowed(measures, self.unbalanced, relative, absolute);
-        for (most, allowed) in largest.iter().zip(allowed) {
+        self.allowed = allowed(measures, self.unbalanced, relative, absolute);
+        for (most, allowed) in largest.iter().zip(self.allowed) {
             ratio = ratio.max(most / allowed);
         }
         (largest, ratio)
@@ -220,9 +227,9 @@ impl Newton {
             let (residual, ratio) = self.test(system);
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
-            let balanced = ratio <= 1.0 || self.is_rounding(system, q, ratio);
+            let balanced = ratio <= 1.0 || self.is_rounding(system, q, residual);
             let stop = on_condition && balanced;
-            if stop || self.history.len() > options.max_iterations {
+            if stop || self.history.len() >= options.max_iterations {
                 self.history.push(Iteration {
                     residual,
                     ratio,

@@ -281,6 +281,9 @@ pub struct Output {
     pub paraview_every: Option<usize>,
     /// SVG figures.
     pub figures: bool,
+    /// Factor of the displacements in `deformed.svg`, to show small ones; the figure tells it.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub deformation_scale: f64,
 }
 
 impl Default for Output {
@@ -288,6 +291,7 @@ impl Default for Output {
         Self {
             paraview_every: None,
             figures: true,
+            deformation_scale: 1.0,
         }
     }
 }

@@ -38,15 +38,15 @@ pub struct Shapes {
 }
 
 impl Shapes {
-    /// The reference configuration of a model, or the one it is in.
-    pub fn of(model: &Model, geometry: &Geometry, reference: bool) -> Self {
-        let place = |node| {
-            if reference {
-                model.reference(node)
-            } else {
-                model.node_state(node).place
-            }
+    /// The configuration that a model is in, with displacements times `scale`: 0 gives the reference
+    /// configuration.
+    pub fn of(model: &Model, geometry: &Geometry, scale: f64) -> Self {
+        let between = |reference: Vector3<f64>, place: Vector3<f64>| match scale {
+            0.0 => reference,
+            1.0 => place,
+            _ => reference + (place - reference) * scale,
         };
+        let place = |node| between(model.reference(node), model.node_state(node).place);
         let mut out = Self {
             supports: geometry.supports.iter().map(|&n| place(n)).collect(),
             ..Self::default()
@@ -60,14 +60,13 @@ impl Shapes {
             out.links.push(link.map(place));
         }
         for body in &geometry.bodies {
-            let node = place(body.node);
-            let center = if reference {
-                node + body.center
-            } else {
-                node + model.node_state(body.node).R * body.center
-            };
+            let state = model.node_state(body.node);
+            let center = between(
+                model.reference(body.node) + body.center,
+                state.place + state.R * body.center,
+            );
             out.bodies.push(center);
-            out.links.push([node, center]);
+            out.links.push([place(body.node), center]);
         }
         out
     }

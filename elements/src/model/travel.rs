@@ -1,0 +1,162 @@
+//! Maps that travel along chains of elements: when they are handed over, and the momentum then.
+
+#![allow(non_snake_case)]
+
+use super::assembly::Workspace;
+use super::dependence::{Dependence, hand_back};
+use super::gather::collect;
+use super::{Model, Node, Source};
+use pullback_manifold::system::{Point, SystemError};
+
+/// Room for what is asked of the maps that travel.
+#[derive(Default)]
+pub(super) struct Travel {
+    /// Coordinates and velocities of their masters where a step begins, one map after the other.
+    from: [Vec<f64>; 2],
+    /// Changes ahead: the node, by what time the change is overdue, and the segment behind it.
+    overdue: Vec<(u32, f64, usize)>,
+    /// Before maps are handed over: momenta at all nodes, operators and segments of those that follow.
+    momenta: Vec<f64>,
+    B: Vec<f64>,
+    segments: Vec<usize>,
+}
+
+impl Model {
+    /// See [`System::overdue`](pullback_manifold::system::System::overdue).
+    pub(super) fn find_overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.look_for_overdue(from, to);
+        let overdue = self.work.travel.overdue.iter().map(|(_, by, _)| *by);
+        overdue.reduce(f64::max)
+    }
+
+    /// See [`System::hand_over`](pullback_manifold::system::System::hand_over).
+    pub(super) fn enter_overdue(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.look_for_overdue(from, to);
+        for (n, by, segment) in &self.work.travel.overdue {
+            if let (true, Source::Mapped(d)) = (*by >= since, &mut self.nodes[*n as usize].source) {
+                d.map.enter(*segment);
+            }
+        }
+    }
+
+    fn look_for_overdue(&mut self, from: Point<'_>, to: Point<'_>) {
+        let h = to.t - from.t;
+        self.work.travel.overdue.clear();
+        let travelling = |n: &&u32| travels(&self.nodes[**n as usize]);
+        if !self.dependent.iter().any(|n| travelling(&n)) || self.expand(from).is_err() {
+            return;
+        }
+        let mut travel = std::mem::take(&mut self.work.travel);
+        travel.from.iter_mut().for_each(Vec::clear);
+        let Workspace { local, x, v, .. } = &mut self.work;
+        for &n in &self.dependent {
+            if let Some(d) = travelling_map(&self.nodes[n as usize]) {
+                for (all, x) in travel.from.iter_mut().zip([&*x, &*v]) {
+                    let k = collect(d.masters(), &self.spans, x, &mut local.q);
+                    all.extend_from_slice(&local.q[..k]);
+                }
+            }
+        }
+        if self.expand(to).is_ok() {
+            let Workspace { local, x, v, .. } = &mut self.work;
+            let mut first = 0;
+            for &n in &self.dependent {
+                let Some(d) = travelling_map(&self.nodes[n as usize]) else {
+                    continue;
+                };
+                let k = collect(d.masters(), &self.spans, x, &mut local.q);
+                collect(d.masters(), &self.spans, v, &mut local.qv);
+                let from = travel.from.each_ref().map(|all| &all[first..first + k]);
+                let to = [&local.q[..k], &local.qv[..k]];
+                let overdue = d.map.overdue(h, from, to);
+                travel
+                    .overdue
+                    .extend(overdue.map(|(by, segment)| (n, by, segment)));
+                first += k;
+            }
+        }
+        self.work.travel = travel;
+    }
+
+    /// Keeps the momenta at the nodes, and how they act on the masters, where a map may be handed over.
+    pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
+        // Where a map cannot be evaluated, the next evaluation says so.
+        if !self.nodes.iter().any(travels) || self.node_momenta(at).is_err() {
+            return;
+        }
+        let Workspace {
+            travel,
+            r,
+            operators,
+            ..
+        } = &mut self.work;
+        travel.momenta.clone_from(r);
+        travel.B.clone_from(&operators.B);
+        travel.segments.clear();
+        let nodes = self.dependent.iter().map(|&n| &self.nodes[n as usize]);
+        let segment = |node: &Node| travelling_map(node).map_or(0, |d| d.map.segment());
+        travel.segments.extend(nodes.map(segment));
+    }
+
+    /// See [`System::kept_momentum`](pullback_manifold::system::System::kept_momentum):
+    /// ½ (B₊ + B₋)ᵀ M ẋ.
+    pub(super) fn mean_momentum(
+        &mut self,
+        at: Option<Point<'_>>,
+        p: &mut [f64],
+    ) -> Result<bool, SystemError> {
+        if !self.work.handed_over {
+            return Ok(false);
+        }
+        let mut momenta = std::mem::take(&mut self.work.travel.momenta);
+        let known = at.map_or(Ok(()), |at| self.node_momenta(at));
+        if at.is_none() {
+            self.work.r.clone_from(&momenta);
+        }
+        momenta.clone_from(&self.work.r);
+        p.fill(0.0);
+        for before in [false, true] {
+            self.work.r.copy_from_slice(&momenta);
+            self.pull_back_momenta(before);
+            for (p, &c) in p.iter_mut().zip(&self.coordinates) {
+                *p += 0.5 * self.work.r[c];
+            }
+        }
+        self.work.travel.momenta = momenta;
+        known.map(|()| true)
+    }
+
+    /// From the nodes to the unknowns, as the maps are now or as they were before.
+    fn pull_back_momenta(&mut self, before: bool) {
+        let w = &mut self.work;
+        if before {
+            std::mem::swap(&mut w.operators.B, &mut w.travel.B);
+        }
+        for (k, &n) in self.dependent.iter().enumerate().rev() {
+            let node = &self.nodes[n as usize];
+            let Source::Mapped(d) = &node.source else {
+                continue;
+            };
+            let masters = match before {
+                true => &d.segments[w.travel.segments[k]],
+                false => d.masters(),
+            };
+            hand_back(d, masters, node, &self.spans, w, false);
+        }
+        let w = &mut self.work;
+        if before {
+            std::mem::swap(&mut w.operators.B, &mut w.travel.B);
+        }
+    }
+}
+
+fn travelling_map(node: &Node) -> Option<&Dependence> {
+    match &node.source {
+        Source::Mapped(d) if d.segments.len() > 1 => Some(d),
+        _ => None,
+    }
+}
+
+fn travels(node: &Node) -> bool {
+    travelling_map(node).is_some()
+}

@@ -1,0 +1,96 @@
+//! States that jump: where a drive has a kink, or a map was handed over.
+
+#![allow(non_snake_case)]
+
+use super::initial::strike;
+use super::run::Run;
+use super::step::Stepper;
+use super::stops::Stop;
+use super::{DynamicsError, Progress, State};
+use crate::linear_solver::LinearSolver;
+use pullback_manifold::system::{Energies, Point, System};
+
+impl Run<'_> {
+    /// Goes on behind a kink.
+    pub(super) fn pass<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        stop: Stop,
+    ) -> Result<(), DynamicsError> {
+        let State { t, q, v, a, .. } = &mut progress.state;
+        let before = Point {
+            t: stop.left.next_down(),
+            q,
+            v,
+            a,
+        };
+        let known = system.momentum(before, &mut self.momentum);
+        let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
+        *t = stop.right;
+        if known {
+            self.jump(system, solver, progress, stop.right, true)?;
+        } else {
+            self.renew(system, solver, progress, true)?;
+        }
+        self.aim(system, progress)
+    }
+
+    /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
+    pub(super) fn jump<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        t: f64,
+        supplied: bool,
+    ) -> Result<(), DynamicsError> {
+        let h = progress.last_step;
+        let Stepper { r, S, .. } = &mut self.stepper;
+        let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
+        let state = &mut progress.state;
+        // A drive jumps, or else a map was handed over.
+        let strokes = strike(
+            system,
+            solver,
+            state,
+            (&self.momentum, supplied),
+            t,
+            h,
+            buffers,
+        )?;
+        progress.summary.evaluations += strokes;
+        progress.summary.factorisations += strokes;
+        if let (false, Some(keeper), Some(kept)) = (supplied, &mut self.keeper, &mut progress.kept)
+        {
+            // A corner neither gives nor takes.
+            keeper.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
+            progress.summary.evaluations += keeper.take_evaluations();
+        }
+        self.renew(system, solver, progress, supplied)
+    }
+
+    /// Accelerations and energies of a state that has jumped; `supplied` says that supports have
+    /// done the work of it.
+    fn renew<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        supplied: bool,
+    ) -> Result<(), DynamicsError> {
+        self.accelerate(system, solver, progress)?;
+        let now = self.energies(system, &progress.state, progress.state.t)?;
+        if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
+            if supplied {
+                let energy = |e: &Energies| e.kinetic + e.stored;
+                let work = energy(&now) - energy(&balance.now);
+                balance.work += work;
+                balance.gross += work.abs();
+            }
+            balance.now = now;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,171 @@
+//! Events within a step along a path, located to round-off.
+//!
+//! Each trial is an equilibrium found from the start of the step, at another distance. A trial that
+//! does not converge, or an event function that does not come down to zero, says that the step
+//! was too large to know the path between its ends: then the step is rejected, like one that did not
+//! converge itself. What is reported is at the event, converged, and on the same path.
+
+#![allow(non_snake_case)]
+
+use super::Iteration;
+use super::arc_length::{Norm, Place, SHARPEST_BEND, advance, tangent};
+use super::newton::Newton;
+use super::path::{ArcLengthOptions, Event};
+use super::stability::unstable;
+use crate::failure::Failure;
+use crate::linear_solver::LinearSolver;
+use pullback_manifold::system::System;
+
+/// An event found within a step.
+pub(super) struct Located {
+    pub index: usize,
+    /// Distance from the step's start.
+    pub s: f64,
+    pub place: Place,
+    /// Linear solutions that finding it took.
+    pub iterations: usize,
+    /// How the iteration converged there.
+    pub history: Vec<Iteration>,
+    pub unstable: Option<usize>,
+}
+
+/// Value of an event's function at a place: zero where it happens.
+fn event_value(event: Event, place: &Place) -> f64 {
+    match event {
+        Event::TurningPoint => place.d_lambda,
+        Event::Load(load) => place.lambda - load,
+        Event::Coordinate { unknown, value } => {
+            place.q.get(unknown).map_or(f64::NAN, |q| q - value)
+        }
+    }
+}
+
+/// Change of an event's function, relative to its change over the step, that counts as zero.
+///
+/// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
+/// and K solvable.
+fn resolution(event: Event) -> f64 {
+    match event {
+        Event::TurningPoint => 1e-7,
+        Event::Load(_) | Event::Coordinate { .. } => 1e-12,
+    }
+}
+
+/// Value of an event's function above which it has not been found, whatever the last bits do.
+///
+/// λ is off by the square of its slope at a turning point.
+fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f64 {
+    match event {
+        Event::TurningPoint => 1e-5 * options.load_scale,
+        Event::Load(load) => 1e-9 * (load.abs() + options.load_scale),
+        Event::Coordinate { unknown, value } => {
+            1e-9 * (value.abs() + 1.0 / newton.inverse_scale[unknown])
+        }
+    }
+}
+
+/// The events of a step (start, end, distance), in order.
+pub(super) fn locate<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    step: (&Place, &Place, f64),
+    norm: &Norm,
+    options: &ArcLengthOptions,
+) -> Result<Vec<Located>, Failure> {
+    let (at, next, _) = step;
+    let mut found = Vec::new();
+    for (index, &(event, _)) in options.events.iter().enumerate() {
+        let (fa, fb) = (event_value(event, at), event_value(event, next));
+        // An event that cannot be evaluated (NaN) does not happen; one that happened at the start
+        // was reported with the step before.
+        if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
+            let mut one = find(newton, solver, system, step, norm, event)?;
+            let missed =
+                event_value(event, &one.place).abs() > largest_miss(event, newton, options);
+            let place = &mut one.place;
+            if event != Event::TurningPoint {
+                place.dq.copy_from_slice(&at.dq);
+                place.d_lambda = at.d_lambda;
+                // Where the tangent is singular its direction is not known.
+                if tangent(newton, solver, system, place, norm).is_ok() {
+                    one.unstable = unstable(newton, solver, system);
+                }
+            }
+            let bend = norm.dot((&at.dq, at.d_lambda), (&place.dq, place.d_lambda));
+            if missed || bend < SHARPEST_BEND {
+                return Err(Failure::Unlocated(event));
+            }
+            one.index = index;
+            found.push(one);
+        }
+    }
+    found.sort_by(|x, y| x.s.total_cmp(&y.s));
+    Ok(found)
+}
+
+/// Regula falsi with the Illinois modification; the best trial, even where the last bit cannot be
+/// resolved.
+fn find<Y: System + ?Sized>(
+    newton: &mut Newton,
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    (at, next, ds): (&Place, &Place, f64),
+    norm: &Norm,
+    event: Event,
+) -> Result<Located, Failure> {
+    let (mut a, mut fa) = (0.0, event_value(event, at));
+    let (mut b, mut fb) = (ds, event_value(event, next));
+    let size = fa.abs().max(fb.abs());
+    let mut trial = at.clone();
+    let mut least = f64::INFINITY;
+    let mut best = Located {
+        index: 0,
+        s: ds,
+        place: next.clone(),
+        iterations: 0,
+        history: Vec::new(),
+        unstable: None,
+    };
+    // The first trial is the end itself where the event happens there.
+    for _ in 0..60 {
+        let s = if fb == 0.0 {
+            ds
+        } else {
+            (a * fb - b * fa) / (fb - fa)
+        };
+        trial.dq.copy_from_slice(&at.dq);
+        trial.d_lambda = at.d_lambda;
+        if let Err(failure) = advance(newton, solver, system, at, s, norm, &mut trial) {
+            if least.is_finite() {
+                break;
+            }
+            return Err(failure);
+        }
+        best.iterations += newton.iterations();
+        let history = newton.history.clone();
+        // Where a trial hits the turning point itself the tangent is singular.
+        if event == Event::TurningPoint
+            && tangent(newton, solver, system, &mut trial, norm).is_err()
+        {
+            break;
+        }
+        let f = event_value(event, &trial);
+        if f.abs() < least {
+            least = f.abs();
+            best.s = s;
+            best.place.clone_from(&trial);
+            best.history = history;
+        }
+        if f * fb < 0.0 {
+            (a, fa) = (b, fb);
+        } else {
+            fa *= 0.5;
+        }
+        (b, fb) = (s, f);
+        if least <= resolution(event) * size || (b - a).abs() <= 1e-13 * ds {
+            break;
+        }
+    }
+    Ok(best)
+}

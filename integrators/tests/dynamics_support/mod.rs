@@ -1,0 +1,129 @@
+//! Systems of one coordinate that are known exactly, and runs of them.
+
+#![allow(non_snake_case, dead_code)]
+
+use pullback_integrators::dynamics::{
+    DynamicOptions, Progress, Scheme, StepReport, integrate, start,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Energies, Evaluation, Kind, Point, System, SystemError};
+use std::ops::ControlFlow;
+
+/// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
+pub struct Oscillator {
+    pub pattern: BlockPattern,
+    pub m: f64,
+    pub k: f64,
+    /// Hat load: peak at t = 0.5, ends at t = 1.
+    pub hat: f64,
+}
+
+impl Oscillator {
+    pub fn new(m: f64, k: f64) -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            m,
+            k,
+            hat: 0.0,
+        }
+    }
+
+    pub fn load(&self, t: f64) -> f64 {
+        self.hat * (1.0 - (2.0 * t - 1.0).abs()).max(0.0)
+    }
+}
+
+impl System for Oscillator {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = self.load(at.t) - self.k * at.q[0] - self.m * at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.K * self.k + w.M * self.m;
+        }
+        Ok(())
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        vec![0.0, 1.0, 0.5, 0.5]
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        Ok(Some(Energies {
+            kinetic: 0.5 * self.m * at.v[0] * at.v[0],
+            stored: 0.5 * self.k * at.q[0] * at.q[0],
+            supplied: self.load(at.t) * at.v[0],
+            dissipated: 0.0,
+            ..Energies::default()
+        }))
+    }
+
+    fn name(&self, _: usize) -> String {
+        "the mass".to_owned()
+    }
+}
+
+/// φ̈ = −(g/L) sin φ: a planar pendulum, φ from the lowest point.
+pub struct Pendulum {
+    pub pattern: BlockPattern,
+    pub g: f64,
+}
+
+impl Pendulum {
+    pub fn new() -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            g: 9.81,
+        }
+    }
+}
+
+impl System for Pendulum {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = -self.g * at.q[0].sin() - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.K * self.g * at.q[0].cos() + w.M;
+        }
+        Ok(())
+    }
+
+    fn kind(&self, _: usize) -> Kind {
+        Kind::Angle
+    }
+}
+
+pub fn onward<Y: ?Sized>(_: &mut Y, _: &StepReport<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// State after a run with equal steps.
+pub fn run<Y: System>(mut system: Y, q: f64, v: f64, options: &DynamicOptions) -> Progress {
+    let state = start(&system, 0.0, &[q], &[v]).unwrap();
+    let mut progress = Progress::new(state);
+    integrate(&mut system, &mut progress, options, &mut onward).unwrap();
+    progress
+}
+
+pub fn schemes() -> Vec<Scheme> {
+    vec![
+        Scheme::default(),
+        Scheme::hht(-0.1).unwrap(),
+        Scheme::hht(-1.0 / 3.0).unwrap(),
+        Scheme::wbz(0.8).unwrap(),
+        Scheme::wbz(0.0).unwrap(),
+        Scheme::chung_hulbert(0.8).unwrap(),
+        Scheme::chung_hulbert(0.0).unwrap(),
+        Scheme::chung_hulbert(1.0).unwrap(),
+    ]
+}
+
+/// Slope of log error over log h from errors at h, h/2, h/4.
+pub fn slopes(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
+}

@@ -1,0 +1,161 @@
+//! Matrices of all shapes, and solvers for them.
+
+#![allow(dead_code, clippy::unwrap_used)]
+
+use nalgebra::DMatrix;
+use pullback_integrators::linear_solver::{
+    AutoSolver, BlockLu, FaerLu, LinearError, LinearSolver, Symmetry,
+};
+use pullback_manifold::sparse::BlockPattern;
+
+/// Numbers in (-1, 1), the same every time.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 33) as f64 / (1_u64 << 30) as f64 - 1.0
+    }
+
+    pub fn size(&mut self) -> usize {
+        1 + ((self.next() + 1.0) * 3.0) as usize % 6
+    }
+}
+
+/// Shapes of structures: edges between nodes.
+pub fn graphs() -> Vec<(&'static str, usize, Vec<[u32; 2]>)> {
+    let chain = (1..40).map(|i| [i - 1, i]).collect();
+    let tree = (1..60).map(|i| [(i - 1) / 3, i]).collect();
+    let ring = (0..30).map(|i| [i, (i + 1) % 30]).collect();
+    let star = (1..25).map(|i| [0, i]).collect();
+    let mut grid = Vec::new();
+    for x in 0..7 {
+        for y in 0..8 {
+            let here = 8 * x + y;
+            if x < 6 {
+                grid.push([here, here + 8]);
+            }
+            if y < 7 {
+                grid.push([here, here + 1]);
+            }
+        }
+    }
+    let full = (0..9).flat_map(|i| (0..i).map(move |j| [i, j])).collect();
+    vec![
+        ("chain", 40, chain),
+        ("tree", 60, tree),
+        ("ring", 30, ring),
+        ("star", 25, star),
+        ("grid", 56, grid),
+        ("full", 9, full),
+        ("alone", 1, Vec::new()),
+        ("two parts", 4, vec![[0, 2], [1, 3]]),
+    ]
+}
+
+/// Random values, diagonally dominant up to the sign of the diagonal, rows and columns scaled to
+/// the given spread of units.
+pub fn random_values(
+    pattern: &BlockPattern,
+    random: &mut Random,
+    symmetric: bool,
+    indefinite: bool,
+    spread: f64,
+) -> Vec<f64> {
+    let n = pattern.dim();
+    let mut values: Vec<f64> = (0..pattern.len()).map(|_| random.next()).collect();
+    let mut sums = vec![1.0; n];
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            for (k, index) in range.enumerate() {
+                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
+                if symmetric && (i, r) > (j, c) {
+                    // Taken over from the transposed entry.
+                    let other = pattern.find(j, i).unwrap() + c + r * pattern.size(j);
+                    values[index] = values[other];
+                }
+            }
+        }
+    }
+    if symmetric {
+        // The loop above read entries to the right before or after as they came: do both sides.
+        let dense = dense(pattern, &values);
+        write(pattern, &mut values, |r, c| dense[(r.min(c), r.max(c))]);
+    }
+    let matrix = dense(pattern, &values);
+    for (r, sum) in sums.iter_mut().enumerate() {
+        *sum += matrix.row(r).iter().map(|v| v.abs()).sum::<f64>();
+    }
+    let units: Vec<f64> = (0..n).map(|_| spread.powf(random.next())).collect();
+    write(pattern, &mut values, |r, c| {
+        let sign = if indefinite && r % 3 == 0 { -1.0 } else { 1.0 };
+        let diagonal = if r == c { sign * sums[r] } else { 0.0 };
+        (matrix[(r, c)] + diagonal) * units[r] * units[c]
+    });
+    values
+}
+
+pub fn write(pattern: &BlockPattern, values: &mut [f64], entry: impl Fn(usize, usize) -> f64) {
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            for (k, index) in range.enumerate() {
+                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
+                let row = pattern.unknowns(i).start + r;
+                values[index] = entry(row, pattern.unknowns(j).start + c);
+            }
+        }
+    }
+}
+
+pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(pattern.dim(), pattern.dim());
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            for (k, index) in range.enumerate() {
+                let (r, c) = (k % pattern.size(i), k / pattern.size(i));
+                matrix[(pattern.unknowns(i).start + r, pattern.unknowns(j).start + c)] =
+                    values[index];
+            }
+        }
+    }
+    matrix
+}
+
+pub fn solvers() -> Vec<(&'static str, Box<dyn LinearSolver>)> {
+    vec![
+        ("block", Box::new(BlockLu::new())),
+        ("faer LU", Box::new(FaerLu::new())),
+        ("auto", Box::new(AutoSolver::new())),
+    ]
+}
+
+pub fn solve(
+    solver: &mut dyn LinearSolver,
+    pattern: &BlockPattern,
+    symmetry: Symmetry,
+    values: &[f64],
+    b: &[f64],
+) -> Result<Vec<f64>, LinearError> {
+    solver.analyse(pattern, symmetry)?;
+    solver.factorise(values)?;
+    let mut x = b.to_vec();
+    solver.solve(Some(values), &mut x)?;
+    Ok(x)
+}
+
+/// As [`solve`], in one call.
+pub fn solve_at_once(
+    solver: &mut dyn LinearSolver,
+    pattern: &BlockPattern,
+    symmetry: Symmetry,
+    values: &[f64],
+    b: &[f64],
+) -> Result<Vec<f64>, LinearError> {
+    solver.analyse(pattern, symmetry)?;
+    let mut x = b.to_vec();
+    solver.factorise_and_solve(values, &mut x)?;
+    Ok(x)
+}

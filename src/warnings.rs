@@ -1,0 +1,260 @@
+//! What looks doubtful about a model or its results, in words: for the terminal and `result.json`.
+
+#![allow(non_snake_case)]
+
+use crate::input::{Joint, ModelFile, Time};
+use crate::output::Row;
+use crate::probe::Answers;
+use pullback_elements::model::Model;
+use pullback_integrators::dynamics::Progress;
+use pullback_integrators::significant;
+use std::fmt::Write;
+
+/// A change of the number of unstable directions along a path.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    /// Load parameters before and after it.
+    between: [f64; 2],
+    /// Unstable directions before and after it.
+    directions: [usize; 2],
+}
+
+/// Sees the rows of a static analysis as they are recorded.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    /// Load parameter and unstable directions of the last row that knows them.
+    stability: (f64, usize),
+    changes: Vec<Change>,
+    /// Converged rows.
+    rows: usize,
+    /// Whether anything has moved, and whether a support has had anything to hold.
+    stirred: bool,
+    held: bool,
+    /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
+    inverted: Option<(String, f64, f64)>,
+    /// Element, strain and load parameter of the first row with a large strain.
+    strained: Option<(String, f64, f64)>,
+    /// Residual relative to loads and reactions at which a step has converged, unless what is left is
+    /// rounding.
+    relative: f64,
+    /// Residual force and moment, and load parameter, of the first row where they are no smaller than
+    /// that part of loads and reactions.
+    unresolved: Option<([f64; 2], f64)>,
+}
+
+/// Residuals from this part of loads and reactions on leave too few correct digits.
+const UNRESOLVED: f64 = 1e-3;
+
+/// Elongation or shear beyond which a linear law of the section is doubtful.
+const LARGE_STRAIN: f64 = 0.2;
+
+impl Watch {
+    /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
+    /// residual.
+    pub(crate) fn new(t: f64, relative: f64) -> Self {
+        Self {
+            stability: (t, 0),
+            changes: Vec::new(),
+            rows: 0,
+            stirred: false,
+            held: false,
+            inverted: None,
+            strained: None,
+            relative,
+            unresolved: None,
+        }
+    }
+
+    /// A converged row, with the model in its configuration.
+    pub(crate) fn see(&mut self, model: &Model, answers: &Answers, row: &Row) {
+        let t = row.t;
+        self.rows += 1;
+        if row.ratio * self.relative >= UNRESOLVED && self.unresolved.is_none() {
+            self.unresolved = Some((row.residual, t));
+        }
+        self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
+        let mut reactions = answers.reactions().iter();
+        self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
+        for (id, state) in answers.sections() {
+            let about = |value| Some((model.element(*id).0.to_owned(), value, t));
+            let stretch = 1.0 + state.Gamma.x;
+            if stretch <= 0.0 && self.inverted.is_none() {
+                self.inverted = about(stretch);
+            }
+            if state.Gamma.amax() > LARGE_STRAIN && self.strained.is_none() {
+                self.strained = about(state.Gamma.amax());
+            }
+        }
+        let Some(now) = row.unstable else { return };
+        let (before, directions) = self.stability;
+        if now != directions {
+            self.changes.push(Change {
+                between: [before, t],
+                directions: [directions, now],
+            });
+        }
+        self.stability = (t, now);
+    }
+
+    /// What there is to say; that nothing moves only of a run that is complete.
+    pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
+        let idle = || {
+            (complete && self.rows > 0 && !self.stirred).then(|| {
+                if self.held {
+                    "all loads act on coordinates that supports hold: nothing moves, and only \
+                     reactions are computed. Load free nodes, or free these coordinates"
+                } else {
+                    "no load acts and nothing is driven: nothing moves. See `loads`, `driven`, and \
+                     whether a `time` is zero over the whole range of the load parameter"
+                }
+                .to_owned()
+            })
+        };
+        let inverted = self.inverted.as_ref().map(|(element, stretch, t)| {
+            format!(
+                "element {element} is turned inside out from load parameter {} on: its axis is \
+                 stretched by 1 + Γ₁ = {stretch:.3}, which no beam can be. The load is too large for \
+                 EA, or in other units than the section",
+                significant(*t)
+            )
+        });
+        let strained = self.strained.as_ref().map(|(element, strain, t)| {
+            format!(
+                "element {element} is elongated or sheared by {:.0} % at load parameter {}: beyond \
+                 {:.0} % the linear law of its section is doubtful. See the units of load and section",
+                100.0 * strain,
+                significant(*t),
+                100.0 * LARGE_STRAIN
+            )
+        });
+        let strained = strained.filter(|_| inverted.is_none());
+        let unresolved = self.unresolved.map(|([force, moment], t)| {
+            format!(
+                "forces are no larger than rounding errors at load parameter {}: the residual (force \
+                 {force:.1e}, moment {moment:.1e}) cannot be made smaller with such stiffnesses, and \
+                 forces and reactions of this size, and what they move, have no correct digits. Load \
+                 it more, or make stiff parts softer or rigid",
+                significant(t)
+            )
+        });
+        (self.instability().into_iter())
+            .chain(idle())
+            .chain(inverted)
+            .chain(strained)
+            .chain(unresolved)
+            .collect()
+    }
+
+    fn instability(&self) -> Option<String> {
+        let (first, others) = self.changes.split_first()?;
+        let span = |change: &Change| {
+            let [a, b] = change.between.map(significant);
+            format!("between load parameter {a} and {b}")
+        };
+        let directions = |n: usize| match n {
+            0 => "stable again".to_owned(),
+            1 => "unstable in 1 direction".to_owned(),
+            n => format!("unstable in {n} directions"),
+        };
+        let mut out = format!(
+            "limit point or bifurcation {}: the equilibrium found is {} after it (negative pivots \
+             of the tangent, column `unstable`), and a structure would leave this path. To follow \
+             the branch that it takes, add a small imperfection (a lateral load, nodes off the line) \
+             and take a smaller `max_step`",
+            span(first),
+            directions(first.directions[1])
+        );
+        for change in others.iter().take(LISTED) {
+            // Writing to a string cannot fail.
+            let _ = write!(
+                out,
+                "; {} {}",
+                span(change),
+                directions(change.directions[1])
+            );
+        }
+        if let more @ 1.. = others.len().saturating_sub(LISTED) {
+            let _ = write!(out, "; and {more} more");
+        }
+        Some(out)
+    }
+}
+
+/// Whether any node is elsewhere than where it is drawn.
+fn moved(model: &Model) -> bool {
+    model.frames().any(|(id, _)| {
+        let state = model.node_state(id);
+        state.d.norm() + state.psi.norm() > 0.0
+    })
+}
+
+/// A word about energy that is stored at the start of a motion because driven coordinates, or
+/// initial values, are not where the model is drawn.
+pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
+    let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
+    let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
+    // The coordinates of a loop are where they are together.
+    let looped = |j: &&Joint| {
+        let own = format!("{} ", j.name);
+        let mut all = model
+            .released()
+            .filter(|(_, name, _)| name.starts_with(&own));
+        all.any(|(node, ..)| !model.is_own(node))
+    };
+    let joints = file
+        .joints
+        .iter()
+        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off))
+        .filter(|j| !looped(j));
+    let joints = joints.map(|j| format!("joint {}", j.name));
+    let supports = file.supports.iter().filter(|s| {
+        let driven = s.driven.as_ref();
+        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
+    });
+    let names: Vec<String> = (supports.map(|s| format!("support of {}", s.node)))
+        .chain(joints)
+        .collect();
+    if stored <= 0.0 || names.is_empty() {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} not where the model is drawn at t = 0, which stores the energy {stored:.3e} in it; draw \
+         it in that position, or start at 0",
+        match names.as_slice() {
+            [one] => format!("{one} is"),
+            all => format!("{} are", all.join(", ")),
+        }
+    )]
+}
+
+/// A word about loops that cannot move.
+pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
+    model.locked().into_iter().map(|(joint, x, equations)| {
+        format!(
+            "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
+             {x} coordinates free. If it should, see whether axes and places are given with all \
+             their digits; if not, weld it"
+        )
+    })
+}
+
+/// Names that a message lists.
+const LISTED: usize = 4;
+
+/// A word about coordinates on which no mass acts.
+pub(crate) fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
+    let state = &progress.state;
+    // A state outside of a domain is told of by the first step.
+    let names = model.massless(state.t, &state.q, &state.v).ok()?;
+    let more = match names.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    (!names.is_empty()).then(|| {
+        format!(
+            "no mass acts on {}{more}: they follow forces at once. Give `rho` to the sections of \
+             lines, and bodies to joints that carry none",
+            names[..names.len().min(LISTED)].join("; ")
+        )
+    })
+}

@@ -1,0 +1,137 @@
+//! Shared by the tests of landings: beads on polygons of wire, and their exact motions.
+
+#![allow(dead_code)]
+
+use nalgebra::{Vector2, Vector3};
+use pullback::elements::body::PointMass;
+use pullback::elements::joint::{SlideNodes, slide};
+use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback::elements::time::{Constant, Proportional};
+
+pub const G: f64 = 9.81;
+
+/// A polygon of wire in a vertical plane, held or moved with a constant velocity.
+pub struct Track {
+    pub places: Vec<Vector3<f64>>,
+    /// Velocity of all its nodes.
+    pub velocity: Vector3<f64>,
+}
+
+impl Track {
+    /// From the origin, side after side: length, and slope against the horizontal (rad, upwards).
+    pub fn of(sides: &[[f64; 2]]) -> Self {
+        let mut places = vec![Vector3::zeros()];
+        for [length, slope] in sides {
+            let side = Vector3::new(slope.cos(), 0.0, slope.sin()) * *length;
+            places.push(places[places.len() - 1] + side);
+        }
+        let velocity = Vector3::zeros();
+        Self { places, velocity }
+    }
+
+    /// Arc lengths of the corners.
+    pub fn corners(&self) -> Vec<f64> {
+        let mut s = vec![0.0];
+        for pair in self.places.windows(2) {
+            s.push(s[s.len() - 1] + (pair[1] - pair[0]).norm());
+        }
+        s
+    }
+
+    /// Place of arc length s.
+    pub fn at(&self, s: f64) -> Vector3<f64> {
+        let corners = self.corners();
+        let k = corners
+            .partition_point(|c| *c <= s)
+            .clamp(1, corners.len() - 1)
+            - 1;
+        let part = (s - corners[k]) / (corners[k + 1] - corners[k]);
+        self.places[k] + (self.places[k + 1] - self.places[k]) * part
+    }
+
+    /// Its nodes in a model.
+    pub fn nodes(&self, b: &mut ModelBuilder, name: &str) -> Vec<NodeId> {
+        let nodes = self.places.iter().enumerate();
+        let nodes: Vec<NodeId> = nodes
+            .map(|(k, place)| b.node(format!("{name} {k}"), (*place).into()).unwrap())
+            .collect();
+        for &node in &nodes {
+            b.support(node, &Dof::ROTATIONS);
+            for (dof, v) in [Dof::X, Dof::Y, Dof::Z]
+                .into_iter()
+                .zip(self.velocity.iter())
+            {
+                b.prescribe(node, dof, Proportional(*v));
+            }
+        }
+        nodes
+    }
+
+    /// A model of heavy beads that start at these arc lengths.
+    pub fn model(&self, starts: &[f64]) -> (Model, Vec<SlideNodes>) {
+        let mut b = ModelBuilder::new();
+        let nodes = self.nodes(&mut b, "wire");
+        let beads = starts.iter().enumerate();
+        let beads = beads
+            .map(|(k, start)| bead(&mut b, &format!("bead {k}"), &nodes, *start))
+            .collect();
+        (b.build().unwrap(), beads)
+    }
+
+    /// Tangential accelerations of its sides under its weight.
+    fn pulls(&self) -> Vec<f64> {
+        let rise = |p: &[Vector3<f64>]| (p[1].z - p[0].z) / (p[1] - p[0]).norm();
+        self.places.windows(2).map(|p| -G * rise(p)).collect()
+    }
+
+    /// Arc length and its rate at time t of a bead that starts at s with rate v: parabolas from corner
+    /// to corner, over which it goes with the same speed.
+    pub fn exact(&self, s: f64, v: f64, t: f64) -> Vector2<f64> {
+        let (corners, pulls) = (self.corners(), self.pulls());
+        let (mut s, mut v, mut left) = (s, v, t);
+        let mut k = corners.partition_point(|c| *c <= s).clamp(1, pulls.len()) - 1;
+        if s == corners[k] && k > 0 && (v < 0.0 || (v == 0.0 && pulls[k] < 0.0)) {
+            k -= 1;
+        }
+        loop {
+            let a = pulls[k];
+            // The first time at which it leaves the side at either end, moving outwards.
+            let out = [-1.0, 1.0].map(|sign| {
+                let way = sign * (corners[k + usize::from(sign > 0.0)] - s);
+                let (v, a) = (sign * v, sign * a);
+                let speed = (v * v + 2.0 * a * way).sqrt();
+                let time = if v > 0.0 {
+                    2.0 * way / (v + speed)
+                } else if a > 0.0 {
+                    (speed - v) / a
+                } else {
+                    f64::INFINITY
+                };
+                (if time >= 0.0 { time } else { f64::INFINITY }, speed)
+            });
+            let up = out[1].0 < out[0].0;
+            let (time, speed) = out[usize::from(up)];
+            if time >= left {
+                return Vector2::new(s + left * (v + 0.5 * a * left), v + a * left);
+            }
+            left -= time;
+            (s, v) = (
+                corners[k + usize::from(up)],
+                if up { speed } else { -speed },
+            );
+            k = if up { k + 1 } else { k - 1 };
+        }
+    }
+}
+
+/// A heavy point mass that slides over these nodes.
+pub fn bead(b: &mut ModelBuilder, name: &str, nodes: &[NodeId], start: f64) -> SlideNodes {
+    let bead = slide(b, name, nodes, start).unwrap();
+    let mass = PointMass::new(1.3).unwrap();
+    let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
+    b.element(format!("mass of {name}"), mass, &[bead.frame])
+        .unwrap();
+    b.element(format!("weight of {name}"), weight, &[bead.frame])
+        .unwrap();
+    bead
+}
