@@ -55,8 +55,7 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
 /// Whether every residual is below what the rounding of the coordinates makes of it,
 /// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
-/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
-/// difference of places that are not small. `sizes` and `floor` are room for a number per coordinate.
+/// `sizes` and `floor` are room for a number per coordinate.
 #[allow(non_snake_case)]
 pub(crate) fn is_rounding<Y: System + ?Sized>(
     system: &Y,
@@ -65,6 +64,36 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
+    find_rounding(system, S, q, sizes, floor);
+    (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * floor)
+}
+
+/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|: what the prediction leaves
+/// of a gap may by chance be far below.
+#[allow(non_snake_case)]
+pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
+    system: &Y,
+    S: &[f64],
+    q: &[f64],
+    [sizes, floor]: [&mut [f64]; 2],
+) -> f64 {
+    find_rounding(system, S, q, sizes, floor);
+    let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
+}
+
+/// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`.
+///
+/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
+/// difference of places that are not small.
+#[allow(non_snake_case)]
+fn find_rounding<Y: System + ?Sized>(
+    system: &Y,
+    S: &[f64],
+    q: &[f64],
+    sizes: &mut [f64],
+    floor: &mut [f64],
+) {
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
         *size = q.abs();
         if !system.is_multiplier(i) {
@@ -79,10 +108,9 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
             let columns = S[range].chunks_exact(rows.len().max(1));
             for (column, size) in columns.zip(&sizes[pattern.unknowns(j)]) {
                 for (floor, entry) in floor[rows.clone()].iter_mut().zip(column) {
-                    *floor += entry.abs() * size;
+                    *floor += f64::EPSILON * entry.abs() * size;
                 }
             }
         }
     }
-    (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * f64::EPSILON * floor)
 }

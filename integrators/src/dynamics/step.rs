@@ -7,7 +7,7 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, inverse_scales, is_rounding, stagnates};
+use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps, stagnates};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -57,6 +57,8 @@ pub(crate) struct Stepper {
     /// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual
     /// that they leave.
     pub(super) inverse_scale: Vec<f64>,
+    /// Whether residuals of [`Kind::Other`] are gaps of multipliers, all of them.
+    gaps: bool,
     /// Room for the test of rounding errors.
     room: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
@@ -85,6 +87,8 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
+        let mut others = (0..n).filter(|&i| system.kind(i) == Kind::Other).peekable();
+        let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
         Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
@@ -100,6 +104,7 @@ impl Stepper {
             factorisations: 0,
             kinds: (0..n).map(|i| system.kind(i)).collect(),
             inverse_scale: inverse_scales(system),
+            gaps,
             room: [zeros(), zeros()],
             options: newton,
         })
@@ -159,6 +164,13 @@ impl Stepper {
             let NewtonOptions {
                 relative, absolute, ..
             } = self.options;
+            if first && self.gaps && group.len() == 1 {
+                let q = &self.stages[group.start].state.q;
+                let [sizes, floor] = &mut self.room;
+                let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
+                let gap = &mut unbalanced[Kind::Other.index()];
+                *gap = gap.max(rounding / relative);
+            }
             let allowed = allowed(system.scales().measures(), unbalanced, relative, absolute);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();

@@ -49,7 +49,11 @@ fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &m
     });
     let floor = if most > 0.0 { FLOOR * most } else { 1.0 };
     for (s, unit) in scales.iter_mut().zip(units) {
-        let least = if *unit > 0.0 { floor / (unit * unit) } else { 0.0 };
+        let least = if *unit > 0.0 {
+            floor / (unit * unit)
+        } else {
+            0.0
+        };
         *s = inverse_root(s.max(least)).min(f64::MAX);
     }
     largest.fill(0.0);
