@@ -295,3 +295,46 @@ fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
         .unwrap();
     assert!(!block.suits());
 }
+
+#[test]
+fn saddle_points_are_solved_in_any_unit() {
+    // Lengths and angles of three bodies, a heavy one beside two light ones that two equations couple.
+    let edges = [vec![0, 1, 2], vec![1, 2, 3]];
+    let bare = BlockPattern::new(&[2; 4], &edges);
+    let mut random = Random(11);
+    let base = dense(&bare, &random_values(&bare, &mut random, true, false, 1.0));
+    let solution = DVector::from_fn(8, |_, _| 1.0 + random.next());
+    let heavy = [1e10, 1e10, 1.0, 1.0, 1.0, 1.0];
+    for length in [1e-12, 1e-6, 1.0, 1e6, 1e12] {
+        for energy in [1e-20, 1.0, 1e20] {
+            // Numbers that a typical length and a typical multiplier have in these units.
+            let size = |i: usize| [length, 1.0, energy][if i < 6 { i % 2 } else { 2 }];
+            let entry = |r: usize, c: usize| match (r < 6, c < 6) {
+                (true, true) => {
+                    let mass: f64 = f64::min(heavy[r], heavy[c]);
+                    energy * mass * base[(r, c)] / (size(r) * size(c))
+                }
+                (true, false) => base[(r, c)] / size(r),
+                (false, true) => base[(r, c)] / size(c),
+                (false, false) => 0.0,
+            };
+            let pattern = bare
+                .clone()
+                .with_units(|i| if i < 6 { size(i) } else { 0.0 });
+            let mut values = vec![0.0; pattern.len()];
+            write(&pattern, &mut values, entry);
+            let x: Vec<f64> = (0..8).map(|i| solution[i] * size(i)).collect();
+            let mut b = vec![0.0; 8];
+            pattern.multiply_add(1.0, &values, &x, &mut b);
+            let mut auto = AutoSolver::new();
+            auto.analyse(&pattern, Symmetry::Symmetric).unwrap();
+            auto.factorise_and_solve(&values, &mut b).unwrap();
+            for (found, x) in b.iter().zip(&x) {
+                assert!(
+                    (found - x).abs() < 1e-9 * x.abs(),
+                    "{length:e} {energy:e}: {found:e}, not {x:e}"
+                );
+            }
+        }
+    }
+}
