@@ -55,7 +55,8 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
 /// Whether every residual is below what the rounding of the coordinates makes of it,
 /// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
-/// `sizes` and `floor` are room for a number per coordinate.
+/// Multipliers count as the largest of them: they are solved for together, and one that vanishes has
+/// the rounding errors of the others. `sizes` and `floor` are room for a number per coordinate.
 #[allow(non_snake_case)]
 pub(crate) fn is_rounding<Y: System + ?Sized>(
     system: &Y,
@@ -64,7 +65,9 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    find_rounding(system, S, q, sizes, floor);
+    let multipliers = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
+    find_rounding(system, S, q, largest, [&mut *sizes, &mut *floor]);
     (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * floor)
 }
 
@@ -77,12 +80,13 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
-    find_rounding(system, S, q, sizes, floor);
+    find_rounding(system, S, q, 0.0, [&mut *sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
 
-/// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`.
+/// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`;
+/// multipliers count as `multiplier`.
 ///
 /// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
 /// difference of places that are not small.
@@ -91,14 +95,14 @@ fn find_rounding<Y: System + ?Sized>(
     system: &Y,
     S: &[f64],
     q: &[f64],
-    sizes: &mut [f64],
-    floor: &mut [f64],
+    multiplier: f64,
+    [sizes, floor]: [&mut [f64]; 2],
 ) {
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
-        *size = q.abs();
-        if !system.is_multiplier(i) {
-            *size = size.max(system.magnitude(i));
-        }
+        *size = match system.is_multiplier(i) {
+            true => multiplier,
+            false => q.abs().max(system.magnitude(i)),
+        };
     }
     let pattern = system.pattern();
     floor.fill(0.0);

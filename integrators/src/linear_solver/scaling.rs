@@ -128,7 +128,8 @@ pub fn equilibrate(
                 }
                 continue;
             }
-            done &= factor == 1.0;
+            // Closer than this is of no use.
+            done &= (0.5..=2.0).contains(&factor);
             *s *= factor;
         }
         if done {
