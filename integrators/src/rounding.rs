@@ -9,12 +9,12 @@ const SMALL: f64 = 1e-6;
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
 /// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
-/// prediction leaves of one is a fair measure.
+/// prediction leaves of one is a fair measure. Nothing is asked for below `least`.
 pub(crate) fn allowed(
     measures: [f64; 3],
     first: [f64; 3],
     relative: f64,
-    absolute: f64,
+    least: [f64; 3],
 ) -> [f64; 3] {
     let allow = |k: usize| {
         let measure = match measures[k] > 0.0 {
@@ -25,7 +25,7 @@ pub(crate) fn allowed(
         let rounding = f64::EPSILON * first[k];
         (relative * measure)
             .max(rounding)
-            .max(absolute)
+            .max(least[k])
             .max(f64::MIN_POSITIVE)
     };
     std::array::from_fn(allow)

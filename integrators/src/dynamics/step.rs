@@ -149,7 +149,10 @@ impl Stepper {
         group: &Group,
     ) -> Result<(), Failure> {
         let earlier = self.history.len();
-        let mut unbalanced = [0.0; 3];
+        let NewtonOptions {
+            relative, absolute, ..
+        } = self.options;
+        let (mut unbalanced, mut least) = ([0.0; 3], [absolute; 3]);
         loop {
             let first = self.history.len() == earlier;
             let fresh = first || self.options.tangent == Tangent::Every;
@@ -161,17 +164,13 @@ impl Stepper {
                     *first = most;
                 }
             }
-            let NewtonOptions {
-                relative, absolute, ..
-            } = self.options;
             if first && self.gaps && group.len() == 1 {
                 let q = &self.stages[group.start].state.q;
                 let [sizes, floor] = &mut self.room;
                 let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
-                let gap = &mut unbalanced[Kind::Other.index()];
-                *gap = gap.max(rounding / relative);
+                least[Kind::Other.index()] = absolute.max(rounding);
             }
-            let allowed = allowed(system.scales().measures(), unbalanced, relative, absolute);
+            let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
             let stays = before.is_some_and(|i| stagnates(i, residual, allowed));

@@ -35,8 +35,8 @@ const FLOOR: f64 = 1.5e-8;
 /// Where equilibration begins: rows by their diagonal, those of multipliers by what they couple.
 ///
 /// A saddle point matrix [A Gᵀ; G 0] is in equilibrium with entries of G that are far larger than A,
-/// too; but then A, which alone resists along the null space of G, is below rounding. Scaled
-/// like this both are of order one (A by its diagonal, G Gᵀ as the Schur complement G A⁻¹ Gᵀ is),
+/// too; but then A, which alone resists along the null space of G, is below rounding. From here both
+/// are of order one, as A and the Schur complement G A⁻¹ Gᵀ are when scaled by their diagonals,
 /// whatever the units: another unit of an unknown divides its scale, here and in all sweeps.
 fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
     let units = pattern.units();
@@ -87,8 +87,8 @@ fn for_each(pattern: &BlockPattern, values: &[f64], mut with: impl FnMut(usize, 
 /// Scales by equilibration, for matrices whose diagonal is no measure of their rows.
 ///
 /// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and columns alike
-/// and needs no diagonal. They begin with the typical sizes of the unknowns
-/// ([`BlockPattern::units`]), and each halves what is left of the range of the rows in logarithms.
+/// and needs no diagonal. They begin with the diagonal where it is one, in the typical sizes of the
+/// unknowns ([`BlockPattern::units`]); each halves what is left of the range of the rows in logarithms.
 ///
 /// # Errors
 /// Values that are not finite, and rows that are zero.
