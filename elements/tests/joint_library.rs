@@ -4,8 +4,9 @@
 
 use nalgebra::{SVector, Vector3};
 use pullback_elements::joint::{
-    self, Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
-    helical, on_curve, on_surface, planar, prismatic, universal, weld,
+    self, Curve, Hung, Joint, JointNodes, Pose, Quadric, Released, Spline, Surface,
+    constant_velocity, cylindrical, helical, on_curve, on_surface, planar, prismatic, universal,
+    weld,
 };
 use pullback_elements::model::{ModelBuilder, ModelError};
 use pullback_manifold::check;
@@ -120,6 +121,36 @@ fn poses_are_what_the_joints_mean() {
 }
 
 #[test]
+fn curves_through_points_and_quadrics_obey_the_laws_of_a_map() {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.3, 0.0],
+        [1.4, 1.2, -0.5],
+        [0.2, 1.5, 0.4],
+    ];
+    for closed in [false, true] {
+        let curve = Spline::through(&points, closed, 0.7).unwrap();
+        let mut s = -0.7;
+        for (k, point) in points.iter().enumerate() {
+            if k > 0 {
+                s += (Vector3::from(*point) - Vector3::from(points[k - 1])).norm();
+            }
+            assert!((curve.at(s) - Vector3::from(*point)).norm() < 1e-14);
+        }
+        check::map(&Hung::new(joint::OnCurve::new(curve))).assert();
+    }
+    let (start, centre, axis) = ([1.0, 0.2, 0.0], [0.1, -0.3, 0.5], [0.3, 0.1, 2.0]);
+    for surface in [
+        Quadric::plane(start, axis).unwrap(),
+        Quadric::cylinder(start, centre, axis).unwrap(),
+        Quadric::sphere(start, centre).unwrap(),
+    ] {
+        assert!((surface.at(0.0, 0.0) - Vector3::from(start)).norm() < 1e-15);
+        check::map(&Hung::new(joint::OnSurface::new(surface))).assert();
+    }
+}
+
+#[test]
 fn released_coordinates_are_nodes_with_names() {
     let mut b = ModelBuilder::new();
     let A = b.node("A", [1.0, 2.0, 3.0]).unwrap();
@@ -200,7 +231,7 @@ fn a_joint_that_forgets_a_coordinate_is_told_so() {
 }
 
 /// What has no size of its own: lists, what several joints share, the way to make nodes.
-const SHARED: [&str; 3] = ["mod.rs", "nodes.rs", "axes.rs"];
+const SHARED: [&str; 4] = ["mod.rs", "nodes.rs", "axes.rs", "shape.rs"];
 
 #[test]
 fn every_joint_is_data_and_a_map_in_under_sixty_lines() {

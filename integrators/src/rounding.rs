@@ -31,11 +31,28 @@ pub(crate) fn allowed(
     std::array::from_fn(allow)
 }
 
-/// Whether another correction is not expected to mend anything: the last was small, and nothing that is
-/// out of balance has become much less so by it.
-pub(crate) fn stagnates(before: &Iteration, residual: [f64; 3], allowed: [f64; 3]) -> bool {
+/// Whether the next residual is below its limit if convergence goes on quadratically: with exact
+/// tangents errors fall as the squares of the corrections do.
+pub(crate) fn balance_expected(history: &[Iteration]) -> bool {
+    match history {
+        [.., before, last] if before.damping * last.damping == 1.0 => {
+            last.ratio * (last.correction / before.correction).powi(2) <= 1.0
+        }
+        _ => false,
+    }
+}
+
+/// Whether another correction is not expected to mend anything: the last was small, and all that it
+/// left out of balance has become little less by it, or was `expected` to be in balance
+/// ([`balance_expected`]).
+pub(crate) fn stagnates(
+    before: &Iteration,
+    expected: bool,
+    residual: [f64; 3],
+    allowed: [f64; 3],
+) -> bool {
     let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > 0.1 * before.residual[k];
-    before.damping > 0.0 && before.correction < SMALL && (0..3).all(stays)
+    before.damping > 0.0 && before.correction < SMALL && (expected || (0..3).all(stays))
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.

@@ -1,9 +1,10 @@
 //! The joints of the library as model files name them, with the keys of each.
 
-use super::registry::Registry;
+use super::registry::{BoxedError, Registry};
+use nalgebra::Vector3;
 use pullback_elements::joint::{
-    constant_velocity, cylindrical, helical, offset, planar, prismatic, revolute, slide_on,
-    spherical, universal, weld,
+    Quadric, Spline, constant_velocity, cylindrical, helical, offset, on_curve, on_surface, planar,
+    prismatic, revolute, slide_on, spherical, universal, weld,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -89,6 +90,51 @@ struct Helical {
     pitch: f64,
 }
 
+/// Releases the way along a curve, and all rotations.
+#[derive(Deserialize, JsonSchema)]
+struct OnCurve {
+    /// Points of the curve, like places of nodes; the master carries them.
+    through: Vec<[f64; 3]>,
+    /// Whether it goes on from the last point to the first.
+    #[serde(default)]
+    closed: bool,
+    /// Where it starts: sum of the straight ways from point to point.
+    #[serde(default)]
+    start: f64,
+}
+
+/// Releases two ways on a surface, and all rotations.
+#[derive(Deserialize, JsonSchema)]
+struct OnSurface {
+    /// Where it starts, like the place of a node.
+    place: [f64; 3],
+    /// The surface, which the master carries.
+    surface: Shape,
+}
+
+/// A surface through the place where a joint starts.
+#[derive(Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+enum Shape {
+    /// A plane.
+    Plane {
+        /// Its normal.
+        normal: [f64; 3],
+    },
+    /// A cylinder.
+    Cylinder {
+        /// A point of its axis.
+        centre: [f64; 3],
+        /// Direction of its axis.
+        axis: [f64; 3],
+    },
+    /// A sphere, of which the hemisphere around the start can be used.
+    Sphere {
+        /// Its centre.
+        centre: [f64; 3],
+    },
+}
+
 /// A registry and the joints of the library.
 pub(super) fn add_to(registry: Registry) -> Registry {
     registry
@@ -124,5 +170,23 @@ pub(super) fn add_to(registry: Registry) -> Registry {
         })
         .joint("helical", |at, keys: Helical| {
             helical(at.builder, at.name, at.master, keys.axis, keys.pitch)
+        })
+        .joint("on-curve", |at, keys: OnCurve| {
+            let origin = at.builder.place(at.master);
+            let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
+            let points: Vec<_> = keys.through.iter().map(seen).collect();
+            let curve = Spline::through(&points, keys.closed, keys.start)?;
+            Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.master, curve)?)
+        })
+        .joint("on-surface", |at, keys: OnSurface| {
+            let origin = at.builder.place(at.master);
+            let seen = |point: [f64; 3]| (Vector3::from(point) - origin).into();
+            let start = seen(keys.place);
+            let surface = match keys.surface {
+                Shape::Plane { normal } => Quadric::plane(start, normal),
+                Shape::Cylinder { centre, axis } => Quadric::cylinder(start, seen(centre), axis),
+                Shape::Sphere { centre } => Quadric::sphere(start, seen(centre)),
+            }?;
+            Ok::<_, BoxedError>(on_surface(at.builder, at.name, at.master, surface)?)
         })
 }

@@ -3,6 +3,7 @@
 //! Every refusal is an [`InputError`]: what is wrong, at which line and column, and what would be
 //! right.
 
+mod advice;
 mod assemble;
 mod bodies;
 mod error;

@@ -1,13 +1,14 @@
 //! Records converged steps and writes what they give.
 
+mod finish;
+
 use super::checkpoint::{self, Checkpoint, Record};
 use super::directory::{Directory, OutputError};
 use super::grids::{Grids, grid_name};
 use super::history::{Row, csv};
 use super::log::{self, Extent};
-use super::panels::panels;
-use super::plot::{self, Shapes};
-use super::results::{Ending, FinalState, NAME, Results, Statistics, final_state};
+use super::plot::Shapes;
+use super::results::{Ending, FinalState, Statistics, final_state};
 use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
@@ -320,29 +321,6 @@ impl<'a> Recorder<'a> {
         self.warnings.iter().cloned().chain(seen).collect()
     }
 
-    fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
-        let warnings = self.warnings(ending);
-        self.statistics.seconds = self.seconds();
-        self.statistics.largest_rotation = self.record.largest_rotation;
-        let results = Results {
-            program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
-            model: self.setting.source,
-            title: self.setting.file.title.as_deref(),
-            complete: *ending == Ending::Complete,
-            ending,
-            settings: self.setting.file,
-            statistics: self.statistics,
-            warnings: &warnings,
-            last: self.last.as_ref(),
-            files: self.directory.files(),
-        };
-        let text = serde_json::to_string_pretty(&results).map_err(|source| {
-            let name = NAME.to_owned();
-            OutputError::Encode { name, source }
-        })?;
-        self.directory.write(NAME, &(text + "\n"))
-    }
-
     fn seconds(&self) -> f64 {
         self.record.seconds + self.started.elapsed().as_secs_f64()
     }
@@ -385,53 +363,6 @@ impl<'a> Recorder<'a> {
     /// Rows so far.
     pub fn rows(&self) -> &[Row] {
         &self.rows
-    }
-
-    /// Title of a figure, with what a reader has to know of the run, and of shapes that are drawn
-    /// with exaggerated displacements.
-    fn figure_title(&self, ending: &Ending, shape: bool) -> Option<String> {
-        let mut words: Vec<String> = self.setting.file.title.iter().cloned().collect();
-        let scale = self.setting.output.deformation_scale;
-        if shape && scale != 1.0 {
-            words.push(format!("displacements × {scale}"));
-        }
-        if *ending != Ending::Complete {
-            words.push("incomplete".to_owned());
-        }
-        (!words.is_empty()).then(|| words.join(", "))
-    }
-
-    /// Writes everything that a run ends with; `result.json` comes last.
-    ///
-    /// # Errors
-    /// [`OutputError`].
-    pub fn finish(mut self, ending: &Ending, counts: Counts) -> Result<Directory, OutputError> {
-        self.statistics.counts = counts;
-        self.write_pending()?;
-        self.write_history()?;
-        if self.setting.output.figures && !self.rows.is_empty() {
-            let title = self.figure_title(ending, false);
-            let shape_title = self.figure_title(ending, true);
-            let draw = |name: &str, drawn: Result<String, plot::PlotError>| {
-                drawn.map_err(|source| OutputError::Draw {
-                    name: name.to_owned(),
-                    source,
-                })
-            };
-            self.record.shapes.extend(self.record.latest.take());
-            let shape =
-                plot::deformed(shape_title.as_deref(), &self.reference, &self.record.shapes);
-            let shape = draw("deformed.svg", shape)?;
-            self.directory.write("deformed.svg", &shape)?;
-            let shapes = self.record.shapes.iter().map(|(_, shapes)| shapes);
-            let extents = shapes.chain([&self.reference]).map(Shapes::extent);
-            let length = extents.fold(0.0, f64::max);
-            let panels = panels(self.setting.plan, &self.probes, &self.rows, length);
-            let history = draw("history.svg", plot::panels(title.as_deref(), &panels))?;
-            self.directory.write("history.svg", &history)?;
-        }
-        self.write_results(ending)?;
-        Ok(self.directory)
     }
 }
 

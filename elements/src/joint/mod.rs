@@ -16,8 +16,8 @@
 //! | [`Prismatic`] | the way along an axis | Shabana 2013, 3.3 |
 //! | [`Planar`] | two ways in a plane, the angle about its normal | Shabana 2013, 3.3 |
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
-//! | [`OnCurve`] | the parameter of a space curve, and all rotations | |
-//! | [`OnSurface`] | two parameters of a surface, and all rotations | |
+//! | [`OnCurve`] | the parameter of a space curve ([`Spline`], or any [`Curve`]), and all rotations | |
+//! | [`OnSurface`] | two parameters of a surface ([`Quadric`], or any [`Surface`]), and all rotations | |
 //! | [`gear`], [`rack`] | none: they couple what two joints release | Shabana 2013, 3.3 |
 
 mod axes;
@@ -32,6 +32,7 @@ mod on_surface;
 mod planar;
 mod prismatic;
 mod revolute;
+mod shape;
 mod slide;
 mod spherical;
 mod universal;
@@ -48,6 +49,7 @@ pub use on_surface::{OnSurface, Surface, on_surface};
 pub use planar::{Planar, planar};
 pub use prismatic::{Prismatic, prismatic};
 pub use revolute::{Revolute, revolute};
+pub use shape::{Quadric, Spline, SplineError};
 pub use slide::{Slide, SlideNodes, slide, slide_on};
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};

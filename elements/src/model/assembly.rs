@@ -1,145 +1,16 @@
-//! Assembly: the model as a [`System`]. The pattern is found once, values go straight into place.
+//! Assembly. The pattern is found once, values go straight into place.
 
 #![allow(non_snake_case)]
 
-use super::charts::Rewriting;
-use super::dependence::Operators;
-use super::local::Local;
+use super::Model;
 use super::scatter::{Group, Into};
-use super::sheets::{Sheets, TOO_FAR};
-use super::travel::Travel;
-use super::{Attached, Model, Node, Source};
+use super::sheets::TOO_FAR;
 use crate::element::ElementError;
-use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{
-    CHART_EDGE, ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System,
-    SystemError, Weights,
-};
+use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
 use std::f64::consts::TAU;
 
 /// Most nodes one element may have.
 pub(super) const MAX_NODES: usize = 16;
-
-/// Buffers of an evaluation, made once.
-#[derive(Default)]
-pub(super) struct Workspace {
-    /// Coordinates, velocities, accelerations of all nodes.
-    pub x: Vec<f64>,
-    pub v: Vec<f64>,
-    pub a: Vec<f64>,
-    /// Time of these.
-    pub t: f64,
-    /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
-    pub r: Vec<f64>,
-    pub r_t: Vec<f64>,
-    /// Residual of loads at prescribed coordinates (elsewhere without meaning).
-    direct: Vec<f64>,
-    /// Coordinates of all nodes at the previous iterate, while there is one.
-    previous: Vec<f64>,
-    has_previous: bool,
-    /// Whether anything moves: always in dynamics, and in statics where a support or a map is
-    /// driven (the rates are then those with the load parameter).
-    pub moving: bool,
-    /// Whether rates of free coordinates may differ from zero.
-    stirred: bool,
-    /// Kinematic operators of nodes that follow others.
-    pub operators: Operators,
-    /// Rows of the tangent at these nodes, on their way to own ones.
-    pub panels: Vec<f64>,
-    pub local: Local,
-    /// Accelerations of a map's coordinates, while it changes their meaning.
-    pub accelerations: Vec<Vec<f64>>,
-    /// Parts C and M of a tangent, while rates are spins.
-    pub parts: [Vec<f64>; 2],
-    /// Coordinates of the maps that may change their meaning.
-    pub rewriting: Vec<Rewriting>,
-    /// Whether a map was handed over with the last change of charts.
-    pub handed_over: bool,
-    pub travel: Travel,
-    /// Step size, while equations that elements enforce are asked for at the level of accelerations.
-    accelerations_asked: Option<f64>,
-    /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
-    /// have been looked for.
-    pub released: Vec<Vec<f64>>,
-    /// For the choice of the elements' charts.
-    pub sheets: Sheets,
-    scales: Scales,
-    /// What elements exert, where neither loads nor reactions are a measure.
-    exerted: Scales,
-    pub dead_loads: DeadLoads,
-}
-
-/// Loads that read nothing but the time, summed up: a step asks for them at one time again and again.
-#[derive(Default)]
-pub(super) struct DeadLoads {
-    /// The time of these; none when it is not known which loads are in it.
-    t: Option<f64>,
-    /// Their residual at all nodes.
-    r: Vec<f64>,
-    /// Their largest entries per kind.
-    force: [f64; 3],
-}
-
-impl DeadLoads {
-    /// Elements see their nodes in other charts than before.
-    pub(super) fn forget(&mut self) {
-        self.t = None;
-    }
-}
-
-impl Workspace {
-    pub(super) fn new(
-        nodes: &[Node],
-        elements: &[Attached],
-        [operators, panels]: [usize; 2],
-        length: f64,
-        levers: [f64; 2],
-    ) -> Self {
-        let total = nodes.iter().map(|n| n.dim).sum::<usize>();
-        let direct = |node: &Node| match &node.source {
-            Source::Own => 0,
-            Source::Mapped(d) => d.direct,
-        };
-        let masters = nodes.iter().map(direct).max().unwrap_or(0);
-        let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
-        let zeros = |len: usize| vec![0.0; len];
-        let mut scales = Scales {
-            levers,
-            ..Scales::default()
-        };
-        scales.coordinate[Kind::Length.index()] = length;
-        Self {
-            x: zeros(total),
-            v: zeros(total),
-            a: zeros(total),
-            t: 0.0,
-            r: zeros(total),
-            r_t: zeros(total),
-            direct: zeros(total),
-            previous: zeros(total),
-            has_previous: false,
-            moving: false,
-            stirred: false,
-            operators: Operators::new(operators),
-            panels: zeros(panels),
-            local: Local::new(n, masters),
-            accelerations: Vec::new(),
-            parts: [Vec::new(), Vec::new()],
-            rewriting: Vec::new(),
-            handed_over: false,
-            travel: Travel::default(),
-            accelerations_asked: None,
-            released: Vec::new(),
-            sheets: Sheets::default(),
-            scales,
-            exerted: Scales::default(),
-            dead_loads: DeadLoads {
-                r: zeros(total),
-                ..DeadLoads::default()
-            },
-        }
-    }
-}
 
 impl Model {
     /// Coordinates (and velocities, accelerations where given) of all nodes at a point, into the
@@ -160,7 +31,7 @@ impl Model {
 
     /// Coordinates of all nodes. Those of prescribed and dependent ones come with their rates, which
     /// make sense where those of the others are set.
-    fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
+    pub(super) fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
         self.runs.scatter(q, &mut w.x);
@@ -377,123 +248,5 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
             what: format!("element {name}, whose ends coincide,"),
             margin: 0.0,
         },
-    }
-}
-
-impl System for Model {
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        if self.spins() && !at.is_static() && out.S.is_some() {
-            self.evaluate_spinning(at, out)
-        } else {
-            self.assemble(at, out)
-        }
-    }
-
-    fn evaluate_from(
-        &mut self,
-        previous: Point<'_>,
-        at: Point<'_>,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        self.expand_places(previous.t, previous.q)?;
-        std::mem::swap(&mut self.work.x, &mut self.work.previous);
-        self.work.has_previous = true;
-        let outcome = self.evaluate(at, out);
-        self.work.has_previous = false;
-        outcome
-    }
-
-    fn evaluate_accelerations(
-        &mut self,
-        at: Point<'_>,
-        h: f64,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        self.work.accelerations_asked = Some(h);
-        let outcome = self.evaluate(at, out);
-        self.work.accelerations_asked = None;
-        outcome
-    }
-
-    fn is_multiplier(&self, i: usize) -> bool {
-        self.multipliers[self.coordinates[i]]
-    }
-
-    fn change_charts(
-        &mut self,
-        t: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        accelerations: &mut [&mut [f64]],
-    ) -> ChartChanges {
-        let changes = self.update_charts(t, q, v, accelerations);
-        if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
-            // Observers find the accepted state. A joint outside its domain is named when the model
-            // is next evaluated.
-            let _ = self.expand(Point { t, q, v, a });
-        }
-        changes
-    }
-
-    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        self.find_overdue(from, to)
-    }
-
-    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.enter_overdue(from, to, since);
-    }
-
-    fn start(&mut self, t: f64, q: &[f64]) {
-        self.start_element_charts(t, q);
-    }
-
-    fn kinks(&self) -> Vec<f64> {
-        let driven = self.prescribed.iter().flat_map(|p| p.function.kinks());
-        let loads = self.elements.iter().flat_map(|e| e.element.kinks());
-        driven.chain(loads).collect()
-    }
-
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        self.account(at, false).map(|audit| Some(audit.energies))
-    }
-
-    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
-        self.generalised_momentum(at, p)
-    }
-
-    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
-        self.find_symmetries(span, q, v)
-    }
-
-    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
-        self.write_rigid_rates(q, motion, rates);
-    }
-
-    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
-        self.mean_momentum(at, p)
-    }
-
-    fn is_symmetric(&self) -> bool {
-        self.elements.iter().all(|e| e.element.is_symmetric())
-    }
-
-    fn kind(&self, i: usize) -> Kind {
-        self.kinds[self.coordinates[i]]
-    }
-
-    fn name(&self, i: usize) -> String {
-        self.coordinate_name(self.coordinates[i])
-    }
-
-    fn magnitude(&self, i: usize) -> f64 {
-        self.magnitudes[i]
-    }
-
-    fn scales(&self) -> Scales {
-        self.work.scales
     }
 }

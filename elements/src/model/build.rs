@@ -1,11 +1,11 @@
 //! The end of building: one check of the whole, the numbering, the pattern.
 
 use super::ancestry::{self, Alternatives};
-use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
 use super::formulation;
 use super::loops;
 use super::placement::Placement;
+use super::workspace::Workspace;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;

@@ -4,10 +4,10 @@
 #![allow(non_snake_case)]
 
 use super::ancestry::find_ancestors;
-use super::assembly::Workspace;
 use super::gather::collect;
 use super::local::Local;
 use super::scatter::{Group, Into};
+use super::workspace::Workspace;
 use super::{Model, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};

@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::assembly::Workspace;
 use super::builder::{ModelBuilder, NodeId};
 use super::dependence::Dependence;
+use super::workspace::Workspace;
 use super::{Form, Model, NONE, Node, Source};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};

@@ -32,7 +32,9 @@ mod scatter;
 mod sheets;
 mod slots;
 mod symmetry;
+mod system;
 mod travel;
+mod workspace;
 
 pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
@@ -48,7 +50,7 @@ pub use query::Reaction;
 
 use crate::element::Element;
 use crate::time::TimeFunction;
-use assembly::{MAX_NODES, Workspace};
+use assembly::MAX_NODES;
 use dependence::Dependence;
 use nalgebra::Vector3;
 use placement::Placement;
@@ -56,6 +58,7 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
 use runs::Runs;
 use std::ops::{Deref, Range};
+use workspace::Workspace;
 
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;

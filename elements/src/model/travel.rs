@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use super::assembly::Workspace;
 use super::dependence::{Dependence, hand_back};
 use super::gather::collect;
+use super::workspace::Workspace;
 use super::{Model, Node, Source};
 use pullback_manifold::system::{Point, SystemError};
 

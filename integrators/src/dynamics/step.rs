@@ -7,7 +7,9 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps, stagnates};
+use crate::rounding::{
+    allowed, balance_expected, inverse_scales, is_rounding, rounding_of_gaps, stagnates,
+};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -157,7 +159,7 @@ impl Stepper {
             let first = self.history.len() == earlier;
             let fresh = first || self.options.tangent == Tangent::Every;
             // A state that will turn out to be in balance needs no tangent.
-            let last = fresh && self.balance_expected(earlier);
+            let last = fresh && balance_expected(&self.history[earlier..]);
             let residual = self.evaluate(system, step, group, first, fresh && !last)?;
             for (first, most) in unbalanced.iter_mut().zip(residual) {
                 if *first == 0.0 {
@@ -173,8 +175,13 @@ impl Stepper {
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
-            let stays = before.is_some_and(|i| stagnates(i, residual, allowed));
-            let converged = ratio <= 1.0 || (stays && self.is_rounding(system, step, group)?);
+            let stays = before.is_some_and(|i| stagnates(i, last, residual, allowed));
+            // One correction is made even where the prediction is in balance: what is always small
+            // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
+            // would never move anything.
+            let predicted = first && ratio > 0.0;
+            let converged =
+                (ratio <= 1.0 && !predicted) || (stays && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {
@@ -199,15 +206,6 @@ impl Stepper {
     /// Linear solutions of the last step.
     pub(super) fn iterations(&self) -> usize {
         self.history.iter().filter(|i| i.damping > 0.0).count()
-    }
-
-    /// Whether the next residual is below its limit if convergence goes on quadratically: errors
-    /// then fall as the squares of the corrections do.
-    fn balance_expected(&self, earlier: usize) -> bool {
-        match self.history[earlier..] {
-            [.., before, last] => last.ratio * (last.correction / before.correction).powi(2) <= 1.0,
-            _ => false,
-        }
     }
 
     /// Residuals of the stages of a group, into `dq`, and their largest entries per kind; with their

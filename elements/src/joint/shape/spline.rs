@@ -1,0 +1,148 @@
+//! A smooth curve through given points.
+
+#![allow(non_snake_case)]
+
+use crate::joint::Curve;
+use nalgebra::{DMatrix, Matrix3xX, Vector3};
+use pullback_manifold::scalar::Scalar;
+
+/// Why points make no curve.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SplineError {
+    /// There are too few of them.
+    #[error("its curve needs {needs} points at least, got {got}")]
+    Few {
+        /// Points that are needed.
+        needs: usize,
+        /// Points that are given.
+        got: usize,
+    },
+    /// A point is where the one before it is, or not finite.
+    #[error("point {number} of its curve must be finite and apart from the one before")]
+    Point {
+        /// Number of the point, from 1; of a closed curve one more for the way back to the first.
+        number: usize,
+    },
+    /// It starts outside.
+    #[error(
+        "it must start between 0 and {length}, the length of its curve along the points, got {start}"
+    )]
+    Start {
+        /// Where it starts.
+        start: f64,
+        /// Sum of the chords.
+        length: f64,
+    },
+}
+
+/// The cubic spline through points, over the sum of the chords between them: twice continuously
+/// differentiable, without curvature at the ends of an open curve (de Boor 2001, chapter IV).
+///
+/// The parameter counts from where the curve is told to start. A closed curve goes on from its last
+/// point to its first, any number of times round.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    /// Parameters of the points.
+    knots: Vec<f64>,
+    /// Coefficients of 1, u, u², u³ of each piece, u = s − knot.
+    pieces: Vec<[Vector3<f64>; 4]>,
+    closed: bool,
+}
+
+impl Spline {
+    /// Through `points`, as seen from the master's node, from the parameter `start` on.
+    ///
+    /// # Errors
+    /// [`SplineError`].
+    pub fn through(points: &[[f64; 3]], closed: bool, start: f64) -> Result<Self, SplineError> {
+        let (got, needs) = (points.len(), if closed { 3 } else { 2 });
+        if got < needs {
+            return Err(SplineError::Few { needs, got });
+        }
+        let mut points: Vec<_> = points.iter().map(|p| Vector3::from(*p)).collect();
+        points.extend(closed.then_some(points[0]));
+        let mut knots = vec![-start];
+        for (k, pair) in points.windows(2).enumerate() {
+            let chord = (pair[1] - pair[0]).norm();
+            let finite = pair[0].iter().all(|x| x.is_finite()) && chord.is_finite();
+            if !(finite && chord > 0.0) {
+                return Err(SplineError::Point { number: k + 2 });
+            }
+            knots.push(knots[k] + chord);
+        }
+        let length = knots[knots.len() - 1] - knots[0];
+        if !(0.0..=length).contains(&start) {
+            return Err(SplineError::Start { start, length });
+        }
+        let bends = bends(&points, &knots, closed);
+        let piece = |k: usize| {
+            let h = knots[k + 1] - knots[k];
+            let [from, to] = [bends.column(k), bends.column(k + 1)];
+            let slope = (points[k + 1] - points[k]) / h - (2.0 * from + to) * (h / 6.0);
+            [points[k], slope, 0.5 * from, (to - from) / (6.0 * h)]
+        };
+        let pieces = (0..knots.len() - 1).map(piece).collect();
+        Ok(Self {
+            knots,
+            pieces,
+            closed,
+        })
+    }
+
+    /// First and last parameter.
+    fn ends(&self) -> [f64; 2] {
+        [self.knots[0], self.knots[self.pieces.len()]]
+    }
+}
+
+/// Second derivatives at the knots: the first derivatives are continuous.
+fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Matrix3xX<f64> {
+    let n = points.len() - 1;
+    let mut A = DMatrix::identity(n + 1, n + 1);
+    let mut b = DMatrix::zeros(n + 1, 3);
+    let mut smooth =
+        |row: usize, [before, at, after]: [usize; 3], h: [f64; 2], ends: [usize; 2]| {
+            A[(row, at)] = (h[0] + h[1]) / 3.0;
+            A[(row, before)] += h[0] / 6.0;
+            A[(row, after)] += h[1] / 6.0;
+            let slopes =
+                (points[ends[1]] - points[at]) / h[1] - (points[at] - points[ends[0]]) / h[0];
+            b.set_row(row, &slopes.transpose());
+        };
+    let h = |k: usize| knots[k + 1] - knots[k];
+    for k in 1..n {
+        smooth(k, [k - 1, k, k + 1], [h(k - 1), h(k)], [k - 1, k + 1]);
+    }
+    if closed {
+        // The last point is the first.
+        smooth(0, [n - 1, 0, 1], [h(n - 1), h(0)], [n - 1, 1]);
+        A[(n, 0)] = -1.0;
+    }
+    // Diagonally dominant, but for the last row of a closed curve, which copies.
+    let bends = A.lu().solve(&b).unwrap_or(b);
+    Matrix3xX::from_fn(n + 1, |i, k| bends[(k, i)])
+}
+
+impl Curve for Spline {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        let [first, last] = self.ends();
+        let turns = match self.closed {
+            true => ((s.re() - first) / (last - first)).floor(),
+            false => 0.0,
+        };
+        let s = s - turns * (last - first);
+        let after = self.knots.partition_point(|knot| *knot <= s.re());
+        let k = after.clamp(1, self.pieces.len()) - 1;
+        let u = s - self.knots[k];
+        let [a, b, c, d] = &self.pieces[k];
+        Vector3::from_fn(|i, _| ((u * d[i] + c[i]) * u + b[i]) * u + a[i])
+    }
+
+    fn margin(&self, s: f64) -> f64 {
+        let [first, last] = self.ends();
+        match self.closed {
+            true => f64::INFINITY,
+            false => (s - first).min(last - s),
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The model as a [`System`], for integrators.
+
+use super::Model;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{
+    ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System, SystemError,
+};
+
+impl System for Model {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        if self.spins() && !at.is_static() && out.S.is_some() {
+            self.evaluate_spinning(at, out)
+        } else {
+            self.assemble(at, out)
+        }
+    }
+
+    fn evaluate_from(
+        &mut self,
+        previous: Point<'_>,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.expand_places(previous.t, previous.q)?;
+        std::mem::swap(&mut self.work.x, &mut self.work.previous);
+        self.work.has_previous = true;
+        let outcome = self.evaluate(at, out);
+        self.work.has_previous = false;
+        outcome
+    }
+
+    fn evaluate_accelerations(
+        &mut self,
+        at: Point<'_>,
+        h: f64,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        self.work.accelerations_asked = Some(h);
+        let outcome = self.evaluate(at, out);
+        self.work.accelerations_asked = None;
+        outcome
+    }
+
+    fn is_multiplier(&self, i: usize) -> bool {
+        self.multipliers[self.coordinates[i]]
+    }
+
+    fn change_charts(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        let changes = self.update_charts(t, q, v, accelerations);
+        if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
+            // Observers find the accepted state. A joint outside its domain is named when the model
+            // is next evaluated.
+            let _ = self.expand(Point { t, q, v, a });
+        }
+        changes
+    }
+
+    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overdue(from, to)
+    }
+
+    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_overdue(from, to, since);
+    }
+
+    fn start(&mut self, t: f64, q: &[f64]) {
+        self.start_element_charts(t, q);
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        let driven = self.prescribed.iter().flat_map(|p| p.function.kinks());
+        let loads = self.elements.iter().flat_map(|e| e.element.kinks());
+        driven.chain(loads).collect()
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        self.account(at, false).map(|audit| Some(audit.energies))
+    }
+
+    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.generalised_momentum(at, p)
+    }
+
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+        self.find_symmetries(span, q, v)
+    }
+
+    fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
+        self.write_rigid_rates(q, motion, rates);
+    }
+
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.mean_momentum(at, p)
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.elements.iter().all(|e| e.element.is_symmetric())
+    }
+
+    fn kind(&self, i: usize) -> Kind {
+        self.kinds[self.coordinates[i]]
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.coordinate_name(self.coordinates[i])
+    }
+
+    fn magnitude(&self, i: usize) -> f64 {
+        self.magnitudes[i]
+    }
+
+    fn scales(&self) -> Scales {
+        self.work.scales
+    }
+}

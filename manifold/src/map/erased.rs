@@ -1,0 +1,263 @@
+//! The object-safe boundary: maps of any dimensions behind a pointer.
+
+#![allow(non_snake_case)]
+
+use super::Map;
+use crate::so3::Spins;
+use crate::system::{CHART_EDGE, ChartChanges};
+use nalgebra::SVector;
+
+/// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
+#[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
+pub struct KinematicsMut<'a> {
+    pub x: &'a mut [f64],
+    pub x_dot: &'a mut [f64],
+    pub x_ddot: &'a mut [f64],
+    pub B: &'a mut [f64],
+    pub B_dot: &'a mut [f64],
+    pub B_ddot: &'a mut [f64],
+}
+
+/// A [`Map`] of any dimensions behind a pointer: slices outside, fixed sizes and no heap inside.
+///
+/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known at run time only
+/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
+/// says; matrices are stored column by column.
+pub trait Parametrization: Send + Sync {
+    /// What the map is called in reports: the name of its type unless it has a better one.
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
+
+    /// (d, n): number of coordinates q and number of embedding coordinates x.
+    fn dims(&self) -> (usize, usize);
+
+    /// A copy, in the same charts.
+    fn duplicate(&self) -> Box<dyn Parametrization>;
+
+    /// See [`Map::margin`]; infinite by default.
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        let _ = (t, q);
+        f64::INFINITY
+    }
+
+    /// See [`Map::edge`].
+    fn edge(&self) -> &'static str {
+        CHART_EDGE
+    }
+
+    /// See [`Map::change_charts`]; nothing to do by default.
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
+        let _ = (t, q);
+        ChartChanges::default()
+    }
+
+    /// See [`Map::is_objective`].
+    fn is_objective(&self) -> bool {
+        true
+    }
+
+    /// Whether φ is linear in q, so that K_σ(f) vanishes and nobody has to ask for it.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
+    /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
+    /// changed in place; whether they were. Nothing to do by default.
+    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        let _ = (t, q, v, a);
+        false
+    }
+
+    /// See [`Map::rewrites`].
+    fn rewrites(&self) -> bool {
+        false
+    }
+
+    /// See [`Map::spins`].
+    fn spins(&self) -> Option<Spins> {
+        None
+    }
+
+    /// See [`Map::trouble`].
+    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+        let _ = (t, q);
+        None
+    }
+
+    /// See [`Map::note`].
+    fn note(&self) -> Option<String> {
+        None
+    }
+
+    /// See [`Map::overdue`]; both states are (q, q̇).
+    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let _ = (h, from, to);
+        None
+    }
+
+    /// See [`Map::enter`].
+    fn enter(&mut self, segment: usize) {
+        let _ = segment;
+    }
+
+    /// See [`Map::segment`].
+    fn segment(&self) -> usize {
+        0
+    }
+
+    /// What the map remembers of its way besides the coordinates, where it cannot be found from
+    /// them: what a checkpoint has to hold.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Goes on from what [`Parametrization::memory`] gave for the same map; false, and no change,
+    /// where that is not of this map.
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        memory.is_empty()
+    }
+
+    /// See [`Map::violation`].
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        let _ = (t, q);
+        None
+    }
+
+    /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
+    /// there are equations; as many as there are.
+    fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
+        let _ = (t, q, f);
+        lambda.fill(0.0);
+    }
+
+    /// Writes x (n) and B (n×d).
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]);
+
+    /// Writes x, ẋ, ẍ (n) and B, Ḃ, B̈ (n×d).
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>);
+
+    /// Writes K_σ(f) (d×d).
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
+}
+
+/// The bridge from fixed sizes to slices.
+pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
+
+impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
+where
+    M: Map<D, N> + Clone + 'static,
+{
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<M>()
+    }
+
+    fn dims(&self) -> (usize, usize) {
+        (D, N)
+    }
+
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(Self(self.0.clone()))
+    }
+
+    fn margin(&self, t: f64, q: &[f64]) -> f64 {
+        self.0.margin(t, &SVector::from_column_slice(q))
+    }
+
+    fn edge(&self) -> &'static str {
+        self.0.edge()
+    }
+
+    fn change_charts(&mut self, t: f64, q: &[f64]) -> ChartChanges {
+        self.0.change_charts(t, &SVector::from_column_slice(q))
+    }
+
+    fn is_objective(&self) -> bool {
+        self.0.is_objective()
+    }
+
+    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+        let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(x);
+        let Some(new) = self.0.rewrite(t, &take(q), &take(v)) else {
+            return false;
+        };
+        q.copy_from_slice(new.q.as_slice());
+        v.copy_from_slice(new.v.as_slice());
+        for a in a {
+            let accelerations = new.B * take(a) + new.c;
+            a.copy_from_slice(accelerations.as_slice());
+        }
+        true
+    }
+
+    fn rewrites(&self) -> bool {
+        self.0.rewrites()
+    }
+
+    fn spins(&self) -> Option<Spins> {
+        self.0.spins()
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.0.memory()
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        self.0.recall(memory)
+    }
+
+    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.trouble(t, &SVector::from_column_slice(q))
+    }
+
+    fn note(&self) -> Option<String> {
+        self.0.note()
+    }
+
+    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+        let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
+        self.0.overdue(h, from.each_ref(), to.each_ref())
+    }
+
+    fn enter(&mut self, segment: usize) {
+        self.0.enter(segment);
+    }
+
+    fn segment(&self) -> usize {
+        self.0.segment()
+    }
+
+    fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {
+        self.0.violation(t, &SVector::from_column_slice(q))
+    }
+
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        let out = self.0.tangent(t, &SVector::from_column_slice(q));
+        x.copy_from_slice(out.x.as_slice());
+        B.copy_from_slice(out.B.as_slice());
+    }
+
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        let k = self.0.kinematics(
+            t,
+            &SVector::from_column_slice(q),
+            &SVector::from_column_slice(v),
+            &SVector::from_column_slice(a),
+        );
+        out.x.copy_from_slice(k.x.as_slice());
+        out.x_dot.copy_from_slice(k.x_dot.as_slice());
+        out.x_ddot.copy_from_slice(k.x_ddot.as_slice());
+        out.B.copy_from_slice(k.B.as_slice());
+        out.B_dot.copy_from_slice(k.B_dot.as_slice());
+        out.B_ddot.copy_from_slice(k.B_ddot.as_slice());
+    }
+
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        let out = self.0.geometric_stiffness(
+            t,
+            &SVector::from_column_slice(q),
+            &SVector::from_column_slice(f),
+        );
+        K.copy_from_slice(out.as_slice());
+    }
+}

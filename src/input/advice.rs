@@ -1,0 +1,127 @@
+//! What would be right instead, where a model file is refused.
+
+use super::error::Problem;
+use super::suggest::closest;
+
+fn names(known: &[String]) -> String {
+    const SHOWN: usize = 24;
+    let mut shown: Vec<String> = known.iter().take(SHOWN).map(|k| format!("`{k}`")).collect();
+    if known.len() > SHOWN {
+        shown.push(format!("... ({} in all)", known.len()));
+    }
+    shown.join(", ")
+}
+
+/// Words of other programs, and ours.
+const SYNONYMS: [(&str, &str); 5] = [
+    ("linear", "proportional"),
+    ("limit-point", "turning-point"),
+    ("harmonic", "sine"),
+    ("step", "pulse"),
+    ("hinge", "revolute"),
+];
+
+/// What a message of the parser alone does not tell.
+fn explanation(message: &str) -> Option<String> {
+    let told = if message.contains("an array of length 3") {
+        "three numbers in brackets are expected, such as [X, Y, Z] of a place or [Fx, Fy, Fz] of a \
+         force; decimals stand after a point"
+    } else if message.contains("expected f64") {
+        "a number stands without quotes, its decimals after a point"
+    } else if message.contains("exactly one key") {
+        "one at a time: one of static, arc-length and dynamic for an analysis, one function for a \
+         time"
+    } else {
+        return None;
+    };
+    Some(told.to_owned())
+}
+
+fn suggestion(found: &str, known: &[String]) -> String {
+    let known_as = SYNONYMS
+        .iter()
+        .find(|(word, ours)| *word == found && known.iter().any(|known| known == ours));
+    let near = match known_as {
+        Some((_, ours)) => Some((*ours).to_owned()),
+        None => closest(found, known.iter().map(String::as_str)),
+    };
+    match near {
+        _ if known.is_empty() => "none is defined".to_owned(),
+        Some(near) => format!("did you mean `{near}`? There are: {}", names(known)),
+        None => format!("there are: {}", names(known)),
+    }
+}
+
+impl Problem {
+    /// What would be right.
+    pub fn advice(&self) -> Option<String> {
+        let fixed = match self {
+            Self::UnknownKey { found, known }
+            | Self::JointKey {
+                key: found, known, ..
+            }
+            | Self::UnknownName {
+                name: found, known, ..
+            } => {
+                return Some(suggestion(found, known));
+            }
+            Self::Range { expected, .. } | Self::ProbeComponent { expected, .. } => {
+                return Some(format!("expected {expected}"));
+            }
+            Self::Toml(message) => return explanation(message),
+            Self::Components { expected: 3, .. } => {
+                return explanation("an array of length 3");
+            }
+            Self::LoadTarget { load: "force", .. } => {
+                "on a line use force_per_length = [fx, fy, fz]; a force needs a node"
+            }
+            Self::Empty => "describe at least [nodes] and [[lines]] or [[bodies]]",
+            Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",
+            Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
+            Self::Missing { .. } => "add at least one of [[lines]], [[bodies]]",
+            Self::Duplicate { .. } => "give each its own name",
+            Self::Name { .. } => {
+                "names must not be empty and must not contain `/`, `:`, quotes, commas or line \
+                 breaks; `line/1` is the first inner node of a line, `line:1` its first element"
+            }
+            Self::SectionKind { .. } => {
+                "give exactly one of stiffness, matrix, rectangle, circle, tube"
+            }
+            Self::NoMaterial { .. } => "add material = { E = ..., nu = ..., rho = ... }",
+            Self::ZeroLength { .. } => "move one of the nodes",
+            Self::UselessSupport { .. } => "add fix = \"all\" or driven = { rz = ... }",
+            Self::PrescribedTwice { .. } => "remove it from one of the supports",
+            Self::PrescribedEvent { .. } => "choose a free coordinate, or stop at a load",
+            Self::LoadKind { .. } => {
+                "give exactly one of force, moment (on a node), force_per_length (on a line), \
+                 gravity (on all lines, or one)"
+            }
+            Self::NoMass { .. } => "add mass = { A_rho = ... } or a material with rho",
+            Self::NoReaction { .. } => "probe a node that has a support",
+            Self::ClosureKey { .. } => "add it, or remove this key",
+            Self::NoJoint { .. } => "probe the node that bears the joint's name",
+            Self::DynamicProbe { .. } => "add [analysis.dynamic], or remove the probe",
+            Self::SpringKind { .. } => {
+                "give stiffness, damping (and rest_length), or bushing = { stiffness = [...] }"
+            }
+            Self::WeightlessModel => "add bodies, or sections with mass",
+            Self::InitialNode { .. } => "name the node",
+            Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
+            Self::InitialHeld { .. } => "remove it, or free the node",
+            Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
+            Self::Geared { .. } => "give it to the joint at the other end of the gear",
+            Self::Column { .. } => "give the probe another name",
+            Self::Jump => "use a ramp, hat, table, sine or run-up",
+            Self::LoopRates { .. } => {
+                "give as many rates as the loops leave free, the others follow"
+            }
+            Self::LoopMotion { .. } => {
+                "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"
+            }
+            Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
+            Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
+            _ => return None,
+        };
+        Some(fixed.to_owned())
+    }
+}
