@@ -166,10 +166,11 @@ impl ModelBuilder {
         };
         let zero = vec![0.0; model.coordinates.len()];
         model.start_element_charts(0.0, &zero);
-        let mut values: Vec<(usize, f64)> = (starts.iter())
-            .filter_map(|(&(n, k), &x)| Some((model.unknown_at(n, k)?, x)))
+        let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
+        starts.sort_unstable_by_key(|v| v.0);
+        let values: Vec<(usize, f64)> = (starts.into_iter())
+            .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
             .collect();
-        values.sort_unstable_by_key(|v| v.0);
         model.assemble_enforced(&values)?;
         Ok(model)
     }

@@ -31,6 +31,7 @@ mod runs;
 mod scatter;
 mod sheets;
 mod slots;
+mod start;
 mod symmetry;
 mod system;
 mod travel;
