@@ -9,15 +9,21 @@ use super::start::start;
 use super::{Attached, Model, ModelError, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Kind, Point, SystemError};
 
 /// Part of the largest gradient below which what is left of another one is rounding.
 const RANK: f64 = 1e-8;
+/// Part of the largest gradient by what is driven above which an equation depends on it.
+const DRIVES: f64 = 1e-4;
 /// Residual of an equation that followed from others at which it does so no more.
 const LOOSE: f64 = 1e-8;
 /// What an equation leaves that has been left out.
 const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
                         singular position; start in another one";
+
+/// The same where it depends on what is driven.
+const OVERDRIVEN: &str = "zero, as what is driven asks for what the linkage does not allow: drive no \
+                          more than is free";
 
 /// All equations that elements enforce, with their derivatives by the unknowns.
 pub(super) struct Equations {
@@ -25,6 +31,8 @@ pub(super) struct Equations {
     pub(super) h_dot: DVector<f64>,
     /// Derivatives, a row for each equation, a column for each unknown over its size.
     pub(super) J: DMatrix<f64>,
+    /// The same by what is driven.
+    driven: DMatrix<f64>,
     /// Element of each equation, and its number there.
     pub(super) of: Vec<(usize, usize)>,
 }
@@ -77,10 +85,21 @@ impl Model {
 
     /// Typical size of an unknown.
     pub(super) fn unit(&self, u: usize) -> f64 {
-        match self.kind(u) {
+        self.size(self.coordinates[u])
+    }
+
+    /// Typical size of a coordinate.
+    fn size(&self, coordinate: usize) -> f64 {
+        match self.kinds[coordinate] {
             Kind::Length => self.length,
             _ => 1.0,
         }
+    }
+
+    /// The coordinates that are driven.
+    pub(super) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
+        let driven = self.prescribed.iter().filter(|p| !p.function.is_zero());
+        driven.map(|p| p.coordinate)
     }
 
     /// All equations at a state; without velocities at rest.
@@ -93,7 +112,8 @@ impl Model {
         let a = vec![0.0; v.len()];
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
-        let (mut h, mut h_dot, mut of, mut rows) = (vec![], vec![], vec![], vec![]);
+        let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
+        let (mut rows, mut driven) = (vec![], vec![]);
         for k in self.enforced.clone() {
             let e = &self.elements[k];
             let w = &mut self.work;
@@ -124,10 +144,12 @@ impl Model {
                 self.pull_back_nodes(t, None, false);
                 let row = self.coordinates.iter().enumerate();
                 rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
+                driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));
             }
         }
         Ok(Equations {
             J: DMatrix::from_row_slice(of.len(), n, &rows),
+            driven: DMatrix::from_row_slice(of.len(), self.driven().count(), &driven),
             h: DVector::from_vec(h),
             h_dot: DVector::from_vec(h_dot),
             of,
@@ -137,7 +159,9 @@ impl Model {
     /// Takes as many equations as are independent of each other, those with the largest gradients
     /// first, and leaves the others out.
     pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
-        let Equations { J, of, .. } = self.equations(0.0, q, &[]).map_err(start)?;
+        let all = self.equations(0.0, q, &[]).map_err(start)?;
+        let Equations { J, of, .. } = all;
+        let mut by_driven = all.driven;
         let counts = |&(k, _): &(usize, usize)| {
             let enforced = self.elements[k].element.enforced();
             enforced.is_some_and(|e| e.penalty().is_none())
@@ -161,10 +185,25 @@ impl Model {
             }
             waiting.retain(|&i| i != best);
             let direction = rest.row(best) / size;
+            let along_driven = by_driven.row(best) / size;
             for &i in &waiting {
                 let along = rest.row(i).dot(&direction);
                 let reduced = rest.row(i) - &direction * along;
                 rest.set_row(i, &reduced);
+                let reduced = by_driven.row(i) - &along_driven * along;
+                by_driven.set_row(i, &reduced);
+            }
+        }
+        // What follows from others for given positions of what is driven, but not for all.
+        self.overdriven.clear();
+        for &i in &waiting {
+            let off = by_driven.row(i);
+            let names: Vec<String> = (self.driven().zip(off.iter()))
+                .filter(|(_, slope)| slope.abs() > DRIVES * limit / RANK)
+                .map(|(c, _)| self.coordinate_name(c))
+                .collect();
+            if !names.is_empty() {
+                self.overdriven.push((of[i], names.join(", ")));
             }
         }
         for k in self.enforced.clone() {
@@ -206,11 +245,14 @@ impl Model {
         for &k in &self.enforced {
             let e = &self.elements[k];
             if let Some((i, h)) = e.loose {
-                return Err(SystemError::OutsideChart {
-                    edge: FOLLOWED,
-                    what: format!("{} of element {}", e.equation(i), e.name),
-                    margin: -h.abs(),
-                });
+                let what = format!("{} of element {}", e.equation(i), e.name);
+                let driven = self.overdriven.iter().find(|(of, _)| *of == (k, i));
+                let (edge, what) = match driven {
+                    None => (FOLLOWED, what),
+                    Some((_, names)) => (OVERDRIVEN, format!("{what} (driven: {names})")),
+                };
+                let margin = -h.abs();
+                return Err(SystemError::OutsideChart { edge, what, margin });
             }
         }
         Ok(())

@@ -188,8 +188,9 @@ impl Model {
             let mut q = from.to_vec();
             self.start_element_charts(0.0, &q);
             let arrived = (1..=steps as usize).all(|k| {
+                let part = k as f64 / steps;
                 for &(u, x) in held {
-                    q[u] = from[u] + k as f64 / steps * (x - from[u]);
+                    q[u] = (1.0 - part) * from[u] + part * x;
                 }
                 let closed = self.close_up(0.0, &mut q, &fixed, FITS).is_ok();
                 self.change_charts(0.0, &mut q, &mut [], &mut []);
@@ -232,10 +233,12 @@ impl Model {
         let all = self.equations(t, q, &[]).map_err(start)?;
         let worst = all.h.iamax();
         let (k, i) = all.of[worst];
+        let driven: Vec<String> = self.driven().map(|c| self.coordinate_name(c)).collect();
         Err(ModelError::Unclosed {
             joint: self.closing_joint(&all, worst),
             equation: self.elements[k].equation(i),
             gap: all.h.amax(),
+            driven: driven.join(", "),
         })
     }
 
