@@ -115,6 +115,10 @@ impl Problem {
             Self::LoopRates { .. } => {
                 "give as many rates as the loops leave free, the others follow"
             }
+            Self::LoopLocked { .. } => {
+                "remove it; if it should move, release something along the loop, or see whether axes \
+                 and places are given with all their digits"
+            }
             Self::LoopMotion { .. } => {
                 "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"
             }

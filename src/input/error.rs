@@ -169,6 +169,8 @@ pub enum Problem {
         "the initial rates of {of} contradict each other: their loops leave a difference of {left:.3e}"
     )]
     LoopRates { of: String, left: f64 },
+    #[error("the initial rate of {of} is not possible: its loop leaves it no freedom")]
+    LoopLocked { of: String },
     #[error(
         "the initial velocities contradict the loop closed by joint {joint}: its parts cannot move \
          like that"

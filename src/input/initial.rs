@@ -1,6 +1,7 @@
 //! Initial conditions of the file as vectors of the model.
 
-use super::assemble::{LineGeometry, Names, locate};
+use super::asked::{self, Asked, Rate};
+use super::assemble::{LineGeometry, Names};
 use super::file::{Initial, ModelFile};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
@@ -8,6 +9,9 @@ use pullback_elements::model::{Model, NodeId, RigidMotion};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
 use std::f64::consts::TAU;
+
+/// What velocities may be off, relative to the largest.
+pub(super) const LEFT: f64 = 1e-9;
 
 /// Coordinates and velocities at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +65,8 @@ pub(super) fn start(
     }
     // Rates in loops: what is asked for, by whom, and where the first of them stands.
     let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
+    // What entries ask for of the loops that multipliers and penalties close.
+    let mut asked: Vec<Asked> = Vec::new();
     let whole = |path: &[&str]| {
         path.iter()
             .map(|p| (*p).to_owned())
@@ -129,17 +135,22 @@ pub(super) fn start(
             let turns = initial.angular_velocity.or(initial.body_angular_velocity);
             let goes = initial.velocity.is_some() || initial.about.is_some();
             keep(model, node, &before, &mut v, [goes, turns.is_some()]);
+            let of = [goes, turns.is_some()];
+            asked.push(Asked::of_node(k, model, node, of));
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = model.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
         let against = fitted.unwrap_or_default();
+        if node.is_none() {
+            asked.push(Asked::of_nodes(k, model, chosen.as_deref()));
+        }
         if let (Some(joint), false) = (against.first(), chosen_rates) {
             let joint = joint.clone();
             return Err(source.value(&["initial", &index], Problem::LoopMotion { joint }));
         }
     }
     let mut rates = spins;
-    let (mut held, mut most) = (Vec::new(), 0.0_f64);
+    let mut held: Vec<Rate> = Vec::new();
     for (k, joint) in file.joints.iter().enumerate() {
         let index = k.to_string();
         for (coordinate, acts) in joint.all_acts() {
@@ -162,9 +173,12 @@ pub(super) fn start(
                     _ => model.set(vector, node, 0, given),
                 };
                 if let (true, "rate", Some(u)) = (set, key, model.unknown_at(node, 0)) {
-                    held.push(u);
-                    names.push(name.clone());
-                    most = most.max(given.abs());
+                    held.push(Rate {
+                        u,
+                        of: name.clone(),
+                        at: whole(&at),
+                        given,
+                    });
                 }
                 if !set && geared && !model.in_loop(node) {
                     let joint = name.clone();
@@ -184,22 +198,20 @@ pub(super) fn start(
         let left = model
             .fit_coordinate_rates(&q, &mut v, &rates)
             .unwrap_or(0.0);
-        if left > 1e-9 * most {
+        if left > LEFT * most {
             let path = first.unwrap_or_default();
             let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            let of = names.join(", ");
-            return Err(source.value(&path, Problem::LoopRates { of, left }));
+            let problem = match names.as_slice() {
+                [one] => Problem::LoopLocked { of: one.clone() },
+                all => Problem::LoopRates {
+                    of: all.join(", "),
+                    left,
+                },
+            };
+            return Err(source.value(&path, problem));
         }
     }
-    let left = model
-        .satisfy(0.0, &mut q, &mut v, &held)
-        .map_err(|error| locate(source, file, error))?;
-    if most > 0.0 && left > 1e-9 {
-        let left = left * most;
-        let of = names.join(", ");
-        return Err(InputError::whole(Problem::LoopRates { of, left }));
-    }
-    Ok(Start { q, v })
+    asked::satisfy(source, model, file, Start { q, v }, &held, asked)
 }
 
 fn check<'a>(

@@ -4,6 +4,7 @@
 //! right.
 
 mod advice;
+mod asked;
 mod assemble;
 mod bodies;
 mod error;

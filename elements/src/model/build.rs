@@ -2,6 +2,7 @@
 
 use super::ancestry::{self, Alternatives};
 use super::builder::{ModelBuilder, NodeId};
+use super::connections::check_connections;
 use super::formulation;
 use super::loops;
 use super::placement::Placement;
@@ -21,8 +22,22 @@ impl ModelBuilder {
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };
-        self.keep_one_free()?;
         let forces = self.enforce_closings(length)?;
+        if self.nodes.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        let mut preferred = std::mem::take(&mut self.preferred);
+        preferred.extend(self.starts.keys().map(|&(n, _)| n));
+        let used = self.elements.iter().flat_map(|e| e.nodes.iter());
+        preferred.extend(used.map(|&n| NodeId(n)));
+        let wishes = loops::Wishes {
+            starts: &self.starts,
+            preferred,
+        };
+        let held = loops::Held(&self.prescribed);
+        let mut reports = loops::close(&mut self.nodes, &self.closings, &held, &wishes, length)?;
+        self.keep_one_free(&reports)?;
+        reports.extend(forces);
         let Self {
             mut nodes,
             mut elements,
@@ -30,25 +45,8 @@ impl ModelBuilder {
             closings,
             starts,
             formulation,
-            mut preferred,
             ..
         } = self;
-        if nodes.is_empty() {
-            return Err(ModelError::Empty);
-        }
-        let held = loops::Held(&prescribed);
-        preferred.extend(starts.keys().map(|&(n, _)| n));
-        preferred.extend(
-            elements
-                .iter()
-                .flat_map(|e| e.nodes.iter().map(|&n| NodeId(n))),
-        );
-        let wishes = loops::Wishes {
-            starts: &starts,
-            preferred,
-        };
-        let mut reports = loops::close(&mut nodes, &closings, &held, &wishes, length)?;
-        reports.extend(forces);
         formulation::apply(formulation, &mut nodes, &mut prescribed);
         let mut total = 0;
         for node in &mut nodes {
@@ -58,8 +56,8 @@ impl ModelBuilder {
         let dependent = ancestry::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent);
         let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
-        check_connections(&nodes, &dependent, &elements)?;
         let prescribed = resolve_prescribed(&nodes, prescribed)?;
+        check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_rewritten(&nodes, &elements, &prescribed)?;
 
         // Numbering: block by block, away from the supports.
@@ -87,12 +85,6 @@ impl ModelBuilder {
                 placement.blocks[n] = sizes.len() as u32;
                 sizes.push(size as usize);
             }
-        }
-        if coordinates.is_empty() {
-            let locked = reports.iter().find_map(|r| r.closures.first());
-            return Err(ModelError::LockedLoop {
-                joints: locked.map_or_else(String::new, |&(n, _)| nodes[n as usize].name.clone()),
-            });
         }
 
         // The pattern has room for whatever an element may come to depend on; a joint without
@@ -156,6 +148,7 @@ impl ModelBuilder {
             elements,
             enforced,
             initial: Vec::new(),
+            overdriven: Vec::new(),
             prescribed,
             driven_rotations,
             runs: Runs::new(&coordinates),
@@ -171,10 +164,11 @@ impl ModelBuilder {
         };
         let zero = vec![0.0; model.coordinates.len()];
         model.start_element_charts(0.0, &zero);
-        let mut values: Vec<(usize, f64)> = (starts.iter())
-            .filter_map(|(&(n, k), &x)| Some((model.unknown_at(n, k)?, x)))
+        let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
+        starts.sort_unstable_by_key(|v| v.0);
+        let values: Vec<(usize, f64)> = (starts.into_iter())
+            .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
             .collect();
-        values.sort_unstable_by_key(|v| v.0);
         model.assemble_enforced(&values)?;
         Ok(model)
     }
@@ -283,38 +277,6 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
         }
     }
     order
-}
-
-/// Every own node must meet an element that is not a load, directly or through a joint; a mapped
-/// node, which has no coordinates of its own, may stand alone: a place to look at.
-fn check_connections(
-    nodes: &[Node],
-    dependent: &[u32],
-    elements: &[Attached],
-) -> Result<(), ModelError> {
-    let mut connected = vec![false; nodes.len()];
-    for e in elements {
-        for &n in e.nodes.iter() {
-            connected[n as usize] |= !e.element.is_load();
-        }
-    }
-    // The last link of a chain first.
-    for n in dependent.iter().rev().map(|&n| n as usize) {
-        if let Source::Mapped(d) = &nodes[n].source
-            && connected[n]
-        {
-            for &m in d.segments.iter().flatten() {
-                connected[m as usize] = true;
-            }
-        }
-    }
-    let alone = |(node, connected): (&Node, &bool)| node.is_own() && !connected;
-    match nodes.iter().zip(&connected).position(alone) {
-        None => Ok(()),
-        Some(n) => Err(ModelError::Unconnected {
-            node: nodes[n].name.clone(),
-        }),
-    }
 }
 
 /// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.

@@ -5,31 +5,36 @@
 
 use super::gather::collect;
 use super::local::Local;
+use super::start::start;
 use super::{Attached, Model, ModelError, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Kind, Point, SystemError};
 
-/// Largest scaled residual of equations that are satisfied.
-const CLOSED: f64 = 1e-11;
 /// Part of the largest gradient below which what is left of another one is rounding.
 const RANK: f64 = 1e-8;
+/// Part of the largest gradient by what is driven above which an equation depends on it.
+const DRIVES: f64 = 1e-4;
 /// Residual of an equation that followed from others at which it does so no more.
 const LOOSE: f64 = 1e-8;
-/// Largest step to a value that a coordinate should start with, in its size.
-const STRIDE: f64 = 0.1;
 /// What an equation leaves that has been left out.
 const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
                         singular position; start in another one";
 
+/// The same where it depends on what is driven.
+const OVERDRIVEN: &str = "zero, as what is driven asks for what the linkage does not allow: drive no \
+                          more than is free";
+
 /// All equations that elements enforce, with their derivatives by the unknowns.
-struct Equations {
-    h: DVector<f64>,
-    h_dot: DVector<f64>,
+pub(super) struct Equations {
+    pub(super) h: DVector<f64>,
+    pub(super) h_dot: DVector<f64>,
     /// Derivatives, a row for each equation, a column for each unknown over its size.
-    J: DMatrix<f64>,
+    pub(super) J: DMatrix<f64>,
+    /// The same by what is driven.
+    driven: DMatrix<f64>,
     /// Element of each equation, and its number there.
-    of: Vec<(usize, usize)>,
+    pub(super) of: Vec<(usize, usize)>,
 }
 
 impl Model {
@@ -78,120 +83,37 @@ impl Model {
         worst
     }
 
-    /// Moves a start at time t to the nearest one that satisfies what elements enforce: coordinates
-    /// `q`, and velocities `v` if there are any. The unknowns in `held` keep what they have.
-    /// How far off the worst velocity remains, relative to their size: zero to rounding where there
-    /// are velocities that satisfy the equations.
-    ///
-    /// # Errors
-    /// [`ModelError::Unclosed`] where no configuration nearby satisfies the equations;
-    /// [`ModelError::Start`] where one is outside the domain of a joint.
-    pub fn satisfy(
-        &mut self,
-        t: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        held: &[usize],
-    ) -> Result<f64, ModelError> {
-        if self.enforced.is_empty() {
-            return Ok(0.0);
-        }
-        self.close_up(t, q, held)?;
-        if v.is_empty() {
-            return Ok(0.0);
-        }
-        let all = self.equations(t, q, v).map_err(start)?;
-        let fastest =
-            (v.iter().enumerate()).fold(0.0, |m, (u, v)| f64::max(m, v.abs() / self.unit(u)));
-        let size = all.J.amax().max(f64::MIN_POSITIVE) * fastest;
-        let J = without(&all.J, held);
-        let more = least(&J, &(-&all.h_dot));
-        for (u, more) in more.iter().enumerate() {
-            v[u] += more * self.unit(u);
-        }
-        let left = (all.h_dot + J * more).amax();
-        Ok(if left > 0.0 {
-            left / size.max(left)
-        } else {
-            0.0
-        })
-    }
-
-    /// Assembles the model once it is built, coordinates at the values that they should start with,
-    /// and finds the equations that follow from others there.
-    pub(super) fn assemble_enforced(&mut self, values: &[(usize, f64)]) -> Result<(), ModelError> {
-        let n = self.coordinates.len();
-        self.initial = vec![0.0; n];
-        if self.enforced.is_empty() {
-            return Ok(());
-        }
-        let mut q = vec![0.0; n];
-        let far = values.iter().map(|&(u, x)| x.abs() / self.unit(u));
-        let steps = (far.fold(0.0, f64::max) / STRIDE).ceil().max(1.0);
-        let mut held: Vec<usize> = values.iter().map(|&(u, _)| u).collect();
-        for k in 1..=steps as usize {
-            if !held.is_empty() {
-                for &(u, x) in values {
-                    q[u] = x * k as f64 / steps;
-                }
-            }
-            let before = q.clone();
-            if self.close_up(0.0, &mut q, &held).is_err() {
-                // Values that do not fit together are a first guess.
-                q = before;
-                if !held.is_empty() {
-                    values.iter().for_each(|&(u, x)| q[u] = x);
-                    held.clear();
-                }
-                self.close_up(0.0, &mut q, &[])?;
-            }
-            self.change_charts(0.0, &mut q, &mut [], &mut []);
-        }
-        self.leave_out_redundant(&q)?;
-        self.initial = q;
-        Ok(())
-    }
-
-    /// Newton's method for h(t, q) = 0 with the smallest corrections.
-    fn close_up(&mut self, t: f64, q: &mut [f64], held: &[usize]) -> Result<(), ModelError> {
-        let mut last = f64::INFINITY;
-        for _ in 0..60 {
-            let all = self.equations(t, q, &[]).map_err(start)?;
-            let worst = all.h.amax();
-            if worst <= 1e-15 || (worst <= CLOSED && worst > 0.5 * last) {
-                return Ok(());
-            }
-            last = worst;
-            let more = least(&without(&all.J, held), &(-&all.h));
-            let shorter = (3.0 * STRIDE / more.amax()).min(1.0);
-            for (u, more) in more.iter().enumerate() {
-                q[u] += more * shorter * self.unit(u);
-            }
-        }
-        let all = self.equations(t, q, &[]).map_err(start)?;
-        let (k, i) = all.of[all.h.iamax()];
-        let e = &self.elements[k];
-        Err(ModelError::Unclosed {
-            joint: e.name.trim_start_matches("closure of ").to_owned(),
-            equation: e.equation(i),
-            gap: all.h.amax(),
-        })
-    }
-
     /// Typical size of an unknown.
-    fn unit(&self, u: usize) -> f64 {
-        match self.kind(u) {
+    pub(super) fn unit(&self, u: usize) -> f64 {
+        self.size(self.coordinates[u])
+    }
+
+    /// Typical size of a coordinate.
+    fn size(&self, coordinate: usize) -> f64 {
+        match self.kinds[coordinate] {
             Kind::Length => self.length,
             _ => 1.0,
         }
     }
 
+    /// The coordinates that are driven.
+    pub(super) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
+        let driven = self.prescribed.iter().filter(|p| !p.function.is_zero());
+        driven.map(|p| p.coordinate)
+    }
+
     /// All equations at a state; without velocities at rest.
-    fn equations(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Equations, SystemError> {
+    pub(super) fn equations(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Equations, SystemError> {
         let a = vec![0.0; v.len()];
         self.expand(Point { t, q, v, a: &a })?;
         let n = q.len();
-        let (mut h, mut h_dot, mut of, mut rows) = (vec![], vec![], vec![], vec![]);
+        let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
+        let (mut rows, mut driven) = (vec![], vec![]);
         for k in self.enforced.clone() {
             let e = &self.elements[k];
             let w = &mut self.work;
@@ -222,10 +144,12 @@ impl Model {
                 self.pull_back_nodes(t, None, false);
                 let row = self.coordinates.iter().enumerate();
                 rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
+                driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));
             }
         }
         Ok(Equations {
             J: DMatrix::from_row_slice(of.len(), n, &rows),
+            driven: DMatrix::from_row_slice(of.len(), self.driven().count(), &driven),
             h: DVector::from_vec(h),
             h_dot: DVector::from_vec(h_dot),
             of,
@@ -234,8 +158,10 @@ impl Model {
 
     /// Takes as many equations as are independent of each other, those with the largest gradients
     /// first, and leaves the others out.
-    fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
-        let Equations { J, of, .. } = self.equations(0.0, q, &[]).map_err(start)?;
+    pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
+        let all = self.equations(0.0, q, &[]).map_err(start)?;
+        let Equations { J, of, .. } = all;
+        let mut by_driven = all.driven;
         let counts = |&(k, _): &(usize, usize)| {
             let enforced = self.elements[k].element.enforced();
             enforced.is_some_and(|e| e.penalty().is_none())
@@ -259,10 +185,25 @@ impl Model {
             }
             waiting.retain(|&i| i != best);
             let direction = rest.row(best) / size;
+            let along_driven = by_driven.row(best) / size;
             for &i in &waiting {
                 let along = rest.row(i).dot(&direction);
                 let reduced = rest.row(i) - &direction * along;
                 rest.set_row(i, &reduced);
+                let reduced = by_driven.row(i) - &along_driven * along;
+                by_driven.set_row(i, &reduced);
+            }
+        }
+        // What follows from others for given positions of what is driven, but not for all.
+        self.overdriven.clear();
+        for &i in &waiting {
+            let off = by_driven.row(i);
+            let names: Vec<String> = (self.driven().zip(off.iter()))
+                .filter(|(_, slope)| slope.abs() > DRIVES * limit / RANK)
+                .map(|(c, _)| self.coordinate_name(c))
+                .collect();
+            if !names.is_empty() {
+                self.overdriven.push((of[i], names.join(", ")));
             }
         }
         for k in self.enforced.clone() {
@@ -304,11 +245,14 @@ impl Model {
         for &k in &self.enforced {
             let e = &self.elements[k];
             if let Some((i, h)) = e.loose {
-                return Err(SystemError::OutsideChart {
-                    edge: FOLLOWED,
-                    what: format!("{} of element {}", e.equation(i), e.name),
-                    margin: -h.abs(),
-                });
+                let what = format!("{} of element {}", e.equation(i), e.name);
+                let driven = self.overdriven.iter().find(|(of, _)| *of == (k, i));
+                let (edge, what) = match driven {
+                    None => (FOLLOWED, what),
+                    Some((_, names)) => (OVERDRIVEN, format!("{what} (driven: {names})")),
+                };
+                let margin = -h.abs();
+                return Err(SystemError::OutsideChart { edge, what, margin });
             }
         }
         Ok(())
@@ -364,31 +308,8 @@ impl Local {
 
 impl Attached {
     /// Name of one of the equations that the element enforces.
-    fn equation(&self, i: usize) -> String {
+    pub(super) fn equation(&self, i: usize) -> String {
         let enforced = self.element.enforced();
         enforced.map_or_else(String::new, |e| e.equation(i))
     }
-}
-
-/// A start that cannot be evaluated.
-fn start(source: SystemError) -> ModelError {
-    ModelError::Start { source }
-}
-
-/// The same matrix with zeros in the columns of what is held.
-fn without(J: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
-    let mut J = J.clone();
-    held.iter().for_each(|&u| J.column_mut(u).fill(0.0));
-    J
-}
-
-/// The smallest x that comes closest to J x = b.
-fn least(J: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
-    let gram = (J * J.transpose()).symmetric_eigen();
-    let largest = gram.eigenvalues.amax();
-    let mut y = gram.eigenvectors.tr_mul(b);
-    for (y, e) in y.iter_mut().zip(gram.eigenvalues.iter()) {
-        *y = if *e > 1e-14 * largest { *y / e } else { 0.0 };
-    }
-    J.tr_mul(&(gram.eigenvectors * y))
 }

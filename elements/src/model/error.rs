@@ -148,13 +148,16 @@ pub enum ModelError {
     #[error("the closure of joint {joint}: {source}")]
     Penalty { joint: String, source: PenaltyError },
     #[error(
-        "no configuration nearby satisfies what {joint} closes or enforces: {equation} remains \
-         {gap:.3e} of its size; draw the model closer to a closed configuration, or start it there"
+        "no configuration nearby satisfies what {joint} closes or enforces{}: {equation} remains \
+         {gap:.3e} of its size; {}draw the model closer to a closed configuration, or start it there",
+        if driven.is_empty() { String::new() } else { format!(" where {driven} are driven to") },
+        if driven.is_empty() { "" } else { "drive no more than is free, or " }
     )]
     Unclosed {
         joint: String,
         equation: String,
         gap: f64,
+        driven: String,
     },
     #[error("the model cannot be assembled: {source}")]
     Start { source: SystemError },

@@ -5,6 +5,7 @@
 
 #![allow(non_snake_case)]
 
+use super::loops::Report;
 use super::{Form, ModelBuilder, ModelError};
 use crate::element::{Element, ElementError, Motion, Response};
 use pullback_manifold::system::Kind;
@@ -32,8 +33,11 @@ impl Element for Idle {
 }
 
 impl ModelBuilder {
-    /// Adds the coordinate that stays zero where nothing else is free.
-    pub(super) fn keep_one_free(&mut self) -> Result<(), ModelError> {
+    /// Adds the coordinate that stays zero where nothing else is free once loops are closed.
+    ///
+    /// # Errors
+    /// [`ModelError::LockedLoop`] where it is loops that leave nothing free, and nothing is driven.
+    pub(super) fn keep_one_free(&mut self, loops: &[Report]) -> Result<(), ModelError> {
         let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
             .map(|(n, k, _)| (n.0 as usize, *k))
             .collect();
@@ -41,9 +45,15 @@ impl ModelBuilder {
             .nodes
             .iter()
             .enumerate()
-            .any(|(n, node)| node.is_own() && (0..node.dim).any(|k| !given.contains(&(n, k))));
+            .filter(|(_, node)| node.is_own() && node.form != Form::Multipliers)
+            .any(|(n, node)| (0..node.dim).any(|k| !given.contains(&(n, k))));
         if free || self.nodes.is_empty() {
             return Ok(());
+        }
+        let still = self.prescribed.iter().all(|(.., f)| f.is_zero());
+        if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
+            let joints = self.nodes[frame as usize].name.clone();
+            return Err(ModelError::LockedLoop { joints });
         }
         let node = self.coordinates("nothing is free", &[Kind::Other])?;
         self.nodes[node.0 as usize].form = Form::Idle;

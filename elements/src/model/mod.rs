@@ -10,6 +10,7 @@ mod build;
 mod builder;
 mod charts;
 mod closures;
+mod connections;
 mod dependence;
 mod enforced;
 mod error;
@@ -31,6 +32,7 @@ mod runs;
 mod scatter;
 mod sheets;
 mod slots;
+mod start;
 mod symmetry;
 mod system;
 mod travel;
@@ -247,6 +249,9 @@ pub struct Model {
     enforced: Vec<usize>,
     /// Coordinates at the start, unless something else is said.
     initial: Vec<f64>,
+    /// Equations (element, number) that are left out and follow from the others only for some
+    /// motions of what is driven, with its names.
+    overdriven: Vec<((usize, usize), String)>,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,

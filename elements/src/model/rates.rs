@@ -154,6 +154,23 @@ impl Model {
         })
     }
 
+    /// The unknowns that nodes move with: their own free coordinates, and those that they follow.
+    pub fn unknowns_behind(&self, nodes: &[NodeId]) -> Vec<usize> {
+        let mut unknowns: Vec<usize> = Vec::new();
+        for n in nodes {
+            let own = match &self.nodes[n.0 as usize].source {
+                Source::Own => std::slice::from_ref(&n.0),
+                Source::Mapped(d) => &d.ancestors[..],
+            };
+            let all = own.iter().flat_map(|&m| self.nodes[m as usize].range());
+            let free = all.filter(|&c| self.unknowns[c] != NONE);
+            unknowns.extend(free.map(|c| self.unknowns[c] as usize));
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        unknowns
+    }
+
     /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
     /// follow from others, and all of them together are changed as little as possible. How far off
     /// the worst remains: zero to rounding where the loops allow the rates.
@@ -167,20 +184,8 @@ impl Model {
         rates: &[(NodeId, usize, f64)],
     ) -> Result<f64, SystemError> {
         let a = vec![0.0; v.len()];
-        let mut unknowns: Vec<usize> = Vec::new();
-        for (n, ..) in rates {
-            let own = match &self.nodes[n.0 as usize].source {
-                Source::Own => std::slice::from_ref(&n.0),
-                Source::Mapped(d) => &d.ancestors[..],
-            };
-            for c in own.iter().flat_map(|&m| self.nodes[m as usize].range()) {
-                if self.unknowns[c] != NONE {
-                    unknowns.push(self.unknowns[c] as usize);
-                }
-            }
-        }
-        unknowns.sort_unstable();
-        unknowns.dedup();
+        let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
+        let unknowns = self.unknowns_behind(&of);
         let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
             let t = 0.0;
             self.expand(Point { t, q, v, a: &a })?;

@@ -22,6 +22,19 @@ pub enum ImplicitError {
         /// Iterations made.
         iterations: usize,
     },
+    /// The same where something is driven.
+    #[error(
+        "no configuration near the given one satisfies the equations where {driven} are driven to: \
+         {equation} is {residual:.3e}; drive no more than is free, and from where the parts are drawn"
+    )]
+    Overdriven {
+        /// Names of the parameters.
+        driven: String,
+        /// The equation that is worst.
+        equation: String,
+        /// Its residual.
+        residual: f64,
+    },
     /// An equation depends on others and contradicts them.
     #[error("{equation} contradicts {others}, on which it depends: it is {residual:.3e}, not zero")]
     Inconsistent {
@@ -110,6 +123,19 @@ pub enum Trouble {
     OutOfReach {
         /// Names of the parameters.
         driven: String,
+    },
+    /// What drives the equations contradicts itself.
+    #[error(
+        "what drives {driven} contradicts itself: {equation} is {residual:.3e}; as the parts are \
+         linked fewer of them are free: drive no more than is free"
+    )]
+    Overdriven {
+        /// Names of the parameters.
+        driven: String,
+        /// The equation.
+        equation: String,
+        /// Its residual.
+        residual: f64,
     },
     /// An equation that was redundant no longer follows from the others.
     #[error(

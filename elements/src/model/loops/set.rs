@@ -248,8 +248,11 @@ pub(super) fn close_set(
             size: if i < 3 { length } else { 1.0 },
         }));
     }
-    let names = given.iter().map(|&(n, _)| nodes[n as usize].name.clone());
-    about.parameters = names.collect();
+    let of = |&(n, _): &(u32, usize)| {
+        let node = &nodes[n as usize];
+        std::iter::repeat_n(node.name.clone(), node.dim)
+    };
+    about.parameters = given.iter().flat_map(of).collect();
     let mut p = Vec::with_capacity(inputs.parameters);
     for &(n, _) in given {
         let value = |k| held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);

@@ -61,7 +61,7 @@ pub struct Description {
     pub rotations: Vec<usize>,
     /// The equations.
     pub equations: Vec<Equation>,
-    /// Names of the parameters p, for messages.
+    /// What each of the parameters p belongs to, for messages.
     pub parameters: Vec<String>,
 }
 

@@ -1,5 +1,6 @@
 //! Which equations depend on which, and which coordinates they leave undetermined, in words.
 
+use super::super::Trouble;
 use super::super::chart::RANK;
 use super::super::names::list;
 use super::core::Core;
@@ -9,6 +10,38 @@ use super::dense::Pivoted;
 const SMALL: f64 = 1e-4;
 
 impl Core {
+    /// What the chosen ones among the parameters belong to, each once.
+    pub(super) fn driven(&self, chosen: impl Fn(usize) -> bool) -> String {
+        let mut names: Vec<String> = Vec::new();
+        for (j, name) in self.about.parameters.iter().enumerate() {
+            if chosen(j) && !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+        list(&names)
+    }
+
+    /// Why an equation that was redundant does not follow any more, at h_y as it stands: because of
+    /// the parameters where it changes with them although the others hold.
+    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> Trouble {
+        self.operators();
+        let (p, X, M, D) = (self.p, self.X, self.M, self.D);
+        let found = self.about.equations.iter().position(|e| e.name == equation);
+        let w = &self.work;
+        let slope = |i: usize, j: usize| {
+            let along = (0..X).map(|k| w.J[i + (p + k) * M] * w.Y[k + (D + j) * X]);
+            (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
+        };
+        match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
+            Some(i) => Trouble::Overdriven {
+                driven: self.driven(|j| slope(i, j) > SMALL),
+                equation,
+                residual,
+            },
+            None => Trouble::Inconsistent { equation, residual },
+        }
+    }
+
     /// Equations whose gradients are needed to write that of equation `i`, at h_y as it stands:
     /// those that it depends on.
     pub(super) fn others(&mut self, i: usize) -> String {

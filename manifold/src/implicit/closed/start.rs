@@ -196,9 +196,17 @@ impl Core {
 
     fn open(&self) -> ImplicitError {
         let i = self.worst();
+        let (equation, residual) = (self.about.equations[i].name.clone(), self.work.h[i]);
+        if self.p > 0 {
+            return ImplicitError::Overdriven {
+                driven: self.driven(|_| true),
+                equation,
+                residual,
+            };
+        }
         ImplicitError::NotAssembled {
-            equation: self.about.equations[i].name.clone(),
-            residual: self.work.h[i],
+            equation,
+            residual,
             iterations: ITERATIONS,
         }
     }

@@ -37,9 +37,9 @@ impl Core {
         };
         std::mem::swap(&mut self.anchor, &mut self.parked);
         outcome.map_err(|trouble| match trouble {
-            Trouble::Inconsistent { .. } => trouble,
-            _ if self.D == 0 && !self.about.parameters.is_empty() => Trouble::OutOfReach {
-                driven: super::super::names::list(&self.about.parameters),
+            Trouble::Inconsistent { equation, residual } => self.contradicted(equation, residual),
+            _ if self.D == 0 && self.p > 0 => Trouble::OutOfReach {
+                driven: self.driven(|_| true),
             },
             other => other,
         })

@@ -1,0 +1,273 @@
+//! Starts that satisfy what elements enforce on a model: the position in which it is assembled, and
+//! coordinates and velocities that an analysis asks for.
+
+#![allow(non_snake_case)]
+
+use super::enforced::Equations;
+use super::loops::Report;
+use super::{Model, ModelError};
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::system::{System, SystemError};
+
+/// Largest scaled residual of equations that are satisfied.
+const CLOSED: f64 = 1e-11;
+/// The same where values are asked for that may fit together to some digits only; and how far from
+/// its value a coordinate may start, in its size.
+const FITS: f64 = 1e-9;
+/// What rounding leaves of scaled residuals.
+const ROUNDING: f64 = 1e-14;
+/// Largest step to a value that a coordinate should start with, in its size.
+const STRIDE: f64 = 0.1;
+/// Coordinates, in their sizes, at which a model counts as closed as it is drawn.
+const DRAWN: f64 = 1e-6;
+
+impl Model {
+    /// Moves a start at time t to the nearest one that satisfies what elements enforce: coordinates
+    /// `q`, and velocities `v` if there are any. The unknowns in `held` keep what they have.
+    /// How far off the worst velocity remains, relative to their size: zero to rounding where there
+    /// are velocities that satisfy the equations.
+    ///
+    /// # Errors
+    /// [`ModelError::Unclosed`] where no configuration nearby satisfies the equations;
+    /// [`ModelError::Start`] where one is outside the domain of a joint.
+    pub fn satisfy(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        held: &[usize],
+    ) -> Result<f64, ModelError> {
+        if self.enforced.is_empty() {
+            return Ok(0.0);
+        }
+        self.close_up(t, q, held, CLOSED)?;
+        if v.is_empty() {
+            return Ok(0.0);
+        }
+        let (left, _) = self.satisfy_velocities(t, q, v, held)?;
+        Ok(left)
+    }
+
+    /// As [`Model::satisfy`], for the velocities of a start whose coordinates satisfy the equations;
+    /// how far off the worst remains, and the joint that it is at.
+    ///
+    /// # Errors
+    /// [`ModelError::Start`] outside the domain of a joint.
+    pub fn satisfy_velocities(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &mut [f64],
+        held: &[usize],
+    ) -> Result<(f64, String), ModelError> {
+        if self.enforced.is_empty() {
+            return Ok((0.0, String::new()));
+        }
+        let all = self.equations(t, q, v).map_err(start)?;
+        let fastest = (v.iter().enumerate()).map(|(u, v)| v.abs() / self.unit(u));
+        let size = all.J.amax().max(f64::MIN_POSITIVE) * fastest.fold(0.0, f64::max);
+        let J = without(&all.J, held);
+        let more = least(&J, &(-&all.h_dot));
+        for (u, more) in more.iter().enumerate() {
+            v[u] += more * self.unit(u);
+        }
+        let left = &all.h_dot + J * more;
+        let worst = left.amax();
+        let relative = if worst > 0.0 {
+            worst / size.max(worst)
+        } else {
+            0.0
+        };
+        Ok((relative, self.closing_joint(&all, left.iamax())))
+    }
+
+    /// Whether the equations that elements enforce leave an unknown no freedom at (t, q).
+    ///
+    /// # Errors
+    /// [`ModelError::Start`] outside the domain of a joint.
+    pub fn is_locked(&mut self, t: f64, q: &[f64], unknown: usize) -> Result<bool, ModelError> {
+        if self.enforced.is_empty() {
+            return Ok(false);
+        }
+        let J = self.equations(t, q, &[]).map_err(start)?.J;
+        let b = -J.column(unknown).clone_owned();
+        let others = without(&J, &[unknown]);
+        let left = &b - &others * least(&others, &b);
+        Ok(left.amax() > FITS * b.amax())
+    }
+
+    /// Assembles the model once it is built, and finds the equations that follow from others there.
+    ///
+    /// Of the values (unknown, value) that coordinates should start with as many are kept as the
+    /// model closes with, in their order, as by the maps of loops; what becomes of the others is
+    /// said in the report.
+    pub(super) fn assemble_enforced(&mut self, values: &[(usize, f64)]) -> Result<(), ModelError> {
+        let n = self.coordinates.len();
+        self.initial = vec![0.0; n];
+        if self.enforced.is_empty() {
+            return Ok(());
+        }
+        let mut q = vec![0.0; n];
+        let closed = self.close_up(0.0, &mut q, &[], CLOSED);
+        if values.is_empty() {
+            closed?;
+        } else {
+            let drawn = closed.is_ok().then_some(q);
+            q = self.with_values(drawn.as_deref(), values)?;
+        }
+        self.change_charts(0.0, &mut q, &mut [], &mut []);
+        self.leave_out_redundant(&q)?;
+        for &(u, value) in values {
+            if (q[u] - value).abs() > FITS * self.unit(u) {
+                let (name, x) = (self.name(u), q[u]);
+                self.reports.push(Report {
+                    words: format!("{name} starts at {x:.6}, as its value does not close the loop"),
+                    map: None,
+                    closures: Vec::new(),
+                    element: None,
+                });
+            }
+        }
+        self.initial = q;
+        Ok(())
+    }
+
+    /// A configuration that satisfies the equations, with as many of the values as it can have.
+    /// `drawn` is one without them.
+    fn with_values(
+        &mut self,
+        drawn: Option<&[f64]>,
+        values: &[(usize, f64)],
+    ) -> Result<Vec<f64>, ModelError> {
+        let mut kept = values.to_vec();
+        let mut found = self.approach(drawn, values, &kept);
+        if found.is_none() {
+            kept.clear();
+            for &value in values {
+                kept.push(value);
+                match self.approach(drawn, values, &kept) {
+                    None => _ = kept.pop(),
+                    some => found = some,
+                }
+            }
+        }
+        let mut q = match (found, drawn) {
+            (Some(q), _) => q,
+            (None, Some(drawn)) => drawn.to_vec(),
+            (None, None) => vec![0.0; self.coordinates.len()],
+        };
+        // Values that fit to some digits only give way to those before them.
+        let mut held = Vec::new();
+        for (u, _) in kept {
+            held.push(u);
+            let mut trial = q.clone();
+            match self.close_up(0.0, &mut trial, &held, CLOSED) {
+                Ok(left) if left <= ROUNDING => q = trial,
+                _ => _ = held.pop(),
+            }
+        }
+        self.close_up(0.0, &mut q, &held, CLOSED)?;
+        Ok(q)
+    }
+
+    /// Closes the model with the values in `held`. If it is closed as it is drawn these are
+    /// approached in steps, on one branch; if that fails, or is not so, they and all other `values`
+    /// are a first guess.
+    fn approach(
+        &mut self,
+        drawn: Option<&[f64]>,
+        values: &[(usize, f64)],
+        held: &[(usize, f64)],
+    ) -> Option<Vec<f64>> {
+        let fixed: Vec<usize> = held.iter().map(|&(u, _)| u).collect();
+        let far = |q: &[f64], u: usize, x: f64| (x - q[u]).abs() / self.unit(u);
+        let near = |q: &&[f64]| (0..q.len()).all(|u| far(q, u, 0.0) < DRAWN);
+        if let Some(from) = drawn.filter(near) {
+            let way = held.iter().map(|&(u, x)| far(from, u, x));
+            let steps = (way.fold(0.0, f64::max) / STRIDE).ceil().max(1.0);
+            let mut q = from.to_vec();
+            self.start_element_charts(0.0, &q);
+            let arrived = (1..=steps as usize).all(|k| {
+                let part = k as f64 / steps;
+                for &(u, x) in held {
+                    q[u] = (1.0 - part) * from[u] + part * x;
+                }
+                let closed = self.close_up(0.0, &mut q, &fixed, FITS).is_ok();
+                self.change_charts(0.0, &mut q, &mut [], &mut []);
+                closed
+            });
+            if arrived {
+                return Some(q);
+            }
+        }
+        let mut q = vec![0.0; self.coordinates.len()];
+        values.iter().for_each(|&(u, x)| q[u] = x);
+        self.start_element_charts(0.0, &q);
+        let closed = self.close_up(0.0, &mut q, &fixed, FITS);
+        closed.ok().map(|_| q)
+    }
+
+    /// Newton's method for h(t, q) = 0 with the smallest corrections, as far as rounding allows; the
+    /// largest |h| that is left, at most `enough`.
+    fn close_up(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        held: &[usize],
+        enough: f64,
+    ) -> Result<f64, ModelError> {
+        let mut last = f64::INFINITY;
+        for _ in 0..60 {
+            let all = self.equations(t, q, &[]).map_err(start)?;
+            let worst = all.h.amax();
+            if worst == 0.0 || (worst <= enough && worst > 0.5 * last) {
+                return Ok(worst);
+            }
+            last = worst;
+            let more = least(&without(&all.J, held), &(-&all.h));
+            let shorter = (3.0 * STRIDE / more.amax()).min(1.0);
+            for (u, more) in more.iter().enumerate() {
+                q[u] += more * shorter * self.unit(u);
+            }
+        }
+        let all = self.equations(t, q, &[]).map_err(start)?;
+        let worst = all.h.iamax();
+        let (k, i) = all.of[worst];
+        let driven: Vec<String> = self.driven().map(|c| self.coordinate_name(c)).collect();
+        Err(ModelError::Unclosed {
+            joint: self.closing_joint(&all, worst),
+            equation: self.elements[k].equation(i),
+            gap: all.h.amax(),
+            driven: driven.join(", "),
+        })
+    }
+
+    /// The joint or element that enforces an equation.
+    fn closing_joint(&self, all: &Equations, i: usize) -> String {
+        let e = &self.elements[all.of[i].0];
+        e.name.trim_start_matches("closure of ").to_owned()
+    }
+}
+
+/// A start that cannot be evaluated.
+pub(super) fn start(source: SystemError) -> ModelError {
+    ModelError::Start { source }
+}
+
+/// The same matrix with zeros in the columns of what is held.
+fn without(J: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
+    let mut J = J.clone();
+    held.iter().for_each(|&u| J.column_mut(u).fill(0.0));
+    J
+}
+
+/// The smallest x that comes closest to J x = b.
+fn least(J: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    let gram = (J * J.transpose()).symmetric_eigen();
+    let largest = gram.eigenvalues.amax();
+    let mut y = gram.eigenvectors.tr_mul(b);
+    for (y, e) in y.iter_mut().zip(gram.eigenvalues.iter()) {
+        *y = if *e > 1e-14 * largest { *y / e } else { 0.0 };
+    }
+    J.tr_mul(&(gram.eigenvectors * y))
+}

@@ -1,0 +1,123 @@
+//! Velocities that initial conditions ask for in models whose loops are closed by multipliers or
+//! penalties: kept where the loops allow them, refused where not.
+
+use super::assemble::locate;
+use super::file::ModelFile;
+use super::initial::{LEFT, Start};
+use super::{InputError, Problem, Text};
+use pullback_elements::model::{Model, ModelError, NodeId};
+use pullback_manifold::system::System;
+
+/// The unknowns of which an entry of `[[initial]]` says how fast they are.
+pub(super) struct Asked {
+    /// Number of the entry.
+    entry: usize,
+    unknowns: Vec<usize>,
+    /// Whether it speaks of one node. Entries on lines and on the whole give way to rates of joints
+    /// and velocities of nodes.
+    of_node: bool,
+}
+
+impl Asked {
+    /// Of a node: its velocity (first), the rate of its rotation (second), or both.
+    pub(super) fn of_node(entry: usize, model: &Model, node: NodeId, asked: [bool; 2]) -> Self {
+        let free = model.free_rotation_of(node);
+        let turn = if free == node { 3 } else { 0 };
+        let all = [(node, 0, asked[0]), (free, turn, asked[1])];
+        let unknowns = all
+            .into_iter()
+            .filter(|(.., asked)| *asked)
+            .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)));
+        Self {
+            entry,
+            unknowns: unknowns
+                .filter_map(|(n, k)| model.unknown_at(n, k))
+                .collect(),
+            of_node: true,
+        }
+    }
+
+    /// Of some nodes that move with a rigid motion; of the whole model where there is no list.
+    pub(super) fn of_nodes(entry: usize, model: &Model, nodes: Option<&[NodeId]>) -> Self {
+        let all = 0..model.initial().len();
+        Self {
+            entry,
+            unknowns: match nodes {
+                Some(nodes) => model.unknowns_behind(nodes),
+                None => all.filter(|&u| !model.is_multiplier(u)).collect(),
+            },
+            of_node: false,
+        }
+    }
+}
+
+/// The rate of a joint.
+pub(super) struct Rate {
+    /// Its unknown.
+    pub u: usize,
+    /// Name of the coordinate.
+    pub of: String,
+    /// Where it stands in the file.
+    pub at: Vec<String>,
+    /// What is asked for.
+    pub given: f64,
+}
+
+/// Moves a start to what multipliers and penalties enforce by the smallest changes of what nobody
+/// asks for: rates of joints are kept, then what nodes have been given in the order of the file.
+pub(super) fn satisfy(
+    source: &Text<'_>,
+    model: &mut Model,
+    file: &ModelFile,
+    mut start: Start,
+    rates: &[Rate],
+    mut asked: Vec<Asked>,
+) -> Result<Start, InputError> {
+    let failed = |error| locate(source, file, error);
+    let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
+    (model.satisfy(0.0, &mut start.q, &mut [], &held)).map_err(failed)?;
+    let (left, _) = tried(model, &start, &held).map_err(failed)?;
+    let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
+    if let (Some(first), true) = (rates.first(), most > 0.0 && left > LEFT) {
+        for rate in rates {
+            if model.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
+                let of = rate.of.clone();
+                return Err(source.value(&parts(&rate.at), Problem::LoopLocked { of }));
+            }
+        }
+        let names: Vec<&str> = rates.iter().map(|r| r.of.as_str()).collect();
+        let problem = Problem::LoopRates {
+            of: names.join(", "),
+            left: left * most,
+        };
+        return Err(source.value(&parts(&first.at), problem));
+    }
+    // Like the maps of loops: what a drive moves has another velocity than the whole.
+    let driven = file.supports.iter().any(|s| s.driven.is_some())
+        || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.driven.is_some()));
+    if driven || asked.iter().any(|a| a.of_node) || !held.is_empty() {
+        asked.retain(|a| a.of_node);
+    }
+    for a in asked {
+        held.extend(a.unknowns);
+        let (left, joint) = tried(model, &start, &held).map_err(failed)?;
+        if left > LEFT {
+            let at = ["initial", &a.entry.to_string()];
+            return Err(source.value(&at, Problem::LoopMotion { joint }));
+        }
+    }
+    let Start { q, v } = &mut start;
+    (model.satisfy_velocities(0.0, q, v, &held)).map_err(failed)?;
+    Ok(start)
+}
+
+/// How far off velocities remain with what is held, and at which joint.
+fn tried(model: &mut Model, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
+    let mut v = start.v.clone();
+    model.satisfy_velocities(0.0, &start.q, &mut v, held)
+}
+
+/// A path to what stands in a file.
+fn parts(path: &[String]) -> Vec<&str> {
+    path.iter().map(String::as_str).collect()
+}
