@@ -15,13 +15,13 @@
 //!
 //! A projection onto a set that holds the truth takes nothing further away from it; one onto an aim
 //! that is itself in error does. So energy is projected onto what the work of the step allows
-//! ([`Kept::range`]), a single value only where nothing works but steady loads, and not at all while
+//! ([`Kept::unsure`]), a single value only where nothing works but steady loads, and not at all while
 //! something is driven: T is no square of the velocities then, and has a least value at p = 0 below
 //! which no velocities bring it.
 
 #![allow(non_snake_case)]
 
-use super::kept::{Kept, gross_power, nearest};
+use super::kept::Kept;
 use super::{DynamicsError, Scheme, State};
 use pullback_manifold::system::{Energies, Evaluation, Point, RigidRates, System, Weights};
 
@@ -103,18 +103,16 @@ impl Keeper {
     ) -> Result<Kept, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
         let motions = system.symmetries([state.t, until], &state.q, &state.v);
-        self.momentum(system, state, &now, buffers)?;
+        self.momentum(system, state, (&now, state.t), buffers)?;
         let mut momenta = Vec::with_capacity(motions.len());
         for xi in &motions {
             system.rigid_rates(&state.q, xi, &mut self.field);
             momenta.push(dot(&self.field, &self.p));
         }
         Ok(Kept {
-            energy: now.total(),
-            power: now.power(),
-            gross_power: gross_power(&now),
             motions,
             momenta,
+            ..Kept::of(&now)
         })
     }
 
@@ -130,16 +128,15 @@ impl Keeper {
     ) -> Result<Energies, DynamicsError> {
         self.bounded = false;
         let mut now = energies(system, scheme, state, t)?;
-        let range = kept.range(&now, h);
+        kept.work(&now, h);
         let (mut stale, mut bounded, mut driven) = (true, false, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
-            let gap = |energy: f64| nearest(energy, range) - energy;
-            let closed = gap(now.total()).abs() <= ROUNDING * gross;
+            let closed = kept.gap(now.total()).abs() <= ROUNDING * gross;
             if !stale && (driven || closed) {
                 break;
             }
-            driven = self.momentum(system, state, &now, [r, S])?;
+            driven = self.momentum(system, state, (&now, t), [r, S])?;
             let missing = self.split(system, state, kept, S);
             if missing <= ROUNDING && (driven || closed) {
                 break;
@@ -148,7 +145,7 @@ impl Keeper {
                 .directions()
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
-            let needed = gap(now.total() + rigid);
+            let needed = kept.gap(now.total() + rigid);
             let mut gammas = [0.0; 6];
             let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             self.turns(system, &state.q, &mut gammas);
@@ -181,10 +178,9 @@ impl Keeper {
                 break;
             }
         }
-        kept.energy = match driven {
-            true => now.total(),
-            false => nearest(now.total(), range),
-        };
+        if driven {
+            (kept.energy, kept.unsure) = (now.total(), 0.0);
+        }
         kept.note(&now);
         Ok(now)
     }
@@ -225,16 +221,16 @@ impl Keeper {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// The mass matrix into `S`, and the generalised momentum; whether something is driven, by what of
+    /// The mass matrix into `S`, and the generalised momentum at a time (just before a kink that the
+    /// state has reached); whether something is driven, by what of
     /// the kinetic energy T = ½ q̇·M q̇ + b·q̇ + c is there without velocities, with p = M q̇ + b.
     fn momentum<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         state: &State,
-        now: &Energies,
+        (now, t): (&Energies, f64),
         [r, S]: [&mut [f64]; 2],
     ) -> Result<bool, DynamicsError> {
-        let t = state.t;
         let failed = |source| DynamicsError::System { t, source };
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         self.evaluations += 1;
