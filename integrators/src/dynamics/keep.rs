@@ -333,7 +333,11 @@ impl Keeper {
             }
             // A turn that is rounding only would be one about no axis in particular.
             let most: f64 = length * momentum;
-            *gamma = if sum.abs() > NO_TURN * most.sqrt() { sum } else { 0.0 };
+            *gamma = if sum.abs() > NO_TURN * most.sqrt() {
+                sum
+            } else {
+                0.0
+            };
         }
     }
 }
