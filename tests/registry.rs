@@ -282,7 +282,7 @@ fn what_is_wrong_with_its_keys_is_pointed_at() {
 fn the_schema_has_its_keys() {
     let schema = registry().schema();
     let joints = schema["$defs"]["Joint"]["oneOf"].as_array().unwrap();
-    assert_eq!(joints.len(), 13);
+    assert_eq!(joints.len(), 15);
     let of = |name: &str| {
         let found = joints
             .iter()

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub(super) struct Arguments {
     /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
     /// all there are.
-    #[arg(long, value_delimiter = ',', default_values = spectrum::SCHEMES)]
+    #[arg(long, value_delimiter = ',', default_value = spectrum::SCHEMES)]
     schemes: Vec<String>,
     /// Smallest Ω of the files.
     #[arg(long, default_value_t = 0.01, allow_hyphen_values = true)]

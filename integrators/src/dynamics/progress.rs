@@ -12,32 +12,53 @@ pub struct EnergyBalance {
     pub start: f64,
     /// Energies and powers now.
     pub now: Energies,
-    /// Work of loads, supports and dampers so far: the trapezoidal rule over the steps.
+    /// Work of loads, supports and dampers so far: that of loads with a potential is what they have
+    /// lost of it, the rest comes from the trapezoidal rule over the steps.
     pub work: f64,
     /// Work of the steps so far, whatever its sign.
     pub gross: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
+    /// Steps in a row in which the energy has been absurd.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub absurd: usize,
+    /// The energy when these were a power of two, the last time.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub mark: f64,
 }
 
-/// Factor by which energy may exceed all that was ever there or supplied.
+/// Factor by which energy exceeds all that was ever there or supplied where it is absurd.
 const ABSURD: f64 = 1e3;
+
+/// Factor by which absurd energy must have grown while its steps doubled: faster than the tenth power
+/// of time. Errors of a motion that has hardly any energy do not grow like this.
+const BOUNDLESS: f64 = 1e3;
 
 impl EnergyBalance {
     /// Takes the energies at the end of a step.
     pub(super) fn book(&mut self, now: &Energies, h: f64) {
-        let power = |e: &Energies| e.supplied - e.dissipated;
-        let work = 0.5 * h * (power(&self.now) + power(now));
+        let drawn = self.now.potential - now.potential;
+        let work = drawn + 0.5 * h * (self.now.power() + now.power());
         self.work += work;
         self.gross += work.abs();
         self.now = *now;
         self.largest_defect = self.largest_defect.max(self.defect().abs());
     }
 
-    /// Refuses a motion whose energy has become absurd.
-    pub(super) fn judge(&self, t: f64) -> Result<(), DynamicsError> {
+    /// Refuses a motion whose energy grows without bounds.
+    pub(super) fn judge(&mut self, t: f64) -> Result<(), DynamicsError> {
         let (energy, known) = (self.now.kinetic + self.now.stored, self.start + self.gross);
-        if !energy.is_finite() || (known > 0.0 && energy > ABSURD * known) {
+        if known > 0.0 && energy > ABSURD * known {
+            self.absurd += 1;
+        } else {
+            self.absurd = 0;
+        }
+        let mut boundless = !energy.is_finite();
+        if self.absurd.is_power_of_two() {
+            boundless |= self.absurd >= 16 && energy > BOUNDLESS * self.mark;
+            self.mark = energy;
+        }
+        if boundless {
             return Err(DynamicsError::Unstable { t, energy, known });
         }
         Ok(())

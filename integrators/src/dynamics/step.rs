@@ -163,7 +163,12 @@ impl Stepper {
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
             let stays = before.is_some_and(|i| stagnates(i, last, residual, allowed));
-            let converged = ratio <= 1.0 || (stays && self.is_rounding(system, step, group)?);
+            // One correction is made even where the prediction is in balance: what is always small
+            // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
+            // would never move anything.
+            let predicted = first && ratio > 0.0;
+            let converged =
+                (ratio <= 1.0 && !predicted) || (stays && self.is_rounding(system, step, group)?);
             if converged || self.history.len() - earlier >= self.options.max_iterations {
                 self.record(residual, ratio, 0.0, 0.0);
                 return if converged {
