@@ -221,9 +221,9 @@ impl Keeper {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// The mass matrix into `S`, and the generalised momentum at a time (just before a kink that the
-    /// state has reached); whether something is driven, by what of
-    /// the kinetic energy T = ½ q̇·M q̇ + b·q̇ + c is there without velocities, with p = M q̇ + b.
+    /// The mass matrix into `S`, and the generalised momentum, at a time: just before a kink that the
+    /// state has reached, as what is driven may jump there. Whether something is driven: of the
+    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, c is there without velocities.
     fn momentum<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
