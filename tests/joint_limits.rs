@@ -149,3 +149,32 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
     );
     assert!(reached <= 1.0 && reached > 0.98, "{reached}");
 }
+
+#[test]
+fn a_spring_along_a_line_lets_its_nodes_turn() {
+    // At the centre of a body that turns about it, the other end held: nothing acts.
+    let (rate, to) = (10.0, 2.0);
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let end = b.node("end", [1.0, 0.0, 0.0]).unwrap();
+    let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+    b.element("body", sphere, &[end]).unwrap();
+    let places = [ground, end].map(|n| b.place(n));
+    let spring = AxialSpring::new(&places, 1.0, 0.5).unwrap();
+    b.element("spring", spring, &[ground, end]).unwrap();
+    let mut model = b.build().unwrap();
+    let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
+    v[5] = rate;
+    let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+    let options = tight(Scheme::default(), to, 0.01);
+    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        configure(model, &step.progress.state);
+        let now = model.node_state(end);
+        let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
+        assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(progress.state.t, to);
+}

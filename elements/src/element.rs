@@ -178,6 +178,12 @@ pub trait Element: Send + Sync {
         !self.is_load()
     }
 
+    /// Whether rotations of its nodes matter to it; one that takes their places alone says no, and
+    /// leaves them free to turn against each other as often as they like.
+    fn sees_rotations(&self) -> bool {
+        true
+    }
+
     /// The name of its type, for reports.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()

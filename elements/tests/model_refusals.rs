@@ -8,6 +8,7 @@ use common::{Idle, Offset, Twin, line, simple, straight};
 use nalgebra::Vector3;
 use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::joint::constant_velocity;
 use pullback_elements::load::{NodalLoad, Which};
 use pullback_elements::model::{Dof, Model, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
@@ -106,6 +107,21 @@ fn joints_that_do_not_fit() {
         "node slave, rotation about e2 follows from other nodes through a joint and cannot be \
          prescribed; prescribe a coordinate of its masters a",
     );
+}
+
+#[test]
+fn shafts_against_each_other_have_no_direction_of_tilt() {
+    let e = [0.3, -0.2, 0.9];
+    let couple = |second: [f64; 3]| {
+        let (mut b, ends) = simple();
+        constant_velocity(&mut b, "coupling", ends[1], [e, second])
+    };
+    says(
+        couple(e.map(|x| -2.0 * x)),
+        "joint coupling: its two axes are opposite: one shaft would be turned by \
+         180° against the other, and in which direction is not known; reverse one axis",
+    );
+    assert!(couple(e.map(|x| 2.0 * x)).is_ok());
 }
 
 #[test]

@@ -343,3 +343,16 @@ fn a_coordinate_spring_is_its_law() {
     let spring = CoordinateSpring::new(law).unwrap();
     assert_eq!(residual(&spring, &[1.0], &[]).unwrap()[0], 0.0);
 }
+
+#[test]
+fn an_axial_spring_sees_no_rotations() {
+    assert!(!axial().sees_rotations());
+    let (mut x, mut v) = ([0.1; 12], [0.3; 12]);
+    (x[6], v[7]) = (0.4, -0.2);
+    let still = residual(&axial(), &x, &v).unwrap();
+    for k in [3, 4, 5, 9, 10, 11] {
+        (x[k], v[k]) = (7.0 * k as f64, -3.0);
+    }
+    assert_eq!(residual(&axial(), &x, &v).unwrap(), still);
+    assert!(bushing().sees_rotations());
+}

@@ -86,7 +86,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
             }
         };
         if k == 0 {
-            layout.rate = own_rate(model, &rest).unwrap_or(1.0);
+            layout.rate = own_rate(model, &rest, &layout.units()).unwrap_or(1.0);
         }
         let motion = moving(&rest, &layout.units(), layout.rate, &mut random);
         let states = [
@@ -181,8 +181,12 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
     mean_rate(std::iter::once((most(&f.K), most(M))))
 }
 
+/// Stiffnesses below this part of the largest, as energies, may be rounding: of a coordinate about which
+/// nothing resists.
+const NONE: f64 = 1e-12;
+
 /// The model's rate at a state.
-fn own_rate(model: &mut Model, s: &State) -> Option<f64> {
+fn own_rate(model: &mut Model, s: &State, units: &[f64]) -> Option<f64> {
     let n = s.x.len();
     let zero = vec![0.0; n];
     let mut diagonal = |K, C, M| -> Option<Vec<f64>> {
@@ -201,5 +205,9 @@ fn own_rate(model: &mut Model, s: &State) -> Option<f64> {
     };
     let K = diagonal(1.0, 0.0, 0.0)?;
     let M = diagonal(0.0, 0.0, 1.0)?;
-    mean_rate(K.into_iter().zip(M))
+    let energy = |(K, u): (&f64, &f64)| K.abs() * u * u;
+    let most = K.iter().zip(units).map(energy).fold(0.0, f64::max);
+    let all = K.iter().zip(M).zip(units);
+    let resists = all.filter(|((K, _), u)| energy((K, u)) > NONE * most);
+    mean_rate(resists.map(|((K, M), _)| (*K, M)))
 }

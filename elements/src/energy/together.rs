@@ -65,6 +65,10 @@ impl<A: Element, B: Element> Element for Together<A, B> {
         self.0.is_objective() && self.1.is_objective()
     }
 
+    fn sees_rotations(&self) -> bool {
+        self.0.sees_rotations() || self.1.sees_rotations()
+    }
+
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         self.0.section_states(at, out);
         self.1.section_states(at, out);

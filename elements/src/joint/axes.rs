@@ -15,6 +15,12 @@ pub enum AxisError {
     /// Two axes that must differ in direction do not.
     #[error("its two axes are parallel; give two directions")]
     Parallel,
+    /// Two axes that must not point against each other do.
+    #[error(
+        "its two axes are opposite: one shaft would be turned by 180° against the other, and in which \
+         direction is not known; reverse one axis"
+    )]
+    Opposite,
 }
 
 impl AxisError {

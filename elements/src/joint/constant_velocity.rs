@@ -30,7 +30,7 @@ impl ConstantVelocity {
         let (turn, cosine) = (e.cross(&f), e.dot(&f));
         let sine = turn.norm();
         if sine < PARALLEL && cosine < 0.0 {
-            return Err(AxisError::Parallel);
+            return Err(AxisError::Opposite);
         }
         let angle = sine.atan2(cosine);
         let tilt = turn * if sine > 0.0 { angle / sine } else { 1.0 };
@@ -69,7 +69,7 @@ impl Joint<8> for ConstantVelocity {
 /// node the second), and the nodes `name tilt 1` and `name tilt 2`.
 ///
 /// # Errors
-/// [`ModelError::Axis`] for an axis without a direction, `AxisError::Parallel` in it for shafts
+/// [`ModelError::Axis`] for an axis without a direction, `AxisError::Opposite` in it for shafts
 /// against each other; as [`ModelBuilder::mapped_node`].
 pub fn constant_velocity(
     b: &mut ModelBuilder,

@@ -350,16 +350,16 @@ impl ModelBuilder {
         }
         self.elements.push(Attached {
             name,
+            frames: (0..)
+                .zip(nodes)
+                .filter(|(_, n)| element.sees_rotations() && self.nodes[n.0 as usize].is_frame())
+                .map(|(k, _)| 1 << k)
+                .sum(),
             dead: element.is_dead(),
             load: element.is_load(),
             steady: super::symmetry::is_steady(element.as_ref()),
             element,
             nodes: NodeList::new(nodes),
-            frames: (0..)
-                .zip(nodes)
-                .filter(|(_, n)| self.nodes[n.0 as usize].is_frame())
-                .map(|(k, _)| 1 << k)
-                .sum(),
             switched: 0,
             overturned: false,
             loose: None,

@@ -2,7 +2,7 @@
 
 use super::dependence::Dependence;
 use super::gather::collect;
-use super::slots::Complement;
+use super::slots::{Complement, fold};
 use super::{Form, Model, Node, Source};
 use nalgebra::Vector3;
 use pullback_manifold::system::{ChartChanges, Point};
@@ -76,26 +76,14 @@ impl Model {
             } else {
                 take(v)
             };
-            let mut x = psi;
-            let mut first = velocity;
+            let (mut x, mut first) = (psi, velocity);
             for a in accelerations.iter_mut() {
-                x = psi;
-                first = velocity;
                 let mut second = take(a);
-                Complement::default().apply(
-                    x.as_mut_slice(),
-                    first.as_mut_slice(),
-                    second.as_mut_slice(),
-                );
+                [x, first] = settled(psi, velocity, &mut second);
                 put(a, &second);
             }
             if accelerations.is_empty() {
-                let mut second = Vector3::zeros();
-                Complement::default().apply(
-                    x.as_mut_slice(),
-                    first.as_mut_slice(),
-                    second.as_mut_slice(),
-                );
+                [x, first] = settled(psi, velocity, &mut Vector3::zeros());
             }
             put(q, &x);
             if !v.is_empty() {
@@ -319,6 +307,25 @@ impl Model {
         }
         changed
     }
+}
+
+/// A rotation vector and its rate, and a second rate in place, in the chart where ψ ≤ π: a step may
+/// have turned it by more than one turn.
+fn settled(psi: Vector3<f64>, rate: Vector3<f64>, second: &mut Vector3<f64>) -> [Vector3<f64>; 2] {
+    let (mut x, mut first) = (psi, rate);
+    Complement::default().apply(
+        x.as_mut_slice(),
+        first.as_mut_slice(),
+        second.as_mut_slice(),
+    );
+    let turns = (x.norm() / TAU - 1e-12).round() as i32;
+    fold(
+        turns,
+        x.as_mut_slice(),
+        first.as_mut_slice(),
+        second.as_mut_slice(),
+    );
+    [x, first]
 }
 
 /// Whether a node is a frame by increments.

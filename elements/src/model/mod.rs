@@ -197,7 +197,7 @@ struct Attached {
     name: String,
     element: Box<dyn Element>,
     nodes: NodeList,
-    /// Bit k: node k is a frame.
+    /// Bit k: node k is a frame whose rotation matters.
     frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,

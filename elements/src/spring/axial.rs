@@ -160,6 +160,10 @@ impl Element for AxialSpring {
         Ok(())
     }
 
+    fn sees_rotations(&self) -> bool {
+        false
+    }
+
     fn energy(&self, at: &Motion<'_>) -> f64 {
         0.5 * self.k * (self.between(at.x).norm() - self.rest_length).powi(2)
     }

@@ -12,25 +12,18 @@
 //! nearly so, has no rest: its energy at given momenta depends on how it is turned. So the
 //! projection may turn the whole by η about its centre of mass as well, which changes that energy
 //! by J([η, Ω]) = η·(Ω × J), and weighs both by their lengths |s − 1|²|w|² + |η|²/h² in M.
+//!
+//! A projection onto a set that holds the truth takes nothing further away from it; one onto an aim
+//! that is itself in error does. So energy is projected onto what the work of the step allows
+//! ([`Kept::unsure`]), a single value only where nothing works but steady loads, and not at all while
+//! something is driven: T is no square of the velocities then, and has a least value at p = 0 below
+//! which no velocities bring it.
 
 #![allow(non_snake_case)]
 
+use super::kept::Kept;
 use super::{DynamicsError, Scheme, State};
 use pullback_manifold::system::{Energies, Evaluation, Point, RigidRates, System, Weights};
-
-/// What a motion keeps: the aim of a scheme that restores it.
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Kept {
-    /// Kinetic and stored energy and potential of steady loads.
-    pub energy: f64,
-    /// Power of everything else now.
-    pub power: f64,
-    /// Symmetries: velocity of the origin, angular velocity.
-    pub motions: Vec<RigidRates>,
-    /// Momenta along them.
-    pub momenta: Vec<f64>,
-}
 
 /// Passes of the projection at most.
 const PASSES: usize = 5;
@@ -44,8 +37,11 @@ const BOUNDS: [f64; 2] = [0.25, 4.0];
 /// Largest turn in a step, as a part of the motion of the step.
 const TURN: f64 = 0.1;
 
-/// What a turn changes of the energy, relative to the parts of the sum, if it changes nothing.
+/// What a turn changes of the energy, relative to what a turn of its length could, if it changes
+/// nothing.
 const NO_TURN: f64 = 1e-10;
+/// Kinetic energy of what is driven, relative to the parts of the whole, if nothing is.
+const AT_REST: f64 = 1e-12;
 
 /// A symmetry in the orthonormal basis.
 struct Direction {
@@ -61,7 +57,6 @@ struct Direction {
 pub(super) struct Keeper {
     p: Vec<f64>,
     w: Vec<f64>,
-    Mw: Vec<f64>,
     field: Vec<f64>,
     basis: Vec<Direction>,
     /// Directions in use.
@@ -84,7 +79,6 @@ impl Keeper {
         Self {
             p: zeros(),
             w: zeros(),
-            Mw: zeros(),
             field: zeros(),
             basis: (0..6).map(|_| direction()).collect(),
             rank: 0,
@@ -109,17 +103,16 @@ impl Keeper {
     ) -> Result<Kept, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
         let motions = system.symmetries([state.t, until], &state.q, &state.v);
-        self.momentum(system, state, buffers)?;
+        self.momentum(system, state, (&now, state.t), buffers)?;
         let mut momenta = Vec::with_capacity(motions.len());
         for xi in &motions {
             system.rigid_rates(&state.q, xi, &mut self.field);
             momenta.push(dot(&self.field, &self.p));
         }
         Ok(Kept {
-            energy: now.total(),
-            power: now.power(),
             motions,
             momenta,
+            ..Kept::of(&now)
         })
     }
 
@@ -133,30 +126,30 @@ impl Keeper {
         (t, h): (f64, f64),
         [r, S]: [&mut [f64]; 2],
     ) -> Result<Energies, DynamicsError> {
+        self.bounded = false;
         let mut now = energies(system, scheme, state, t)?;
-        kept.energy += 0.5 * h * (kept.power + now.power());
-        let (mut stale, mut bounded) = (true, false);
+        kept.work(&now, h);
+        let (mut stale, mut bounded, mut driven) = (true, false, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
-            let gap = kept.energy - now.total();
-            let closed = |gap: f64| gap.abs() <= ROUNDING * gross;
-            if !stale && closed(gap) {
+            let closed = kept.gap(now.total()).abs() <= ROUNDING * gross;
+            if !stale && (driven || closed) {
                 break;
             }
-            self.momentum(system, state, [r, S])?;
+            driven = self.momentum(system, state, (&now, t), [r, S])?;
             let missing = self.split(system, state, kept, S);
+            if missing <= ROUNDING && (driven || closed) {
+                break;
+            }
             let rigid: f64 = self
                 .directions()
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
-            let needed = gap - rigid;
-            if missing <= ROUNDING && closed(gap) {
-                break;
-            }
+            let needed = kept.gap(now.total() + rigid);
             let mut gammas = [0.0; 6];
             let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             self.turns(system, &state.q, &mut gammas);
-            let [s, eta] = match bounded {
+            let [s, eta] = match bounded || driven || needed == 0.0 {
                 false => self.shares(needed, rest, &gammas, h),
                 true => [1.0, 0.0],
             };
@@ -185,7 +178,10 @@ impl Keeper {
                 break;
             }
         }
-        kept.power = now.power();
+        if driven {
+            (kept.energy, kept.unsure) = (now.total(), 0.0);
+        }
+        kept.note(&now);
         Ok(now)
     }
 
@@ -225,24 +221,38 @@ impl Keeper {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// The mass matrix into `S`, and the generalised momentum.
+    /// The mass matrix into `S`, and the generalised momentum, at a time: just before a kink that the
+    /// state has reached, as what is driven may jump there. Whether something is driven: of the
+    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, c is there without velocities.
     fn momentum<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         state: &State,
+        (now, t): (&Energies, f64),
         [r, S]: [&mut [f64]; 2],
-    ) -> Result<(), DynamicsError> {
-        let t = state.t;
+    ) -> Result<bool, DynamicsError> {
         let failed = |source| DynamicsError::System { t, source };
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         self.evaluations += 1;
         system.evaluate(point(state, t), out).map_err(failed)?;
-        let driven = system.momentum(point(state, t), &mut self.p);
-        if !driven.map_err(failed)? {
-            self.p.fill(0.0);
-            system.pattern().multiply_add(1.0, S, &state.v, &mut self.p);
+        let known = system.momentum(point(state, t), &mut self.p);
+        self.field.fill(0.0);
+        system
+            .pattern()
+            .multiply_add(1.0, S, &state.v, &mut self.field);
+        if !known.map_err(failed)? {
+            self.p.copy_from_slice(&self.field);
+            return Ok(false);
         }
-        Ok(())
+        for (i, p) in self.p.iter_mut().enumerate() {
+            if system.is_multiplier(i) {
+                *p = 0.0;
+            }
+        }
+        let parts = self.p.iter().zip(&state.v).map(|(p, v)| (p * v).abs());
+        let size = now.kinetic + parts.sum::<f64>();
+        let c = now.kinetic - dot(&self.p, &state.v) + 0.5 * dot(&self.field, &state.v);
+        Ok(c.abs() > AT_REST * size)
     }
 
     /// The orthonormal basis of the symmetries, and the rest w of the velocities; by how much momenta
@@ -298,30 +308,36 @@ impl Keeper {
             axpy(-along, &d.e, &mut self.w);
             self.rank += 1;
         }
-        self.Mw.fill(0.0);
-        pattern.multiply_add(1.0, M, &self.w, &mut self.Mw);
         missing
     }
 
     /// Derivatives of the energy by turns along the symmetries that turn: J([ξ, Ω]), J the momenta to be
-    /// kept.
+    /// kept. As [ξ, Ω] is a symmetry again, it is a sum of the basis.
     fn turns<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], gammas: &mut [f64; 6]) {
         let mut Omega = [0.0; 6];
-        // p = M w + Σ j M e, in place of w's own.
-        self.p.copy_from_slice(&self.Mw);
+        let mut momentum = 0.0;
         for d in &self.basis[..self.rank] {
             axpy(d.j, &d.xi, &mut Omega);
-            axpy(d.j, &d.Me, &mut self.p);
+            momentum += d.j * d.j;
         }
         for (gamma, d) in gammas.iter_mut().zip(&self.basis[..self.rank]) {
             if d.xi[3..].iter().all(|x| *x == 0.0) {
                 continue;
             }
             system.rigid_rates(q, &bracket(&d.xi, &Omega), &mut self.field);
-            let terms = self.field.iter().zip(&self.p).map(|(x, p)| x * p);
-            let (sum, size) = terms.fold((0.0, 0.0), |(s, m), x: f64| (s + x, m + x.abs()));
+            let (mut sum, mut length) = (0.0, 0.0);
+            for along in &self.basis[..self.rank] {
+                let part = dot(&self.field, &along.Me);
+                sum += part * along.j;
+                length += part * part;
+            }
             // A turn that is rounding only would be one about no axis in particular.
-            *gamma = if sum.abs() > NO_TURN * size { sum } else { 0.0 };
+            let most: f64 = length * momentum;
+            *gamma = if sum.abs() > NO_TURN * most.sqrt() {
+                sum
+            } else {
+                0.0
+            };
         }
     }
 }

@@ -12,6 +12,7 @@ mod frequency;
 mod initial;
 mod jumps;
 mod keep;
+mod kept;
 mod landing;
 mod options;
 mod progress;
@@ -24,7 +25,7 @@ mod together;
 
 pub use error::DynamicsError;
 pub use initial::start;
-pub use keep::Kept;
+pub use kept::Kept;
 pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};

@@ -370,7 +370,7 @@ impl Run<'_> {
         let handed_over = self.has_handed_over(system, left)?;
         if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
             // What is missing is given back with the jump.
-            kept.energy += 0.5 * h * (kept.power + now.power());
+            kept.work(now, h);
         } else if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {

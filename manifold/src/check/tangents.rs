@@ -2,7 +2,7 @@
 
 use super::block::{Compared, difference};
 use super::forces::{FIRST, Laws, State};
-use super::layout::Layout;
+use super::layout::{Group, Layout};
 use super::report::Measure;
 use crate::sparse::BlockPattern;
 use nalgebra::DVector;
@@ -79,7 +79,39 @@ impl Tangents<'_> {
                 all.iter_mut().zip(more).for_each(|(a, m)| *a += m);
             }
         }
-        layout.forces(&all)
+        let mut of_unknowns = vec![0.0; all.len()];
+        let sizes = layout.forces(&all);
+        for (group, size) in layout.groups().iter().zip(&sizes) {
+            of_unknowns[group.range.clone()].fill(*size);
+        }
+        self.raise(&mut of_unknowns);
+        let first = |g: &Group| of_unknowns.get(g.range.start).copied();
+        let sizes = layout.groups().iter().zip(sizes);
+        sizes.map(|(g, size)| first(g).unwrap_or(size)).collect()
+    }
+
+    /// Raises the energies of unknowns to [`MIXED`] of the largest that they are coupled to: a map that
+    /// mixes coordinates sums up terms of that size, which may cancel.
+    fn raise(&self, energies: &mut [f64]) {
+        let pattern = self.pattern;
+        let most = |b: usize| {
+            let own = pattern.unknowns(b).map(|u| energies[u]);
+            own.fold(0.0, f64::max)
+        };
+        let own: Vec<f64> = (0..pattern.blocks()).map(most).collect();
+        let mut near = own.clone();
+        for (j, own) in own.iter().enumerate() {
+            for (i, _) in pattern.column(j) {
+                near[i] = near[i].max(*own);
+            }
+        }
+        for (b, near) in near.iter().enumerate() {
+            for energy in &mut energies[pattern.unknowns(b)] {
+                if *energy < MIXED * near {
+                    *energy = MIXED * near;
+                }
+            }
+        }
     }
 
     /// Notes whether a tangent is symmetric.
@@ -89,6 +121,7 @@ impl Tangents<'_> {
         let ones: Vec<f64> = units.iter().map(|u| 1.0 / u).collect();
         let mut rows = self.magnitude(part, &units);
         rows.iter_mut().zip(&ones).for_each(|(r, one)| *r /= one);
+        self.raise(&mut rows);
         let mut worst = (0.0, 0.0, 1.0);
         let mut entries = Vec::new();
         for j in 0..self.pattern.blocks() {
@@ -154,6 +187,10 @@ impl Tangents<'_> {
 
 /// Entries of a symmetric matrix may differ by this fraction of the sizes of their rows.
 const SYMMETRIC: f64 = 1e-13;
+
+/// Part of the energies in the rows beside it that may have cancelled in a row. Of these, what the
+/// laws allow is a few last digits.
+const MIXED: f64 = 1e-2;
 
 /// Notes the laws of all tangents that there are at a state.
 pub(super) fn tangents(laws: &mut Laws<'_>, all: &Tangents<'_>, residual: &mut Residual<'_>) {

@@ -22,8 +22,10 @@ impl Scheme {
     /// scheme to its integrals is that of Hughes, Caughey & Liu 1978, with momenta and numerical
     /// damping Kuhl & Ramm 1996).
     ///
-    /// What is kept: kinetic and stored energy with the potential of steady loads, but for the work
-    /// of all else by the trapezoidal rule; and the momenta along the symmetries of the system
+    /// What is kept: kinetic and stored energy with the potential of steady loads, exactly where nothing
+    /// else works; within what dampers and other loads may have done
+    /// ([`Kept::unsure`](crate::dynamics::Kept::unsure)) where they do; not at all while something is
+    /// driven, when the energy is known no better than by the step. And the momenta along the symmetries of the system
     /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)), those of a free model,
     /// of one that is pinned at a point or hung on an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
