@@ -9,12 +9,12 @@ const SMALL: f64 = 1e-6;
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
 /// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
-/// prediction leaves of one is a fair measure.
+/// prediction leaves of one is a fair measure. Nothing is asked for below `least`.
 pub(crate) fn allowed(
     measures: [f64; 3],
     first: [f64; 3],
     relative: f64,
-    absolute: f64,
+    least: [f64; 3],
 ) -> [f64; 3] {
     let allow = |k: usize| {
         let measure = match measures[k] > 0.0 {
@@ -25,7 +25,7 @@ pub(crate) fn allowed(
         let rounding = f64::EPSILON * first[k];
         (relative * measure)
             .max(rounding)
-            .max(absolute)
+            .max(least[k])
             .max(f64::MIN_POSITIVE)
     };
     std::array::from_fn(allow)
@@ -72,8 +72,8 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
 /// Whether every residual is below what the rounding of the coordinates makes of it,
 /// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
-/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
-/// difference of places that are not small. `sizes` and `floor` are room for a number per coordinate.
+/// Multipliers count as the largest of them: they are solved for together, and one that vanishes has
+/// the rounding errors of the others. `sizes` and `floor` are room for a number per coordinate.
 #[allow(non_snake_case)]
 pub(crate) fn is_rounding<Y: System + ?Sized>(
     system: &Y,
@@ -82,11 +82,44 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
+    let multipliers = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
+    find_rounding(system, S, q, largest, [&mut *sizes, &mut *floor]);
+    (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * floor)
+}
+
+/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|: what the prediction leaves
+/// of a gap may by chance be far below.
+#[allow(non_snake_case)]
+pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
+    system: &Y,
+    S: &[f64],
+    q: &[f64],
+    [sizes, floor]: [&mut [f64]; 2],
+) -> f64 {
+    find_rounding(system, S, q, 0.0, [&mut *sizes, &mut *floor]);
+    let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
+}
+
+/// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`;
+/// multipliers count as `multiplier`.
+///
+/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
+/// difference of places that are not small.
+#[allow(non_snake_case)]
+fn find_rounding<Y: System + ?Sized>(
+    system: &Y,
+    S: &[f64],
+    q: &[f64],
+    multiplier: f64,
+    [sizes, floor]: [&mut [f64]; 2],
+) {
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
-        *size = q.abs();
-        if !system.is_multiplier(i) {
-            *size = size.max(system.magnitude(i));
-        }
+        *size = match system.is_multiplier(i) {
+            true => multiplier,
+            false => q.abs().max(system.magnitude(i)),
+        };
     }
     let pattern = system.pattern();
     floor.fill(0.0);
@@ -96,10 +129,9 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
             let columns = S[range].chunks_exact(rows.len().max(1));
             for (column, size) in columns.zip(&sizes[pattern.unknowns(j)]) {
                 for (floor, entry) in floor[rows.clone()].iter_mut().zip(column) {
-                    *floor += entry.abs() * size;
+                    *floor += f64::EPSILON * entry.abs() * size;
                 }
             }
         }
     }
-    (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * f64::EPSILON * floor)
 }

@@ -7,7 +7,8 @@ mod linear_solver_support;
 use linear_solver_support::*;
 use nalgebra::DVector;
 use pullback_integrators::linear_solver::{
-    AutoSolver, BlockLu, Chosen, FaerCholesky, LinearError, LinearSolver, Symmetry, null_vector,
+    AutoSolver, BlockLu, Chosen, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry,
+    null_vector,
 };
 use pullback_manifold::sparse::BlockPattern;
 
@@ -294,4 +295,62 @@ fn dense_grids_go_to_the_general_solver_and_chains_do_not() {
         .analyse(&BlockPattern::dense(500), Symmetry::General)
         .unwrap();
     assert!(!block.suits());
+}
+
+#[test]
+fn saddle_points_are_solved_in_any_unit() {
+    // Lengths and angles of three bodies, a heavy one beside two light ones that two equations couple
+    // to each other and to an angle without mass.
+    let edges = [vec![0, 1, 2], vec![1, 2, 3, 4]];
+    let bare = BlockPattern::new(&[2, 2, 2, 2, 1], &edges);
+    let mut random = Random(11);
+    let base = random_values(&bare, &mut random, true, false, 1.0);
+    let base = dense(&bare, &base);
+    let solution = DVector::from_fn(9, |_, _| 1.0 + random.next());
+    let masses = [1e10, 1e10, 1.0, 1.0, 1.0, 1.0];
+    let multiplies = |i: usize| i == 6 || i == 7;
+    for length in [1e-12, 1e-6, 1.0, 1e6, 1e12] {
+        for energy in [1e-20, 1.0, 1e20] {
+            // Numbers that a typical length and a typical multiplier have in these units.
+            let size = |i: usize| match i {
+                6 | 7 => energy,
+                0 | 2 | 4 => length,
+                _ => 1.0,
+            };
+            let entry = |r: usize, c: usize| match (multiplies(r), multiplies(c)) {
+                (true, true) => 0.0,
+                (true, false) => base[(r, c)] / size(c),
+                (false, true) => base[(r, c)] / size(r),
+                (false, false) if r == 8 || c == 8 => 0.0,
+                (false, false) => {
+                    let mass = f64::min(masses[r], masses[c]);
+                    energy * mass * base[(r, c)] / (size(r) * size(c))
+                }
+            };
+            let unit = |i: usize| if multiplies(i) { 0.0 } else { size(i) };
+            let pattern = bare.clone().with_units(unit);
+            let mut values = vec![0.0; pattern.len()];
+            write(&pattern, &mut values, entry);
+            let x: Vec<f64> = (0..9).map(|i| solution[i] * size(i)).collect();
+            let mut b = vec![0.0; 9];
+            pattern.multiply_add(1.0, &values, &x, &mut b);
+            let mut lu = FaerLu::new();
+            lu.analyse(&pattern, Symmetry::General).unwrap();
+            for symmetry in [Symmetry::Symmetric, Symmetry::General] {
+                let mut auto = AutoSolver::new();
+                auto.analyse(&pattern, symmetry).unwrap();
+                let solvers: [&mut dyn LinearSolver; 2] = [&mut auto, &mut lu];
+                for solver in solvers {
+                    let mut found = b.clone();
+                    solver.factorise_and_solve(&values, &mut found).unwrap();
+                    for (found, x) in found.iter().zip(&x) {
+                        let gap = (found - x).abs() / x.abs();
+                        assert!(gap < 1e-9, "{length:e} {energy:e}: {found:e}, not {x:e}");
+                    }
+                }
+                // Multipliers behind their nodes, the angle behind them: nothing is interchanged.
+                assert_eq!(auto.active(), Some(Chosen::Block));
+            }
+        }
+    }
 }

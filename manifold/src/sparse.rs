@@ -9,7 +9,7 @@
 ///
 /// Block columns are stored one after the other; within a block column, blocks come in ascending
 /// block row, and the diagonal block is always present.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BlockPattern {
     /// First unknown of each block, and the total number of unknowns at the end.
     offsets: Vec<usize>,
@@ -19,6 +19,8 @@ pub struct BlockPattern {
     rows: Vec<u32>,
     /// First value of each block, and the number of values at the end.
     values: Vec<usize>,
+    /// Typical size of each unknown.
+    units: Vec<f64>,
 }
 
 impl BlockPattern {
@@ -64,11 +66,26 @@ impl BlockPattern {
             columns.push(rows.len());
         }
         Self {
+            units: vec![1.0; offsets[sizes.len()]],
             offsets,
             columns,
             rows,
             values,
         }
+    }
+
+    /// The same pattern with a typical size of each unknown, in its unit: of a length one of the
+    /// model, of an angle one radian. Zero stands for a Lagrange multiplier, whose size
+    /// follows from the values of a matrix. Without this all are one.
+    #[must_use]
+    pub fn with_units(self, unit: impl FnMut(usize) -> f64) -> Self {
+        let units = (0..self.dim()).map(unit).collect();
+        Self { units, ..self }
+    }
+
+    /// Typical size of each unknown ([`BlockPattern::with_units`]).
+    pub fn units(&self) -> &[f64] {
+        &self.units
     }
 
     /// A full matrix: one block of size `n`.

@@ -95,7 +95,15 @@ impl ModelBuilder {
         }
         let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
-        let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of));
+        let kinds: Vec<Kind> = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
+        let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
+        let unit = |i: usize| match (multipliers[coordinates[i]], kinds[coordinates[i]]) {
+            (true, _) => 0.0,
+            (_, Kind::Length) => length,
+            _ => 1.0,
+        };
+        let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
         let panels = placement.arrange(&nodes, &dependent, &elements, &alternatives);
         placement.locate(&nodes, &dependent, &mut elements, &pattern);
 
@@ -107,8 +115,6 @@ impl ModelBuilder {
             })
             .map(|n| (n, 0))
             .collect();
-        let kinds = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
-        let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
         let magnitude = |node: &Node, kind: Kind| match kind {
             Kind::Length if node.is_frame() => node.place.norm(),
             Kind::Length => length,
@@ -120,7 +126,6 @@ impl ModelBuilder {
         };
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
-        let multipliers = nodes.iter().flat_map(of_form).collect();
         let levers = levers(&nodes, &elements, extent);
         let work = Workspace::new(&nodes, &elements, [operators, panels], length, levers);
         let span = |node: &Node| Span {

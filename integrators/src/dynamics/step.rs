@@ -7,7 +7,9 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, balance_expected, inverse_scales, is_rounding, stagnates};
+use crate::rounding::{
+    allowed, balance_expected, inverse_scales, is_rounding, rounding_of_gaps, stagnates,
+};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -57,6 +59,8 @@ pub(crate) struct Stepper {
     /// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual
     /// that they leave.
     pub(super) inverse_scale: Vec<f64>,
+    /// Whether residuals of [`Kind::Other`] are gaps of multipliers, all of them.
+    gaps: bool,
     /// Room for the test of rounding errors.
     room: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
@@ -85,6 +89,8 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
+        let mut others = (0..n).filter(|&i| system.kind(i) == Kind::Other).peekable();
+        let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
         Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
@@ -100,6 +106,7 @@ impl Stepper {
             factorisations: 0,
             kinds: (0..n).map(|i| system.kind(i)).collect(),
             inverse_scale: inverse_scales(system),
+            gaps,
             room: [zeros(), zeros()],
             options: newton,
         })
@@ -144,7 +151,10 @@ impl Stepper {
         group: &Group,
     ) -> Result<(), Failure> {
         let earlier = self.history.len();
-        let mut unbalanced = [0.0; 3];
+        let NewtonOptions {
+            relative, absolute, ..
+        } = self.options;
+        let (mut unbalanced, mut least) = ([0.0; 3], [absolute; 3]);
         loop {
             let first = self.history.len() == earlier;
             let fresh = first || self.options.tangent == Tangent::Every;
@@ -156,10 +166,13 @@ impl Stepper {
                     *first = most;
                 }
             }
-            let NewtonOptions {
-                relative, absolute, ..
-            } = self.options;
-            let allowed = allowed(system.scales().measures(), unbalanced, relative, absolute);
+            if first && self.gaps && group.len() == 1 {
+                let q = &self.stages[group.start].state.q;
+                let [sizes, floor] = &mut self.room;
+                let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
+                least[Kind::Other.index()] = absolute.max(rounding);
+            }
+            let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
             let stays = before.is_some_and(|i| stagnates(i, last, residual, allowed));

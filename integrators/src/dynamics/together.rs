@@ -23,7 +23,13 @@ impl Together {
             .collect();
         let pairs = (0..pattern.blocks())
             .flat_map(|j| pattern.column(j).map(move |(i, _)| [i as u32, j as u32]));
-        let all = BlockPattern::new(&sizes, pairs);
+        let repeated = |i| std::iter::repeat_n(&pattern.units()[pattern.unknowns(i)], count);
+        let units: Vec<f64> = (0..pattern.blocks())
+            .flat_map(repeated)
+            .flatten()
+            .copied()
+            .collect();
+        let all = BlockPattern::new(&sizes, pairs).with_units(|i| units[i]);
         let mut solver = AutoSolver::new();
         solver.analyse(&all, Symmetry::General)?;
         let mut places = Vec::with_capacity(all.dim());

@@ -28,6 +28,8 @@ pub(super) struct Elimination {
 /// element, undamaged by cancellation. In the opposite direction the pivots are the stiffness of
 /// the supported part at its end, which falls with the cube of its length and holds fewer and
 /// fewer digits. It also walks through memory in one direction.
+///
+/// Nodes wait for those of lower [`ranks`] that they are coupled to.
 pub(super) fn minimum_degree(
     pattern: &BlockPattern,
     max_updates: usize,
@@ -49,6 +51,11 @@ pub(super) fn minimum_degree(
         .map(|list| list.iter().map(|&i| size(i)).sum())
         .collect();
     let mut alive = vec![true; n];
+    let rank = ranks(pattern, &neighbours);
+    let waits_for = |i: usize, j: u32| rank[j as usize] < rank[i];
+    let mut waiting: Vec<usize> = (neighbours.iter().enumerate())
+        .map(|(i, list)| list.iter().filter(|&&j| waits_for(i, j)).count())
+        .collect();
     let mut heap: BinaryHeap<(Reverse<usize>, u32)> =
         (0..n).map(|i| (Reverse(degree[i]), i as u32)).collect();
     let mut remaining = n;
@@ -59,13 +66,18 @@ pub(super) fn minimum_degree(
     let mut merged = Vec::new();
     while let Some((Reverse(d), k)) = heap.pop() {
         // The heap holds outdated degrees of nodes whose degree has changed since.
-        if !alive[k as usize] || d != degree[k as usize] {
+        if !alive[k as usize] || d != degree[k as usize] || waiting[k as usize] > 0 {
             continue;
         }
         if d > 0 && d + size(k) == weight {
             break; // even the least connected node sees all others: one clique is left
         }
         alive[k as usize] = false;
+        for (i, _) in pattern.column(k as usize) {
+            if waits_for(i, k) && size(k) > 0 && pattern.size(i) > 0 {
+                waiting[i] -= 1;
+            }
+        }
         remaining -= 1;
         weight -= size(k);
         let mut clique = std::mem::take(&mut neighbours[k as usize]);
@@ -98,11 +110,32 @@ pub(super) fn minimum_degree(
         return Err(LinearError::Fill { limit: max_updates });
     }
     let mut rest: Vec<u32> = (0..n as u32).filter(|&i| alive[i as usize]).collect();
+    rest.sort_by_key(|&i| Reverse(rank[i as usize]));
     while let Some(k) = rest.pop() {
         order.push(k);
         later.push(rest.clone());
     }
     Ok(Elimination { order, later })
+}
+
+/// In a saddle point matrix [A Gᵀ; G 0] a multiplier has a pivot, −G A⁻¹ Gᵀ, once the nodes in its
+/// equations are eliminated: its rank is one. Nodes that are coupled to nothing else (the angle of a
+/// joint that closes a loop) often have neither mass nor stiffness, and get their pivot from the
+/// multiplier: their rank is two. Where that leaves a multiplier without one, its pivot vanishes and
+/// a solver that interchanges rows is asked.
+fn ranks(pattern: &BlockPattern, neighbours: &[Vec<u32>]) -> Vec<u8> {
+    let units = |i: u32| &pattern.units()[pattern.unknowns(i as usize)];
+    let multiplies = |i: u32| units(i).iter().all(|unit| *unit == 0.0);
+    let within = |list: &[u32], m: u32| {
+        let known = &neighbours[m as usize];
+        multiplies(m) && (list.iter()).all(|i| *i == m || known.binary_search(i).is_ok())
+    };
+    let rank = |(i, list): (usize, &Vec<u32>)| match multiplies(i as u32) {
+        true => 1,
+        false if list.iter().any(|&m| within(list, m)) => 2,
+        false => 0,
+    };
+    neighbours.iter().enumerate().map(rank).collect()
 }
 
 /// Cliques up to this size are inserted one by one, so that a hub of many short spokes is not

@@ -28,11 +28,67 @@ pub(crate) fn inverse_root(d: f64) -> f64 {
 /// Sweeps of an equilibration at most.
 const SWEEPS: usize = 8;
 
+/// Diagonals below this part of the largest, in typical sizes of the unknowns, are no scale: half of the
+/// digits may be rounding errors of what stiffer parts exert, half are left for the elimination.
+const FLOOR: f64 = 1.5e-8;
+
+/// Where equilibration begins: rows by their diagonal, those of multipliers by what they couple.
+///
+/// A saddle point matrix [A Gᵀ; G 0] is in equilibrium with entries of G that are far larger than A,
+/// too; but then A, which alone resists along the null space of G, is below rounding. From here both
+/// are of order one, as A and the Schur complement G A⁻¹ Gᵀ are when scaled by their diagonals,
+/// whatever the units: another unit of an unknown divides its scale, here and in all sweeps.
+fn begin(pattern: &BlockPattern, values: &[f64], scales: &mut [f64], largest: &mut [f64]) {
+    let units = pattern.units();
+    let mut most = 0.0;
+    for_each(pattern, values, |r, c, value| {
+        if r == c {
+            scales[r] = value.abs();
+            most = f64::max(most, value.abs() * units[r] * units[r]);
+        }
+    });
+    let floor = if most > 0.0 { FLOOR * most } else { 1.0 };
+    for (s, unit) in scales.iter_mut().zip(units) {
+        let least = if *unit > 0.0 {
+            floor / (unit * unit)
+        } else {
+            0.0
+        };
+        *s = inverse_root(s.max(least)).min(f64::MAX);
+    }
+    largest.fill(0.0);
+    for_each(pattern, values, |r, c, value| {
+        if units[r] == 0.0 && units[c] > 0.0 {
+            largest[r] = f64::max(largest[r], (value * scales[c]).abs());
+        }
+    });
+    for (s, m) in scales.iter_mut().zip(largest) {
+        let root = inverse_root(*m);
+        if root.is_finite() {
+            *s = root * root;
+        }
+    }
+}
+
+/// Calls with row, column and value of each entry.
+fn for_each(pattern: &BlockPattern, values: &[f64], mut with: impl FnMut(usize, usize, f64)) {
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let height = pattern.size(i).max(1);
+            for (column, c) in values[range].chunks_exact(height).zip(pattern.unknowns(j)) {
+                for (value, r) in column.iter().zip(pattern.unknowns(i)) {
+                    with(r, c, *value);
+                }
+            }
+        }
+    }
+}
+
 /// Scales by equilibration, for matrices whose diagonal is no measure of their rows.
 ///
 /// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and columns alike
-/// and needs no diagonal. Each halves the range of the rows in logarithms: eight of them take
-/// masses over a squared step of 10⁻⁸ and gradients of equations to the same size.
+/// and needs no diagonal. They begin with the diagonal where it is one, in the typical sizes of the
+/// unknowns ([`BlockPattern::units`]); each halves what is left of the range of the rows in logarithms.
 ///
 /// # Errors
 /// Values that are not finite, and rows that are zero.
@@ -42,7 +98,7 @@ pub fn equilibrate(
     scales: &mut [f64],
     largest: &mut [f64],
 ) -> Result<(), LinearError> {
-    scales.fill(1.0);
+    begin(pattern, values, scales, largest);
     for sweep in 0..SWEEPS {
         largest.fill(0.0);
         for j in 0..pattern.blocks() {
@@ -72,7 +128,8 @@ pub fn equilibrate(
                 }
                 continue;
             }
-            done &= factor == 1.0;
+            // Closer than this is of no use.
+            done &= (0.5..=2.0).contains(&factor);
             *s *= factor;
         }
         if done {

@@ -202,7 +202,7 @@ impl Newton {
         let NewtonOptions {
             relative, absolute, ..
         } = self.options;
-        self.allowed = allowed(measures, self.unbalanced, relative, absolute);
+        self.allowed = allowed(measures, self.unbalanced, relative, [absolute; 3]);
         for (most, allowed) in largest.iter().zip(self.allowed) {
             ratio = ratio.max(most / allowed);
         }
