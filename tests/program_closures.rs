@@ -30,6 +30,9 @@ fn one_file_three_methods() {
         let stderr = String::from_utf8_lossy(&ran.stderr);
         assert!(ran.status.success(), "{stderr}");
         assert!(stdout.contains(said), "{stdout}");
+        // Multipliers tie the closing joint's angle to the links, which have mass.
+        let massless = format!("{stdout}{stderr}").contains("no mass acts");
+        assert_eq!(massless, name == "penalty", "{stdout}{stderr}");
         history(&out.join("model.out"))
     };
     let map = rows("map", "closure = \"map\"", "joint C closes a loop");

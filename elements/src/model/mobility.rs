@@ -128,7 +128,8 @@ impl Model {
             .collect()
     }
 
-    /// Names of the unknowns on which no mass acts at a state: forces alone tell how they move.
+    /// Names of the unknowns on which no mass acts at a state, and which no multiplier ties to others:
+    /// forces alone tell how they move.
     ///
     /// # Errors
     /// [`SystemError`] when the state is outside a chart.
@@ -148,7 +149,16 @@ impl Model {
             *value = value.abs();
         }
         self.pattern.multiply_add(1.0, &M, &vec![1.0; n], &mut mass);
-        let without = |&i: &usize| mass[i] == 0.0 && !self.is_multiplier(i);
+        let mut tied = vec![false; n];
+        let pattern = &self.pattern;
+        for j in
+            (0..pattern.blocks()).filter(|&j| pattern.unknowns(j).any(|u| self.is_multiplier(u)))
+        {
+            for (i, _) in pattern.column(j) {
+                tied[pattern.unknowns(i)].fill(true);
+            }
+        }
+        let without = |&i: &usize| mass[i] == 0.0 && !tied[i];
         Ok((0..n).filter(without).map(|i| self.name(i)).collect())
     }
 }
