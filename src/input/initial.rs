@@ -201,9 +201,10 @@ pub(super) fn start(
         if left > LEFT * most {
             let path = first.unwrap_or_default();
             let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            let problem = match names.as_slice() {
-                [one] => Problem::LoopLocked { of: one.clone() },
-                all => Problem::LoopRates {
+            // One of several components of a spherical joint may well be free.
+            let problem = match (names.as_slice(), rates.len()) {
+                ([one], 1) => Problem::LoopLocked { of: one.clone() },
+                (all, _) => Problem::LoopRates {
                     of: all.join(", "),
                     left,
                 },
