@@ -62,6 +62,39 @@ fn seconds(elements: usize, mut f: impl FnMut()) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
+/// Numbers of elements.
+const SIZES: [usize; 3] = [100, 1_000, 10_000];
+/// Rounds of whole analyses.
+const ROUNDS: usize = 15;
+
+/// Microseconds per element and Newton iteration of whole analyses, best of all rounds for each
+/// of [`SIZES`], and the growth from the second to the third.
+///
+/// Every round runs all sizes, the smaller ones as often as makes the same number of elements,
+/// and its growth is a ratio of averages a few seconds apart; the middle of these is what other
+/// work on the machine, which comes and goes, disturbs least.
+fn whole_and_growth() -> ([f64; 3], f64) {
+    let mut models = SIZES.map(rollup);
+    let mut best = [f64::INFINITY; 3];
+    let mut growths: Vec<f64> = (0..ROUNDS)
+        .map(|_| {
+            let mut round = [0.0; 3];
+            for (i, model) in models.iter_mut().enumerate() {
+                let runs = SIZES[2] / SIZES[i];
+                for _ in 0..runs {
+                    let (seconds, iterations) = analyse(model);
+                    let one = 1e6 * seconds / (iterations * SIZES[i]) as f64;
+                    best[i] = best[i].min(one);
+                    round[i] += one / runs as f64;
+                }
+            }
+            round[2] / round[1]
+        })
+        .collect();
+    growths.sort_by(f64::total_cmp);
+    (best, growths[ROUNDS / 2])
+}
+
 fn whole_analysis(c: &mut Criterion) {
     let mut model = rollup(100);
     c.bench_function("roll-up, 100 elements, 8 steps", |bench| {
@@ -71,20 +104,10 @@ fn whole_analysis(c: &mut Criterion) {
     println!(
         "elements   whole   force  +tangent  +assembly  factorise   solve | faer factorise+solve"
     );
-    let mut whole = Vec::new();
-    for elements in [100, 1_000, 10_000] {
-        let mut model = rollup(elements);
-        let (best, iterations) =
-            (0..5)
-                .map(|_| analyse(&mut model))
-                .fold(
-                    (f64::INFINITY, 1),
-                    |best, run| if run.0 < best.0 { run } else { best },
-                );
+    let (whole, growth) = whole_and_growth();
+    for (elements, whole) in SIZES.into_iter().zip(whole) {
         let unit = 1e-6 * elements as f64;
-        whole.push(best / iterations as f64 / unit);
 
-        // A fresh model: the one just analysed has its charts chosen for the rolled-up state.
         let mut model = rollup(elements);
         let n = model.pattern().dim();
         let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
@@ -133,7 +156,7 @@ fn whole_analysis(c: &mut Criterion) {
         }
         println!(
             "{elements:8}  {:6.2}  {:6.2}  {:8.2}  {:9.2}  {:9.2}  {:6.2} | {:6.2}",
-            whole[whole.len() - 1],
+            whole,
             force / unit,
             (assembled - assembly) / unit,
             assembly / unit,
@@ -142,10 +165,7 @@ fn whole_analysis(c: &mut Criterion) {
             (times[2] + times[3]) / unit,
         );
     }
-    println!(
-        "growth from 1,000 to 10,000 elements: {:.2}",
-        whole[2] / whole[1]
-    );
+    println!("growth from 1,000 to 10,000 elements: {growth:.2} (middle of {ROUNDS} rounds)");
 }
 
 criterion_group! {
