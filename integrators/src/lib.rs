@@ -18,6 +18,7 @@ pub mod check;
 pub mod dynamics;
 mod failure;
 pub mod linear_solver;
+mod outlook;
 mod rounding;
 pub mod spectrum;
 pub mod statics;

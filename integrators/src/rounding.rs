@@ -31,20 +31,9 @@ pub(crate) fn allowed(
     std::array::from_fn(allow)
 }
 
-/// Whether the next residual is below its limit if convergence goes on quadratically: with exact
-/// tangents errors fall as the squares of the corrections do.
-pub(crate) fn balance_expected(history: &[Iteration]) -> bool {
-    match history {
-        [.., before, last] if before.damping * last.damping == 1.0 => {
-            last.ratio * (last.correction / before.correction).powi(2) <= 1.0
-        }
-        _ => false,
-    }
-}
-
 /// Whether another correction is not expected to mend anything: the last was small, and all that it
 /// left out of balance has become little less by it, or was `expected` to be in balance
-/// ([`balance_expected`]).
+/// ([`crate::outlook::Outlook`]).
 pub(crate) fn stagnates(
     before: &Iteration,
     expected: bool,

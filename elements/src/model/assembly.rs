@@ -199,6 +199,7 @@ impl Model {
         let rates = out.r_t.is_some();
         let Evaluation { r, mut S, r_t } = out;
         self.check_left_out()?;
+        self.enter_element_charts();
         self.expand(at)?;
         if rates {
             self.work.r.fill(0.0);

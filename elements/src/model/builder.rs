@@ -361,6 +361,7 @@ impl ModelBuilder {
             element,
             nodes: NodeList::new(nodes),
             switched: 0,
+            wanted: 0,
             overturned: false,
             loose: None,
             mapped: false,

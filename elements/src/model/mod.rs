@@ -201,6 +201,8 @@ struct Attached {
     frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,
+    /// The same in the chart it goes on in.
+    wanted: u32,
     /// Whether its nodes have turned so far against each other that no chart holds them all.
     overturned: bool,
     /// An equation left out that does not follow from the others any more, and its residual.

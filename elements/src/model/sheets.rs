@@ -42,7 +42,7 @@ impl Accepted {
 
     fn switched(&mut self, elements: &[Attached]) {
         self.switched.clear();
-        self.switched.extend(elements.iter().map(|e| e.switched));
+        self.switched.extend(elements.iter().map(|e| e.wanted));
     }
 }
 
@@ -57,20 +57,22 @@ pub(super) struct Sheets {
     previous: Accepted,
     /// Whether the elements' charts were given for the state that comes next.
     given: bool,
+    /// Whether elements have not yet gone on in the charts chosen for them.
+    chosen: bool,
 }
 
 impl Model {
     /// Which of its nodes each element takes through the complement map (bit k for node k): what
     /// a model remembers of its way besides the coordinates.
     pub fn element_charts(&self) -> Vec<u32> {
-        self.elements.iter().map(|e| e.switched).collect()
+        self.elements.iter().map(|e| e.wanted).collect()
     }
 
     /// Goes on from what [`Model::element_charts`] gave for the same model; entries beyond its
     /// elements are ignored.
     pub fn set_element_charts(&mut self, charts: &[u32]) {
         for (e, &switched) in self.elements.iter_mut().zip(charts) {
-            e.switched = switched;
+            (e.switched, e.wanted) = (switched, switched);
         }
         self.work.dead_loads.forget();
         self.work.sheets.given = true;
@@ -111,6 +113,7 @@ impl Model {
                 (false, true) => e.switched = now.switched[k],
                 (false, false) => e.switched = agreement(e, after),
             }
+            e.wanted = e.switched;
         }
         *given = false;
         now.t = t;
@@ -137,10 +140,15 @@ impl Model {
     /// Each element evaluates its nodes in one common chart: the one in which the largest
     /// rotation angle is smallest. Nodes that are stored in the other chart go through the
     /// complement map. The choice does not depend on how the nodes are stored, and follows them
-    /// continuously. Returns whether anything changed for an element.
+    /// continuously. Returns whether an element goes on in another.
+    ///
+    /// An element whose interpolation depends on its chart is out of balance in another one: the
+    /// state that was accepted is asked for its forces in the charts in which it was balanced, and
+    /// the choice is entered when the next state is evaluated ([`Model::enter_element_charts`]).
     ///
     /// The configuration is the one last expanded.
     pub(super) fn follow_element_charts(&mut self, t: f64) -> bool {
+        self.enter_element_charts();
         self.gather_rotations(|s| &mut s.after);
         let Sheets {
             before,
@@ -149,7 +157,7 @@ impl Model {
             previous,
             ..
         } = &mut self.work.sheets;
-        let mut changed = false;
+        let (mut changed, mut stored) = (false, false);
         for e in &mut self.elements {
             let mut nodes = e.nodes.iter().map(|&n| n as usize);
             // Below a right angle all quaternions are within 45° of (1, 0): they agree.
@@ -167,11 +175,12 @@ impl Model {
                 continue;
             }
             let seen = e.switched ^ flipped(e, before, after);
-            let switched = best(e, seen, after, possible);
-            changed |= switched != e.switched;
-            e.switched = switched;
+            let wanted = best(e, seen, after, possible);
+            changed |= wanted != seen;
+            stored |= seen != e.switched;
+            (e.switched, e.wanted) = (seen, wanted);
         }
-        if changed {
+        if stored {
             self.work.dead_loads.forget();
         }
         if now.t != t {
@@ -180,7 +189,16 @@ impl Model {
         }
         now.psi.clone_from(after);
         now.switched(&self.elements);
+        self.work.sheets.chosen = changed;
         changed
+    }
+
+    /// The elements go on in the charts that were chosen for them.
+    pub(super) fn enter_element_charts(&mut self) {
+        if std::mem::take(&mut self.work.sheets.chosen) {
+            self.elements.iter_mut().for_each(|e| e.switched = e.wanted);
+            self.work.dead_loads.forget();
+        }
     }
 
     fn gather_rotations(&mut self, to: impl Fn(&mut Sheets) -> &mut Vec<Vector3<f64>>) {

@@ -84,6 +84,7 @@ impl System for Model {
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        self.enter_element_charts();
         self.account(at, false).map(|audit| Some(audit.energies))
     }
 

@@ -7,9 +7,8 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{
-    allowed, balance_expected, inverse_scales, is_rounding, rounding_of_gaps, stagnates,
-};
+use crate::outlook::Outlook;
+use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps, stagnates};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -155,12 +154,16 @@ impl Stepper {
             relative, absolute, ..
         } = self.options;
         let (mut unbalanced, mut least) = ([0.0; 3], [absolute; 3]);
+        let mut renewed = true;
         loop {
-            let first = self.history.len() == earlier;
-            let fresh = first || self.options.tangent == Tangent::Every;
-            // A state that will turn out to be in balance needs no tangent.
-            let last = fresh && balance_expected(&self.history[earlier..]);
-            let residual = self.evaluate(system, step, group, first, fresh && !last)?;
+            let history = &self.history[earlier..];
+            let first = history.is_empty();
+            let every = self.options.tangent == Tangent::Every;
+            // A state that will turn out to be in balance needs no tangent, nor one that the last
+            // tangent takes there.
+            let outlook = Outlook::new(history, renewed);
+            let wanted = first || (every && !outlook.without_tangent());
+            let residual = self.evaluate(system, step, group, first, wanted)?;
             for (first, most) in unbalanced.iter_mut().zip(residual) {
                 if *first == 0.0 {
                     *first = most;
@@ -175,7 +178,8 @@ impl Stepper {
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let before = self.history[earlier..].last();
-            let stays = before.is_some_and(|i| stagnates(i, last, residual, allowed));
+            let expected = every && outlook.is_balance();
+            let stays = before.is_some_and(|i| stagnates(i, expected, residual, allowed));
             // One correction is made even where the prediction is in balance: what is always small
             // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
             // would never move anything.
@@ -190,10 +194,12 @@ impl Stepper {
                     Err(Failure::TooManyIterations)
                 };
             }
-            if last {
+            renewed = wanted;
+            if every && !wanted && !outlook.serves(ratio) {
                 self.evaluate(system, step, group, first, true)?;
+                renewed = true;
             }
-            self.solve(solver, group, fresh)?;
+            self.solve(solver, group, renewed)?;
             let correction = self.correct(step, group);
             self.record(residual, ratio, correction, 1.0);
             let start = self.history[earlier].ratio;

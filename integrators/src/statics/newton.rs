@@ -21,7 +21,8 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
-use crate::rounding::{allowed, balance_expected, inverse_scales, is_rounding, stagnates};
+use crate::outlook::Outlook;
+use crate::rounding::{allowed, inverse_scales, is_rounding, stagnates};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -181,7 +182,7 @@ impl Newton {
         q: &[f64],
         residual: [f64; 3],
     ) -> bool {
-        let expected = balance_expected(&self.history);
+        let expected = Outlook::new(&self.history, true).is_balance();
         let stays = |i: &Iteration| stagnates(i, expected, residual, self.allowed);
         self.history.last().is_some_and(stays) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
