@@ -22,12 +22,15 @@ pub struct AxialSpring {
     U: Vector3<f64>,
     k: f64,
     c: f64,
-    rest_length: f64,
+    /// |U| − l₀.
+    tightness: f64,
 }
 
 /// Length, direction and rates at a motion.
 struct Stretched {
     l: f64,
+    /// l − l₀.
+    elongation: f64,
     e: Vector3<f64>,
     /// u̇, zero in statics.
     u_dot: Vector3<f64>,
@@ -62,7 +65,7 @@ impl AxialSpring {
             U,
             k,
             c,
-            rest_length: U.norm(),
+            tightness: 0.0,
         })
     }
 
@@ -72,7 +75,7 @@ impl AxialSpring {
     /// [`SpringError`] unless it is finite and not negative.
     pub fn with_rest_length(mut self, rest_length: f64) -> Result<Self, SpringError> {
         not_negative("the rest length", rest_length)?;
-        self.rest_length = rest_length;
+        self.tightness = self.U.norm() - rest_length;
         Ok(self)
     }
 
@@ -85,17 +88,23 @@ impl AxialSpring {
     }
 
     fn force(&self, s: &Stretched) -> f64 {
-        self.k * (s.l - self.rest_length) + self.c * s.l_dot
+        self.k * s.elongation + self.c * s.l_dot
     }
 
-    /// u = U + d₂ − d₁.
-    fn between(&self, x: &[f64]) -> Vector3<f64> {
-        self.U + difference(x)
+    /// u = U + d₂ − d₁, its length l, and l − l₀.
+    ///
+    /// From l² − |U|² = d·(2 U + d) with d = d₂ − d₁: the difference of two lengths would have the
+    /// rounding errors of the lengths, which a stiff spring turns into forces larger than its own.
+    fn between(&self, x: &[f64]) -> (Vector3<f64>, f64, f64) {
+        let d = difference(x);
+        let u = self.U + d;
+        let l = u.norm();
+        let change = d.dot(&(2.0 * self.U + d)) / (l + self.U.norm());
+        (u, l, change + self.tightness)
     }
 
     fn stretched(&self, at: &Motion<'_>) -> Result<Stretched, ElementError> {
-        let u = self.between(at.x);
-        let l = u.norm();
+        let (u, l, elongation) = self.between(at.x);
         // Below this the direction is that of round-off.
         if l <= 1e-12 * self.U.norm() {
             return Err(ElementError::ZeroLength { length: l });
@@ -108,6 +117,7 @@ impl AxialSpring {
         };
         Ok(Stretched {
             l,
+            elongation,
             e,
             u_dot,
             l_dot: e.dot(&u_dot),
@@ -165,7 +175,8 @@ impl Element for AxialSpring {
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        0.5 * self.k * (self.between(at.x).norm() - self.rest_length).powi(2)
+        let (_, _, elongation) = self.between(at.x);
+        0.5 * self.k * elongation.powi(2)
     }
 
     fn dissipation(&self, at: &Motion<'_>) -> f64 {

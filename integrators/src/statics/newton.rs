@@ -64,6 +64,8 @@ pub(super) struct Newton {
     unbalanced: [f64; 3],
     /// What the convergence test allows per kind.
     allowed: [f64; 3],
+    /// Corrections of the history that are predictions, made before any residual was known.
+    predicted: usize,
     options: NewtonOptions,
 }
 
@@ -85,6 +87,7 @@ impl Newton {
             factorisations: 0,
             unbalanced: [0.0; 3],
             allowed: [0.0; 3],
+            predicted: 0,
             options: *options,
         }
     }
@@ -175,7 +178,8 @@ impl Newton {
         largest
     }
 
-    /// Whether the last correction left rounding errors only, which the next one cannot mend.
+    /// Whether the last correction left rounding errors only, which the next one cannot mend. What a
+    /// prediction leaves is its own error, however small beside the rounding of stiff neighbours.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &Y,
@@ -184,7 +188,8 @@ impl Newton {
     ) -> bool {
         let expected = Outlook::new(&self.history, true).is_balance();
         let stays = |i: &Iteration| stagnates(i, expected, residual, self.allowed);
-        self.history.last().is_some_and(stays) && {
+        let corrected = self.history.len() > self.predicted;
+        corrected && self.history.last().is_some_and(stays) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
         }
@@ -223,6 +228,7 @@ impl Newton {
     ) -> Result<(), Failure> {
         let options = self.options;
         self.unbalanced = [0.0; 3];
+        self.predicted = self.history.len();
         self.evaluate(system, previous, q, *lambda)
             .map_err(Failure::System)?;
         loop {
