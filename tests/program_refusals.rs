@@ -201,7 +201,7 @@ fn empty_files_and_files_without_a_structure() {
     );
     assert_eq!(
         refusal("[nodes]\nA = [0, 0, 0]").to_string(),
-        "the model has no lines and no bodies"
+        "the model has no lines, bodies or springs"
     );
 }
 

@@ -4,54 +4,79 @@ use crate::statics::Iteration;
 
 /// A residual that the last tangent is to leave, over what the convergence test allows.
 const SAFE: f64 = 0.1;
+/// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
+const SMALL: f64 = 1e-6;
+/// A correction that changes nothing, over the largest of its step.
+const NOTHING: f64 = 1e-9;
+/// What falls by less than this does not fall.
+const FALL: f64 = 0.1;
 
-/// The residual that is evaluated next, before it is known.
+/// The residual that is evaluated next, and the correction that it would ask for, before they are
+/// known.
 ///
 /// With the tangent of each iterate, corrections fall as c_k = κ c²_{k−1}, and residuals with them:
 /// r_k ≈ ϱ² r_{k−1}, ϱ = c_{k−1} / c_{k−2}. A tangent that is one correction old is off by
-/// 2 κ c_{k−1}, so that a correction with it leaves r_{k+1} ≈ 2 r²_k / r_{k−1} (Deuflhard 2004, Newton
-/// Methods for Nonlinear Problems, section 2.1).
+/// 2 κ c_{k−1}, so that a correction with it leaves 2 r²_k / r_{k−1} (Deuflhard 2004, Newton Methods
+/// for Nonlinear Problems, section 2.1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outlook {
-    /// r_{k−1}, over what is allowed.
-    before: f64,
-    /// r_k, as is expected.
+    /// The residual before the last correction, per kind, and over what is allowed.
+    before: ([f64; 3], f64),
+    /// The residual that is expected, over what is allowed.
     next: f64,
     /// Whether the last correction came from the tangent of its iterate.
     renewed: bool,
+    /// Whether the next correction is expected to change nothing.
+    settled: bool,
+    /// Whether the last correction was a small one, and hardly smaller than the one before.
+    stays: bool,
 }
 
 impl Outlook {
     /// From the iterations of a step, the last of which had the tangent of its iterate where it is
     /// `renewed`.
     pub(crate) fn new(history: &[Iteration], renewed: bool) -> Self {
-        let (before, next) = match history {
-            [.., before, last] if before.damping * last.damping == 1.0 => {
-                let fall = (last.correction / before.correction).powi(2);
-                (last.ratio, last.ratio * fall)
-            }
-            _ => (0.0, f64::INFINITY),
-        };
-        Self {
-            before,
-            next,
+        let unknown = Self {
+            before: ([0.0; 3], 0.0),
+            next: f64::INFINITY,
             renewed,
+            settled: false,
+            stays: false,
+        };
+        let [.., before, last] = history else {
+            return unknown;
+        };
+        if before.damping * last.damping != 1.0 {
+            return unknown;
         }
-    }
-
-    /// Whether the state to be evaluated is expected to be in balance.
-    pub(crate) fn is_balance(&self) -> bool {
-        // An old tangent was taken only where it leads there.
-        !self.renewed || self.next <= 1.0
+        let ratio = last.correction / before.correction;
+        let fall = if renewed { ratio * ratio } else { 2.0 * ratio };
+        let largest = history.iter().fold(0.0, |m, i| f64::max(m, i.correction));
+        let small = last.correction < SMALL;
+        Self {
+            before: (last.residual, last.ratio),
+            next: last.ratio * fall,
+            renewed,
+            settled: small && last.correction * fall <= NOTHING * largest,
+            stays: small && last.correction > FALL * before.correction,
+        }
     }
 
     /// Whether the last tangent takes a residual to balance in one correction.
     pub(crate) fn serves(&self, residual: f64) -> bool {
-        self.renewed && 2.0 * residual * residual <= SAFE * self.before
+        self.renewed && 2.0 * residual * residual <= SAFE * self.before.1
     }
 
     /// Whether the state to be evaluated will need no tangent of its own.
     pub(crate) fn without_tangent(&self) -> bool {
-        self.is_balance() || self.serves(self.next)
+        self.settled || self.next <= 1.0 || self.serves(self.next)
+    }
+
+    /// Whether another correction is not expected to mend anything, though residuals are still larger
+    /// than is allowed: it would change nothing, or else corrections and residuals have ceased to
+    /// fall. What stiff neighbours leave may hide a residual that still does: corrections tell.
+    pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3]) -> bool {
+        let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > FALL * self.before.0[k];
+        self.settled || (self.stays && (0..3).all(stays))
     }
 }

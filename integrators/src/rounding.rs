@@ -1,10 +1,6 @@
 //! The scales of coordinates, and when a residual is nothing but rounding errors.
 
-use crate::statics::Iteration;
 use pullback_manifold::system::{Kind, System};
-
-/// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
-const SMALL: f64 = 1e-6;
 
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
@@ -29,19 +25,6 @@ pub(crate) fn allowed(
             .max(f64::MIN_POSITIVE)
     };
     std::array::from_fn(allow)
-}
-
-/// Whether another correction is not expected to mend anything: the last was small, and all that it
-/// left out of balance has become little less by it, or was `expected` to be in balance
-/// ([`crate::outlook::Outlook`]).
-pub(crate) fn stagnates(
-    before: &Iteration,
-    expected: bool,
-    residual: [f64; 3],
-    allowed: [f64; 3],
-) -> bool {
-    let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > 0.1 * before.residual[k];
-    before.damping > 0.0 && before.correction < SMALL && (expected || (0..3).all(stays))
 }
 
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.

@@ -75,10 +75,10 @@ impl Problem {
             Self::LoadTarget { load: "force", .. } => {
                 "on a line use force_per_length = [fx, fy, fz]; a force needs a node"
             }
-            Self::Empty => "describe at least [nodes] and [[lines]] or [[bodies]]",
+            Self::Empty => "describe at least [nodes] and [[lines]], [[bodies]] or [[springs]]",
             Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",
             Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
-            Self::Missing { .. } => "add at least one of [[lines]], [[bodies]]",
+            Self::Missing { .. } => "add at least one of [[lines]], [[bodies]], [[springs]]",
             Self::Duplicate { .. } => "give each its own name",
             Self::Name { .. } => {
                 "names must not be empty and must not contain `/`, `:`, quotes, commas or line \

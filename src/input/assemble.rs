@@ -164,10 +164,10 @@ pub(super) fn assemble(
     mut file: ModelFile,
     formulation: Option<Formulation>,
 ) -> Result<Job, InputError> {
-    let matter = file.lines.is_empty() && file.bodies.is_empty();
+    let elements = file.lines.is_empty() && file.bodies.is_empty() && file.springs.is_empty();
     for (what, missing) in [
         ("nodes", file.nodes.is_empty()),
-        ("lines and no bodies", matter),
+        ("lines, bodies or springs", elements),
     ] {
         if missing {
             return Err(InputError::whole(Problem::Missing { what }));

@@ -275,8 +275,9 @@ pub(super) fn advance<Y: System + ?Sized>(
     }
     next.lambda = at.lambda + ds * at.d_lambda;
     newton.history.clear();
+    let loads = newton.largest(system, &newton.r_lambda);
     newton.history.push(Iteration {
-        residual: [0.0; 3],
+        residual: loads.map(|r| r * (ds * at.d_lambda).abs()),
         ratio: f64::INFINITY,
         correction: ds.abs() * newton.size(&at.dq),
         damping: 1.0,

@@ -22,7 +22,7 @@ use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
 use crate::outlook::Outlook;
-use crate::rounding::{allowed, inverse_scales, is_rounding, stagnates};
+use crate::rounding::{allowed, inverse_scales, is_rounding};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
@@ -60,7 +60,8 @@ pub(super) struct Newton {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    /// First residual per kind of a step that is not zero.
+    /// First residual per kind of a step that is not zero; that of a prediction is what it was made
+    /// for, the change of the loads.
     unbalanced: [f64; 3],
     /// What the convergence test allows per kind.
     allowed: [f64; 3],
@@ -178,18 +179,14 @@ impl Newton {
         largest
     }
 
-    /// Whether the last correction left rounding errors only, which the next one cannot mend. What a
-    /// prediction leaves is its own error, however small beside the rounding of stiff neighbours.
+    /// Whether the last correction left rounding errors only, which the next one cannot mend.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &Y,
         q: &[f64],
         residual: [f64; 3],
     ) -> bool {
-        let expected = Outlook::new(&self.history, true).is_balance();
-        let stays = |i: &Iteration| stagnates(i, expected, residual, self.allowed);
-        let corrected = self.history.len() > self.predicted;
-        corrected && self.history.last().is_some_and(stays) && {
+        Outlook::new(&self.history, true).is_stagnation(residual, self.allowed) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
         }
@@ -227,15 +224,22 @@ impl Newton {
         previous: Option<(f64, &[f64])>,
     ) -> Result<(), Failure> {
         let options = self.options;
+        self.predicted = 0;
         self.unbalanced = [0.0; 3];
-        self.predicted = self.history.len();
+        if let (Some(prediction), true) = (self.history.last(), previous.is_some()) {
+            self.predicted = self.history.len();
+            self.unbalanced = prediction.residual;
+        }
         self.evaluate(system, previous, q, *lambda)
             .map_err(Failure::System)?;
         loop {
             let (residual, ratio) = self.test(system);
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
-            let balanced = ratio <= 1.0 || self.is_rounding(system, q, residual);
+            // One correction is made even where the prediction is in balance: a small load beside a
+            // large one, which measures it, would move by the tangent of the step before alone.
+            let corrected = self.history.len() > self.predicted || ratio == 0.0;
+            let balanced = corrected && (ratio <= 1.0 || self.is_rounding(system, q, residual));
             let stop = on_condition && balanced;
             if stop || self.history.len() >= options.max_iterations {
                 self.history.push(Iteration {

@@ -1,0 +1,126 @@
+//! Statics is not content with its predictions: what is small beside other loads, or beside the
+//! rounding errors of stiff neighbours, is corrected too. All against closed forms.
+#![allow(non_snake_case)]
+
+use pullback::input::{Plan, assemble_text};
+use pullback::prelude::*;
+
+/// Runs a text to the end of its loads, under an analysis of its own.
+fn run(text: &str, analysis: &str) -> Model {
+    let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
+    let mut q = vec![];
+    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    match &job.plan {
+        Plan::Static(options) => {
+            let done = solve_statics(&mut job.model, &mut q, options, proceed).unwrap();
+            assert!(done.finished, "{analysis}");
+        }
+        Plan::Path(options, _) => {
+            let done = trace_path(&mut job.model, &mut q, options, proceed).unwrap();
+            assert!(done.summary.finished, "{analysis}");
+        }
+        Plan::Dynamic(_) => unreachable!(),
+    }
+    job.model
+}
+
+/// The displacement of a node along an axis.
+fn moved(model: &Model, node: &str, axis: usize) -> f64 {
+    let node = model.find(node).unwrap();
+    model.coordinate(node, axis).unwrap()[0]
+}
+
+const ANALYSES: [&str; 2] = ["[analysis.static]", "[analysis.arc-length]"];
+
+#[test]
+fn a_column_bends_by_the_smallest_lateral_load() {
+    // A cantilever column, EI = L = 1, under P and e across it at its tip: (tan k/k − 1) e/P, k² = P
+    // (Timoshenko & Gere 1961, Theory of Elastic Stability, section 1.11).
+    for slenderness in [1e3, 1e4] {
+        for (part, e) in [(0.5, 1e-6), (0.9, 1e-7), (0.9, 1e-8), (0.9, 1e-9)] {
+            let stiff = slenderness * slenderness;
+            let P = part * std::f64::consts::PI.powi(2) / 4.0;
+            let text = format!(
+                "[sections.s]\n\
+                 stiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = 1, EI = [1, 1] }}\n\
+                 [nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n\
+                 [[lines]]\nname = \"column\"\nfrom = \"root\"\nto = \"tip\"\nelements = 8\n\
+                 order = 3\nsection = \"s\"\n\
+                 [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
+                 [[loads]]\nnode = \"tip\"\nforce = [{}, {e}, 0]\n",
+                -P
+            );
+            for analysis in ANALYSES {
+                let found = moved(&run(&text, analysis), "tip", 1);
+                let exact = e / P * (P.sqrt().tan() / P.sqrt() - 1.0);
+                let gap = (found / exact - 1.0).abs();
+                // Shortening and shear, of the order of P/EA, grow like the deflection.
+                let allowed = 1e-5 + 100.0 / stiff;
+                assert!(gap < allowed, "{analysis}, {part}, {e:e}: off by {gap:.1e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_soft_spring_among_stiff_beams_finds_its_place() {
+    // A stiff lever on a hinge of moment k φ + k₃ φ³, pulled along by F and turned by P at its end:
+    // (k + F) φ + k₃ φ³ = P for φ as small as here.
+    let (k3, P): (f64, f64) = (1e13, 3e-6);
+    for stiff in [1e8, 1e10] {
+        let text = format!(
+            "[sections.s]\n\
+             stiffness = {{ EA = {stiff}, GA = [{stiff}, {stiff}], GJ = {stiff}, \
+             EI = [{stiff}, {stiff}] }}\n\
+             [nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n\
+             [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
+             [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nmaster = \"root\"\n\
+             axis = [0, 0, 1]\nspring = {{ k = 1, k3 = {k3} }}\n\
+             [[lines]]\nname = \"lever\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 1\n\
+             section = \"s\"\n\
+             [[loads]]\nnode = \"tip\"\nforce = [1, 0, 0]\ntime = {{ constant = 1 }}\n\
+             [[loads]]\nnode = \"tip\"\nforce = [0, {P}, 0]\n"
+        );
+        // The real root of k₃ φ³ + 2 φ = P, by Cardano: |u³ v³| = (2 / 3 k₃)³.
+        let half = 0.5 * P / k3;
+        let root = (half * half + (2.0 / (3.0 * k3)).powi(3)).sqrt();
+        let exact = (half + root).cbrt() + (half - root).cbrt();
+        for analysis in ANALYSES {
+            let found = moved(&run(&text, analysis), "tip", 1);
+            let gap = (found / exact - 1.0).abs();
+            assert!(
+                gap < 1e-6,
+                "{analysis}, {stiff:e}: {found:e}, not {exact:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_shallow_truss_of_springs_feels_small_loads() {
+    // Two springs from (∓1, 0) to (0, h), which carry P = 2 k (l₀ − l) (h − d)/l where the crown is d
+    // lower. There is nothing but springs in this model.
+    let (k, h): (f64, f64) = (1e9, 1e-3);
+    for P in [1e-6, 1e-4, 1e-2] {
+        let text = format!(
+            "[nodes]\nA = [-1, 0, 0]\nB = [1, 0, 0]\nT = [0, {h}, 0]\n\
+             [[springs]]\nname = \"s1\"\nnodes = [\"A\", \"T\"]\nstiffness = {k}\n\
+             [[springs]]\nname = \"s2\"\nnodes = [\"T\", \"B\"]\nstiffness = {k}\n\
+             [[supports]]\nnode = \"A\"\nfix = \"place\"\n\
+             [[supports]]\nnode = \"B\"\nfix = \"place\"\n\
+             [[supports]]\nnode = \"T\"\nfix = [\"z\"]\n\
+             [[loads]]\nnode = \"T\"\nforce = [0, {}, 0]\n",
+            -P
+        );
+        for analysis in ["[analysis.static]\nsteps = 50", ANALYSES[0], ANALYSES[1]] {
+            let d = -moved(&run(&text, analysis), "T", 1);
+            // l₀ − l by l₀² − l² = d (2 h − d), without loss of digits.
+            let (rest, now) = (1.0_f64.hypot(h), 1.0_f64.hypot(h - d));
+            let shorter = d * (2.0 * h - d) / (rest + now);
+            let carried = 2.0 * k * shorter * (h - d) / now;
+            let gap = (carried / P - 1.0).abs();
+            assert!(d < 0.4 * h, "before the limit load");
+            assert!(gap < 1e-8, "{analysis}, P = {P:e}: off by {gap:.1e}");
+        }
+    }
+}
