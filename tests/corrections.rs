@@ -7,6 +7,12 @@ use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
 fn run(text: &str, analysis: &str) -> Model {
+    located(text, analysis).0
+}
+
+/// The same, with the loads at which places on the path were located.
+fn located(text: &str, analysis: &str) -> (Model, Vec<f64>) {
+    let mut found = vec![];
     let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
     let mut q = vec![];
     let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
@@ -18,10 +24,11 @@ fn run(text: &str, analysis: &str) -> Model {
         Plan::Path(options, _) => {
             let done = trace_path(&mut job.model, &mut q, options, proceed).unwrap();
             assert!(done.summary.finished, "{analysis}");
+            found = done.events.iter().map(|(_, load)| *load).collect();
         }
         Plan::Dynamic(_) => unreachable!(),
     }
-    job.model
+    (job.model, found)
 }
 
 /// The displacement of a node along an axis.
@@ -96,30 +103,55 @@ fn a_soft_spring_among_stiff_beams_finds_its_place() {
     }
 }
 
+/// Two springs of stiffness `k` from (∓1, 0) to (0, `h`), pressed down there. There is nothing but
+/// springs in this model.
+fn truss(k: f64, h: f64, P: f64) -> String {
+    format!(
+        "[nodes]\nA = [-1, 0, 0]\nB = [1, 0, 0]\nT = [0, {h}, 0]\n\
+         [[springs]]\nname = \"s1\"\nnodes = [\"A\", \"T\"]\nstiffness = {k}\n\
+         [[springs]]\nname = \"s2\"\nnodes = [\"T\", \"B\"]\nstiffness = {k}\n\
+         [[supports]]\nnode = \"A\"\nfix = \"place\"\n\
+         [[supports]]\nnode = \"B\"\nfix = \"place\"\n\
+         [[supports]]\nnode = \"T\"\nfix = [\"z\"]\n\
+         [[loads]]\nnode = \"T\"\nforce = [0, {}, 0]\n",
+        -P
+    )
+}
+
+/// What that truss carries where the crown is `d` lower, P = 2 k (l₀ − l) (h − d)/l.
+fn carried(k: f64, h: f64, d: f64) -> f64 {
+    // l₀ − l by l₀² − l² = d (2 h − d), without loss of digits.
+    let (rest, now) = (1.0_f64.hypot(h), 1.0_f64.hypot(h - d));
+    let shorter = d * (2.0 * h - d) / (rest + now);
+    2.0 * k * shorter * (h - d) / now
+}
+
+#[test]
+fn paths_do_not_jump_over_limit_points_of_shallow_structures() {
+    // dP/dy = 0 where l³ = l₀ at the height y: there and at −y. A load of twice the limit is reached
+    // behind both.
+    for h in [1e-2, 1e-3, 1e-4] {
+        let rest = 1.0_f64.hypot(h);
+        let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
+        let limit = carried(1.0, h, h - y);
+        let analysis = "[analysis.arc-length]\nmax_steps = 5000\nrecord = [\"turning-point\"]";
+        let (_, loads) = located(&truss(1.0, h, 2.0 * limit), analysis);
+        let expected = [0.5, -0.5, 1.0];
+        assert_eq!(loads.len(), 3, "{h}: {loads:?}");
+        for (load, expected) in loads.iter().zip(expected) {
+            assert!((load - expected).abs() < 1e-6, "{h}: {loads:?}");
+        }
+    }
+}
+
 #[test]
 fn a_shallow_truss_of_springs_feels_small_loads() {
-    // Two springs from (∓1, 0) to (0, h), which carry P = 2 k (l₀ − l) (h − d)/l where the crown is d
-    // lower. There is nothing but springs in this model.
-    let (k, h): (f64, f64) = (1e9, 1e-3);
+    let (k, h) = (1e9, 1e-3);
     for P in [1e-6, 1e-4, 1e-2] {
-        let text = format!(
-            "[nodes]\nA = [-1, 0, 0]\nB = [1, 0, 0]\nT = [0, {h}, 0]\n\
-             [[springs]]\nname = \"s1\"\nnodes = [\"A\", \"T\"]\nstiffness = {k}\n\
-             [[springs]]\nname = \"s2\"\nnodes = [\"T\", \"B\"]\nstiffness = {k}\n\
-             [[supports]]\nnode = \"A\"\nfix = \"place\"\n\
-             [[supports]]\nnode = \"B\"\nfix = \"place\"\n\
-             [[supports]]\nnode = \"T\"\nfix = [\"z\"]\n\
-             [[loads]]\nnode = \"T\"\nforce = [0, {}, 0]\n",
-            -P
-        );
         for analysis in ["[analysis.static]\nsteps = 50", ANALYSES[0], ANALYSES[1]] {
-            let d = -moved(&run(&text, analysis), "T", 1);
-            // l₀ − l by l₀² − l² = d (2 h − d), without loss of digits.
-            let (rest, now) = (1.0_f64.hypot(h), 1.0_f64.hypot(h - d));
-            let shorter = d * (2.0 * h - d) / (rest + now);
-            let carried = 2.0 * k * shorter * (h - d) / now;
-            let gap = (carried / P - 1.0).abs();
+            let d = -moved(&run(&truss(k, h, P), analysis), "T", 1);
             assert!(d < 0.4 * h, "before the limit load");
+            let gap = (carried(k, h, d) / P - 1.0).abs();
             assert!(gap < 1e-8, "{analysis}, P = {P:e}: off by {gap:.1e}");
         }
     }

@@ -30,6 +30,8 @@ pub enum Cause {
     },
     /// Corrections grow whatever the damping.
     Diverged,
+    /// A path turns too sharply for the step.
+    OffPath,
     /// Not converged within the iterations allowed.
     TooManyIterations,
     /// The estimate of the local error asks for steps below the smallest.
@@ -84,6 +86,8 @@ pub(crate) enum Failure {
     Linear(LinearError),
     /// No damping made the correction smaller.
     Diverged,
+    /// A step along a path led away from it.
+    OffPath,
     TooManyIterations,
     Inaccurate,
     Unlocated(Event),
@@ -111,6 +115,7 @@ impl FailedStep {
         let cause = match wreck.failure {
             Failure::System(error) => Cause::System(error),
             Failure::Diverged => Cause::Diverged,
+            Failure::OffPath => Cause::OffPath,
             Failure::TooManyIterations => Cause::TooManyIterations,
             Failure::Inaccurate => Cause::Inaccurate,
             Failure::Unlocated(event) => Cause::Unlocated {
@@ -262,6 +267,11 @@ impl fmt::Display for FailedStep {
                 }
                 Along::Time => "Newton's corrections grow; take smaller steps",
             })?,
+            Cause::OffPath => f.write_str(
+                "the path turns too sharply for steps of this size, branches or ends; with a larger \
+                 load_scale displacements measure steps more than loads do, which helps at limit \
+                 points of shallow or stiff structures; an imperfection makes branches smooth",
+            )?,
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",
             )?,

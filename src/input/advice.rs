@@ -80,6 +80,9 @@ impl Problem {
             Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
             Self::Missing { .. } => "add at least one of [[lines]], [[bodies]], [[springs]]",
             Self::Duplicate { .. } => "give each its own name",
+            Self::Name { what: "title", .. } => {
+                "a title is one line of text: leave line breaks and other control characters out"
+            }
             Self::Name { .. } => {
                 "names must not be empty and must not contain `/`, `:`, quotes, commas or line \
                  breaks; `line/1` is the first inner node of a line, `line:1` its first element"

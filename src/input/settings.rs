@@ -87,12 +87,14 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     for (key, value) in [("to", d.to), ("step", d.step), ("min_step", min_step)] {
         positive(source, &at(key), key, value)?;
     }
-    for (key, value) in [
-        ("relative", d.newton.relative),
-        ("max_iterations", d.newton.max_iterations as f64),
-    ] {
-        positive(source, &newton(key), key, value)?;
-    }
+    tight(source, &newton("relative"), d.newton.relative)?;
+    let iterations = d.newton.max_iterations as f64;
+    positive(
+        source,
+        &newton("max_iterations"),
+        "max_iterations",
+        iterations,
+    )?;
     let absolute = d.newton.absolute;
     not_negative(source, &newton("absolute"), "absolute", absolute)?;
     positive(
@@ -182,18 +184,33 @@ fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), In
     Err(source.value(path, problem))
 }
 
+/// Refuses tolerances of Newton's method that take what is far from balance for it.
+fn tight(source: &Text<'_>, path: &[&str], relative: f64) -> Result<(), InputError> {
+    positive(source, path, "relative", relative)?;
+    if relative <= NewtonOptions::LOOSEST {
+        return Ok(());
+    }
+    let problem = Problem::Range {
+        key: "relative",
+        value: relative,
+        expected: "a tenth of the forces at most (1e-9 is the default)",
+    };
+    Err(source.value(path, problem))
+}
+
 fn newton(
     source: &Text<'_>,
     kind: &str,
     settings: &NewtonSettings,
 ) -> Result<NewtonOptions, InputError> {
-    let numbers = [
-        ("relative", settings.relative),
-        ("max_iterations", settings.max_iterations as f64),
-    ];
-    for (key, value) in numbers {
-        positive(source, &["analysis", kind, "newton", key], key, value)?;
-    }
+    tight(
+        source,
+        &["analysis", kind, "newton", "relative"],
+        settings.relative,
+    )?;
+    let iterations = settings.max_iterations as f64;
+    let path = ["analysis", kind, "newton", "max_iterations"];
+    positive(source, &path, "max_iterations", iterations)?;
     let path = ["analysis", kind, "newton", "absolute"];
     not_negative(source, &path, "absolute", settings.absolute)?;
     let path = ["analysis", kind, "newton", "max_iterations"];

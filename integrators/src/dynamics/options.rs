@@ -78,6 +78,13 @@ pub(super) fn check<Y: System + ?Sized>(
             });
         }
     }
+    if let Some((name, value)) = options.newton.refused() {
+        return Err(DynamicsError::Option {
+            name,
+            value,
+            wanted: "it must be finite, and a tolerance at most 0.1",
+        });
+    }
     if options.adaptivity.is_some() && !options.scheme.estimates_error() {
         return Err(DynamicsError::Option {
             name: "adaptivity",

@@ -59,6 +59,17 @@ impl Norm {
             .sum();
         q + a.1 * b.1 * self.load
     }
+
+    /// Whether a step was corrected by more than its own length: its end may lie on another part of
+    /// the path, whose tangent tells nothing.
+    fn strays(&self, from: &Place, to: &Place, ds: f64) -> bool {
+        let moved: f64 = (to.q.iter().zip(&from.q).zip(&self.weights))
+            .map(|((to, from), w)| (to - from).powi(2) * w)
+            .sum();
+        let load = (to.lambda - from.lambda).powi(2) * self.load;
+        // Corrections are normal to the step.
+        moved + load > 2.0 * ds * ds
+    }
 }
 
 /// As [`trace_path`], with a linear solver of the caller's choice.
@@ -108,19 +119,20 @@ pub fn trace_path_with<Y: System + ?Sized>(
     let mut ds = options.first_step;
     let mut next = at.clone();
     let mut fresh = false;
+    // Changes of chart that no row has told of.
+    let mut changes = 0;
     while out.summary.steps < options.max_steps {
         newton.history.clear();
         let mut outcome = Ok(());
-        let mut changes = 0;
         let mut hopeless = false;
         if !fresh {
             let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
-            changes = changed.charts;
+            changes += changed.charts;
+            out.summary.chart_changes += changed.charts;
             outcome = tangent(&mut newton, solver, system, &mut at, &norm);
             // No smaller step has another tangent to begin with.
             hopeless = outcome.is_err();
         }
-        out.summary.chart_changes += changes;
         if outcome.is_ok() {
             outcome = advance(&mut newton, solver, system, &at, ds, &norm, &mut next);
         }
@@ -132,9 +144,11 @@ pub fn trace_path_with<Y: System + ?Sized>(
             outcome = tangent(&mut newton, solver, system, &mut next, &norm);
         }
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
-        if outcome.is_ok() && bend < SHARPEST_BEND {
-            outcome = Err(Failure::Diverged);
-        }
+        outcome = match outcome {
+            Ok(()) if bend < SHARPEST_BEND || norm.strays(&at, &next, ds) => Err(Failure::OffPath),
+            Err(Failure::Diverged) => Err(Failure::OffPath),
+            outcome => outcome,
+        };
         let mut stability = None;
         let mut located = Vec::new();
         if outcome.is_ok() {
@@ -218,6 +232,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         // The tangent just found serves the next step, unless charts change.
         let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
         out.summary.chart_changes += changed.charts;
+        changes = changed.charts;
         fresh = changed == ChartChanges::default();
         let ease = (options.target_iterations as f64 / iterations.max(1) as f64).sqrt();
         let straightness = if bend < GENTLE_BEND { 0.7 } else { 1.5 };
@@ -314,5 +329,8 @@ fn check(options: &ArcLengthOptions) -> Result<(), StaticsError> {
             return Err(StaticsError::Option { name, value });
         }
     }
-    Ok(())
+    match options.newton.refused() {
+        Some((name, value)) => Err(StaticsError::Option { name, value }),
+        None => Ok(()),
+    }
 }

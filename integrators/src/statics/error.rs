@@ -7,7 +7,11 @@ use crate::linear_solver::LinearError;
 #[derive(Debug, thiserror::Error)]
 pub enum StaticsError {
     /// An option that makes no sense.
-    #[error("option {name} = {value:?} is not usable: it must be finite, and steps positive")]
+    #[error(
+        "option {name} = {value:?} is not usable: it must be finite, steps positive, and tolerances at \
+         most {}",
+        super::NewtonOptions::LOOSEST
+    )]
     Option {
         /// Its name.
         name: &'static str,

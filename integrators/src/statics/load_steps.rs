@@ -305,5 +305,8 @@ fn check(options: &StaticOptions) -> Result<(), StaticsError> {
             return Err(StaticsError::Option { name, value });
         }
     }
-    Ok(())
+    match options.newton.refused() {
+        Some((name, value)) => Err(StaticsError::Option { name, value }),
+        None => Ok(()),
+    }
 }

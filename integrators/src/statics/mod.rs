@@ -24,7 +24,8 @@ pub use path::{ArcLengthOptions, Event, PathSummary};
 /// Newton's method: when to stop and how far to go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Residual relative to applied and reaction forces (moments) at which a step has converged.
+    /// Residual relative to applied and reaction forces (moments) at which a step has converged;
+    /// positive, [`NewtonOptions::LOOSEST`] at most.
     pub relative: f64,
     /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
     /// unmended, whatever the size of the model.
@@ -47,6 +48,23 @@ impl Default for NewtonOptions {
             full_corrections: 6,
             smallest_damping: 1.0 / 16.0,
         }
+    }
+}
+
+impl NewtonOptions {
+    /// Largest [`NewtonOptions::relative`]: more than that out of balance is no equilibrium.
+    pub const LOOSEST: f64 = 0.1;
+
+    /// A tolerance that makes no sense, with its name.
+    pub(crate) fn refused(&self) -> Option<(&'static str, f64)> {
+        let Self {
+            relative, absolute, ..
+        } = *self;
+        if !(relative > 0.0 && relative <= Self::LOOSEST) {
+            return Some(("newton.relative", relative));
+        }
+        let usable = absolute >= 0.0 && absolute.is_finite();
+        (!usable).then_some(("newton.absolute", absolute))
     }
 }
 
