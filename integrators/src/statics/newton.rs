@@ -179,14 +179,16 @@ impl Newton {
         largest
     }
 
-    /// Whether the last correction left rounding errors only, which the next one cannot mend.
+    /// Whether the last correction left rounding errors only, which the next one cannot mend. The
+    /// prediction, by the tangent at another load, tells nothing of how corrections fall.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &Y,
         q: &[f64],
         residual: [f64; 3],
     ) -> bool {
-        Outlook::new(&self.history, true).is_stagnation(residual, self.allowed) && {
+        let corrections = &self.history[self.predicted..];
+        Outlook::new(corrections, true).is_stagnation(residual, self.allowed) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
         }
