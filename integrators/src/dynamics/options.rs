@@ -1,6 +1,7 @@
 //! Until when, in what steps, by which scheme: the options of a run, and whether they can be.
 
 use super::{DynamicsError, NewtonOptions, Progress, Scheme, State};
+use crate::statics::refused;
 use pullback_manifold::system::System;
 
 /// Until when, in what steps, by which scheme.
@@ -78,7 +79,7 @@ pub(super) fn check<Y: System + ?Sized>(
             });
         }
     }
-    if let Some((name, value)) = options.newton.refused() {
+    if let Some((name, value)) = refused(options.newton.relative, options.newton.absolute) {
         return Err(DynamicsError::Option {
             name,
             value,

@@ -56,16 +56,18 @@ impl NewtonOptions {
     pub const LOOSEST: f64 = 0.1;
 
     /// A tolerance that makes no sense, with its name.
-    pub(crate) fn refused(&self) -> Option<(&'static str, f64)> {
-        let Self {
-            relative, absolute, ..
-        } = *self;
-        if !(relative > 0.0 && relative <= Self::LOOSEST) {
-            return Some(("newton.relative", relative));
-        }
-        let usable = absolute >= 0.0 && absolute.is_finite();
-        (!usable).then_some(("newton.absolute", absolute))
+    fn refused(&self) -> Option<(&'static str, f64)> {
+        refused(self.relative, self.absolute)
     }
+}
+
+/// Tolerances of Newton's method that make no sense, the first with its name.
+pub(crate) fn refused(relative: f64, absolute: f64) -> Option<(&'static str, f64)> {
+    if !(relative > 0.0 && relative <= NewtonOptions::LOOSEST) {
+        return Some(("newton.relative", relative));
+    }
+    let usable = absolute >= 0.0 && absolute.is_finite();
+    (!usable).then_some(("newton.absolute", absolute))
 }
 
 /// One Newton iteration of a step.
