@@ -126,7 +126,8 @@ pub mod prelude {
         DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
     };
     pub use pullback_integrators::statics::{
-        ArcLengthOptions, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
+        ArcLengthOptions, Event, StaticOptions, StaticsError, Step, equilibrium, solve_statics,
+        trace_path,
     };
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;

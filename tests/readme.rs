@@ -13,6 +13,9 @@ fn block(fence: &str) -> &'static str {
 fn the_first_program_is_the_example() {
     let example = include_str!("../examples/first_program.rs");
     assert_eq!(block("```rust").trim(), example.trim());
+    let code = example.lines().map(str::trim);
+    let code = code.filter(|line| !line.is_empty() && !line.starts_with("//"));
+    assert!(code.count() <= 30, "a first program is short");
 }
 
 #[test]

@@ -92,6 +92,21 @@ pub fn solve_statics<Y: System + ?Sized>(
     solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
 }
 
+/// The equilibrium of `system` at the end of the load range, from coordinates that are zero.
+///
+/// # Errors
+/// As [`solve_statics`].
+pub fn equilibrium<Y: System + ?Sized>(
+    system: &mut Y,
+    options: &StaticOptions,
+) -> Result<Vec<f64>, StaticsError> {
+    let mut q = Vec::new();
+    solve_statics(system, &mut q, options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })?;
+    Ok(q)
+}
+
 /// As [`solve_statics`], with a linear solver of the caller's choice.
 ///
 /// # Errors

@@ -18,7 +18,7 @@ mod start;
 pub use crate::failure::{Along, Cause, FailedStep, Spent};
 pub use arc_length::{trace_path, trace_path_with};
 pub use error::StaticsError;
-pub use load_steps::{StaticOptions, Summary, solve_statics, solve_statics_with};
+pub use load_steps::{StaticOptions, Summary, equilibrium, solve_statics, solve_statics_with};
 pub use path::{ArcLengthOptions, Event, PathSummary};
 
 /// Newton's method: when to stop and how far to go.
