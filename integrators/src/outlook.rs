@@ -43,14 +43,17 @@ impl Outlook {
             settled: false,
             stays: false,
         };
-        let [.., before, last] = history else {
-            return unknown;
+        let (before, last) = match history {
+            [.., before, last] if before.damping * last.damping > 0.0 => (before, last),
+            _ => return unknown,
         };
-        if before.damping * last.damping != 1.0 {
-            return unknown;
-        }
         let ratio = last.correction / before.correction;
-        let fall = if renewed { ratio * ratio } else { 2.0 * ratio };
+        let fall = match renewed {
+            // A damped correction tells nothing of the next one.
+            _ if before.damping * last.damping < 1.0 => f64::INFINITY,
+            true => ratio * ratio,
+            false => 2.0 * ratio,
+        };
         let largest = history.iter().fold(0.0, |m, i| f64::max(m, i.correction));
         let small = last.correction < SMALL;
         Self {
