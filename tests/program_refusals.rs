@@ -57,27 +57,42 @@ fn wrong_forms_are_refused_where_they_stand() {
         &with("A = [0, 0, 0]", "A = [0, 0]"),
         "[0, 0]",
         "array of length 3",
-        "",
+        "[X, Y, Z]",
     );
     check(
         &with("B = [1, 0, 0]", "B = [1, 0, 0, 0]"),
         "[1, 0, 0, 0]",
         "length 3",
-        "",
+        "[X, Y, Z]",
     );
+    for (wrong, found) in [
+        ("1e6", "floating point"),
+        ("[1e6]", "length 1"),
+        ("[1e6, 1e6, 1e6]", "length 3"),
+    ] {
+        let text = with("GA = [1e6, 1e6]", &format!("GA = {wrong}"));
+        check(&text, wrong, found, "GA = [GA2, GA3]");
+        check(&text, wrong, "expected an array of length 2", "two numbers");
+    }
+    let stiffness = "stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }";
     check(
-        &with("GA = [1e6, 1e6]", "GA = 1e6"),
-        "1e6",
-        "array of length 2",
-        "",
+        &with(stiffness, "matrix = [[1, 0, 0, 0, 0, 0], [0, 1, 0]]"),
+        "[0, 1, 0]",
+        "array of length 6",
+        "six rows",
     );
     check(
         &with("elements = 8", "elements = \"8\""),
         "\"8\"",
         "expected a whole number",
-        "",
+        "such as 8",
     );
-    check(&with("elements = 8", "elements = -8"), "-8", "-8", "");
+    check(
+        &with("elements = 8", "elements = -8"),
+        "-8",
+        "`-8`, expected a whole number that is not negative",
+        "such as 8",
+    );
     check(
         &with("fix = \"all\"", "fix = \"al\""),
         "\"al\"",

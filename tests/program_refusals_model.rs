@@ -8,19 +8,28 @@ use pullback::input::assemble_text;
 
 #[test]
 fn sections_must_make_sense() {
-    check(
-        &with("EA = 1e6", "EA = 0"),
-        "{ EA = 0",
-        "axial stiffness EA must be positive",
-        "",
-    );
-    check(
-        &with("EI = [2.0, 2.0]", "EI = [2.0, -2.0]"),
-        "{ EA",
-        "bending stiffness EI3 must be positive",
-        "",
-    );
     let main = "stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }";
+    for (old, new, place, message) in [
+        ("EA = 1e6", "EA = 0", "0", "axial stiffness EA"),
+        ("[1e6, 1e6]", "[-3.0, 1e6]", "-3.0", "shear stiffness GA2"),
+        ("[1e6, 1e6]", "[1e6, -3.0]", "-3.0", "shear stiffness GA3"),
+        ("GJ = 2.0", "GJ = -2", "-2", "torsional stiffness GJ"),
+        (
+            "EI = [2.0, 2.0]",
+            "EI = [0.0, 2.0]",
+            "0.0",
+            "bending stiffness EI2",
+        ),
+        (
+            "EI = [2.0, 2.0]",
+            "EI = [2.0, -2.0]",
+            "-2.0",
+            "bending stiffness EI3",
+        ),
+    ] {
+        let message = format!("{message} must be positive");
+        check(&with(old, new), place, &message, "number above zero");
+    }
     check(
         &with(main, ""),
         "main",
@@ -60,16 +69,33 @@ fn sections_must_make_sense() {
             main,
             "circle = { radius = 1 }\nmaterial = { E = 1, nu = 0.7 }",
         ),
-        "{ radius",
-        "Poisson's ratio",
+        "0.7",
+        "Poisson's ratio must lie in (-1, 0.5]",
         "",
     );
-    let rows = |last: f64| {
-        format!(
-            "matrix = [[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[{last:?},0,0,0,0,1]]"
-        )
+    let weak = "circle = { radius = 1 }\nmaterial = { E = -4, nu = 0.3 }";
+    check(
+        &with(main, weak),
+        "-4",
+        "Young's modulus E must be positive",
+        "number above zero",
+    );
+    let rows = |last: &str| {
+        let first = "[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0]";
+        with(main, &format!("matrix = [{first},{last}]"))
     };
-    check(&with(main, &rows(0.5)), "[[1,0", "must be symmetric", "");
+    check(
+        &rows("[0.5,0,0,0,0,1]"),
+        "[[1,0",
+        "must be symmetric, but entries (1, 6) and (6, 1)",
+        "make the two entries equal",
+    );
+    check(
+        &rows("[0,0,0,0,0,-7]"),
+        "-7",
+        "must be positive definite",
+        "positive numbers on the diagonal",
+    );
     check(
         &with(main, &format!("{main}\nmass = {{ A_rho = -1 }}")),
         "{ A_rho",
@@ -144,26 +170,25 @@ fn supports_must_hold_the_structure_once() {
     check(
         &with("[nodes]\n", "[nodes]\nC = [5, 5, 5]\n"),
         "C",
-        "node C carries no element",
+        "node C carries no element (loads do not count); connect it or remove it",
         "",
     );
-    check(
-        &with("fix = \"all\"", "fix = \"place\""),
-        "A",
-        "rotation about",
-        "",
-    );
-    check(
-        &with(
-            "fix = \"all\"",
-            "fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
+    // The library's message says itself what would be right.
+    let fixed = "fix = \"all\"";
+    for (text, motion) in [
+        (with(fixed, "fix = \"place\""), "rotation about"),
+        (
+            with(fixed, "fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]"),
+            "translation along (1",
         ),
-        "A",
-        "translation along (1",
-        "",
-    );
-    let free = with("[[supports]]\nnode = \"A\"\nfix = \"all\"\n", "");
-    check(&free, "A", "is not supported", "");
+        (
+            with("[[supports]]\nnode = \"A\"\nfix = \"all\"\n", ""),
+            "contains node A is not supported",
+        ),
+    ] {
+        check(&text, "A", motion, "");
+        check(&text, "A", "add supports that prevent this", "");
+    }
     check(
         &with("fix = \"all\"", "fix = [\"x\", \"x\"]"),
         "[\"x\", \"x\"]",

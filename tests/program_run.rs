@@ -1,8 +1,9 @@
 //! A run of a small model writes what docs/model_file.md says.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, non_snake_case)]
 
 mod program_support;
 
+use nalgebra::{Rotation3, Vector3};
 use program_support::{
     MODEL, directory, files, history, number, program, read, results, with, write,
 };
@@ -101,6 +102,7 @@ fn a_run_writes_all_its_files() {
         let document = roxmltree::Document::parse(&text).unwrap();
         if name.ends_with(".vtu") {
             check_grid(&document);
+            check_circle(&document);
         }
     }
     let text = read(out.join("steps.pvd"));
@@ -116,6 +118,108 @@ fn a_run_writes_all_its_files() {
     );
 }
 
+/// Numbers of an array of a grid.
+fn array(document: &roxmltree::Document<'_>, name: &str) -> Vec<f64> {
+    let node = document
+        .descendants()
+        .find(|n| n.attribute("Name") == Some(name));
+    let text = node
+        .unwrap_or_else(|| panic!("no array {name}"))
+        .text()
+        .unwrap();
+    text.split_whitespace()
+        .map(|w| w.parse().unwrap())
+        .collect()
+}
+
+/// Vectors of an array of a grid.
+fn vectors(document: &roxmltree::Document<'_>, name: &str) -> Vec<Vector3<f64>> {
+    let numbers = array(document, name);
+    numbers.chunks(3).map(Vector3::from_column_slice).collect()
+}
+
+#[track_caller]
+fn near(name: &str, found: &Vector3<f64>, exact: Vector3<f64>, tolerance: f64) {
+    assert!(
+        (found - exact).norm() <= tolerance,
+        "{name}: {found:?} instead of {exact:?}"
+    );
+}
+
+/// Values of the grid of the beam of [`MODEL`] under the end moment t π: EI = 2, L = 1, so that it
+/// bends by φ = t π/2 into a circle of the radius 1/φ.
+fn check_circle(document: &roxmltree::Document<'_>) {
+    let t = array(document, "load_parameter")[0];
+    let phi = t * PI / 2.0;
+    // Section forces and strains of every element: bending alone.
+    for (name, exact, tolerance) in [
+        ("N", Vector3::zeros(), 1e-7),
+        ("M", Vector3::new(0.0, 0.0, t * PI), 1e-8),
+        ("Gamma", Vector3::zeros(), 1e-12),
+        ("K", Vector3::new(0.0, 0.0, phi), 1e-8),
+    ] {
+        for value in vectors(document, name) {
+            near(name, &value, exact, tolerance);
+        }
+    }
+    // Nodes of elements that stay straight lie on a circle with chords of their length, wider than
+    // the exact one by (φ/16)²/6 of it, the error of the mesh.
+    let half = phi / 16.0;
+    let wider = if t > 0.0 { half / half.sin() } else { 1.0 };
+    let mesh = 1.01 * half * half / 6.0;
+    let names = ["displacement", "Points", "rotation", "e1", "e2", "e3"];
+    let found = names.map(|name| vectors(document, name));
+    for k in 0..9 {
+        let s = k as f64 / 8.0;
+        let (sin, cos) = (s * phi).sin_cos();
+        // (sin sφ, 1 − cos sφ)/φ.
+        let circle = match t {
+            0.0 => Vector3::new(s, 0.0, 0.0),
+            _ => Vector3::new(sin, 1.0 - cos, 0.0) / phi,
+        };
+        near("Points", &found[1][k], circle, mesh * s + 1e-9);
+        let place = circle * wider;
+        let exact = [
+            place - Vector3::new(s, 0.0, 0.0),
+            place,
+            Vector3::new(0.0, 0.0, s * phi),
+            Vector3::new(cos, sin, 0.0),
+            Vector3::new(-sin, cos, 0.0),
+            Vector3::z(),
+        ];
+        for ((name, values), exact) in names.iter().zip(&found).zip(exact) {
+            near(name, &values[k], exact, 1e-8);
+        }
+    }
+}
+
+#[test]
+fn section_forces_of_the_grid_are_in_the_axes_of_the_section() {
+    // With a dead force alone at the tip equilibrium gives them in every element, however far it has
+    // turned: N = Rᵀ F and M = Rᵀ (x_tip − x) × F in its middle.
+    let force = Vector3::new(-0.4, 1.5, 0.0);
+    let directory = directory("program_forces");
+    let model = write(
+        &directory,
+        &with(
+            "moment = [0, 0, 3.141592653589793]",
+            "force = [-0.4, 1.5, 0]",
+        ),
+    );
+    assert!(program(&[&model]).status.success());
+    let text = read(directory.join("model.out/step_0004.vtu"));
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let [x, turn, N, M] = ["Points", "rotation", "N", "M"].map(|name| vectors(&document, name));
+    assert!(turn[8].z > 0.3, "it has turned: {}", turn[8]);
+    for e in 0..8 {
+        let middle = (x[e] + x[e + 1]) / 2.0;
+        let R = Rotation3::new((turn[e] + turn[e + 1]) / 2.0);
+        near("N", &N[e], R.inverse() * force, 1e-7);
+        let moment = R.inverse() * (x[8] - middle).cross(&force);
+        near("M", &M[e], moment, 1e-7);
+    }
+}
+
 /// Lengths of all arrays of a grid of 9 points and 8 cells; section axes orthonormal.
 fn check_grid(document: &roxmltree::Document<'_>) {
     let piece = document
@@ -124,18 +228,7 @@ fn check_grid(document: &roxmltree::Document<'_>) {
         .unwrap();
     assert_eq!(piece.attribute("NumberOfPoints"), Some("9"));
     assert_eq!(piece.attribute("NumberOfCells"), Some("8"));
-    let array = |name: &str| -> Vec<f64> {
-        let node = document
-            .descendants()
-            .find(|n| n.attribute("Name") == Some(name));
-        let text = node
-            .unwrap_or_else(|| panic!("no array {name}"))
-            .text()
-            .unwrap();
-        text.split_whitespace()
-            .map(|w| w.parse().unwrap())
-            .collect()
-    };
+    let array = |name: &str| array(document, name);
     for (name, length) in [
         ("Points", 27),
         ("displacement", 27),

@@ -1,6 +1,7 @@
 //! The program `pullback`, and programs like it with joints of their own.
 
 mod compare;
+mod gallery;
 mod spectrum;
 
 use crate::input::Registry;
@@ -136,7 +137,7 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
         Command::Compare(asked) => compare::compare(registry, asked, &command_line),
         Command::Spectrum(asked) => spectrum::spectrum(asked, &command_line),
         Command::Schema => print_schema(registry),
-        Command::Gallery { cases, json, out } => gallery(&cases, json, out.as_deref()),
+        Command::Gallery { cases, json, out } => gallery::gallery(&cases, json, out.as_deref()),
     }
 }
 
@@ -283,36 +284,6 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
     };
     match print(&text) {
         0 if report.is_ok() => 0,
-        0 => FAILED,
-        code => code,
-    }
-}
-
-fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
-    let progress = Progress::new(json);
-    let ran = crate::gallery::run(cases, out, &mut |case| progress.say(case));
-    progress.clear();
-    let rows = match ran {
-        Ok(rows) => rows,
-        Err(error) => {
-            eprintln!("error: {error}");
-            return REFUSED;
-        }
-    };
-    let passed = rows.iter().all(|row| row.passed());
-    let text = if json {
-        match serde_json::to_string_pretty(&rows) {
-            Ok(text) => text + "\n",
-            Err(error) => {
-                eprintln!("cannot encode the rows: {error}");
-                return REFUSED;
-            }
-        }
-    } else {
-        terminal::table(&rows)
-    };
-    match print(&text) {
-        0 if passed => 0,
         0 => FAILED,
         code => code,
     }

@@ -5,6 +5,7 @@ use super::case::{Case, CaseError, Context, order};
 use crate::input::{DofName, Driven, Fix, Interpolation, ModelFile, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
+use std::f64::consts::PI;
 
 const MODEL: &str = include_str!("../../examples/models/bend45.toml");
 
@@ -135,6 +136,7 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
 
 fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     const CLOSED: &str = "exact: S21, conservative loads";
+    const TURN: f64 = 1.6;
     let file = context.file(MODEL)?;
 
     // Load and unload.
@@ -174,28 +176,33 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     let mut geodesic = file.clone();
     geodesic.lines[0].interpolation = Interpolation::Geodesic;
     for (file, name) in [(&file, ""), (&geodesic, "geodesic ")] {
-        let free = energy(context, file, 8, true, 0.0)?;
-        let scale = energy(context, file, 8, false, 300.0)?;
+        let free = energy(context, file, 8, TURN, 0.0)?;
+        let scale = energy(context, file, 8, 0.0, 300.0)?;
         context.compare(
-            format!("strain energy of the unloaded {name}bend, turned by 1.6 rad, relative"),
+            format!("strain energy of the unloaded {name}bend, turned by {TURN} rad, relative"),
             free / scale,
             0.0,
             1e-12,
             "exact: S21",
         );
     }
-    let straight = energy(context, &geodesic, 8, false, 300.0)?;
-    context.compare(
-        "relative change of strain energy when the loaded geodesic bend is turned, 8 elements",
-        energy(context, &geodesic, 8, true, 300.0)? / straight - 1.0,
-        0.0,
-        1e-9,
-        "exact: S21; to what Newton's method leaves",
-    );
+    let straight = energy(context, &geodesic, 8, 0.0, 300.0)?;
+    for turn in [1e-3, 0.5, TURN, 3.1, 2.5 * PI] {
+        context.compare(
+            format!(
+                "relative change of strain energy when the loaded geodesic bend is turned by \
+                 {turn:.4} rad, 8 elements"
+            ),
+            energy(context, &geodesic, 8, turn, 300.0)? / straight - 1.0,
+            0.0,
+            1e-10,
+            "exact: S21; to what Newton's method leaves",
+        );
+    }
     let mut errors = Vec::new();
     for elements in [8, 16, 32] {
-        let straight = energy(context, &file, elements, false, 300.0)?;
-        errors.push(energy(context, &file, elements, true, 300.0)? / straight - 1.0);
+        let straight = energy(context, &file, elements, 0.0, 300.0)?;
+        errors.push(energy(context, &file, elements, TURN, 300.0)? / straight - 1.0);
     }
     context.compare(
         "relative change of strain energy when the loaded bend is turned, 32 elements",
@@ -214,32 +221,33 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Strain energy of the bend under a follower force, with its clamp turned afterwards or not.
+/// Strain energy of the bend under a follower force, with its clamp turned afterwards by an angle.
 fn energy(
     context: &Context,
     file: &ModelFile,
     elements: usize,
-    turned: bool,
+    turn: f64,
     force: f64,
 ) -> Result<f64, CaseError> {
     let mut file = file.clone();
     file.lines[0].elements = elements;
     file.loads[0].force = Some([0.0, 0.0, force]);
     file.loads[0].follower = true;
-    if turned {
+    if turn != 0.0 {
+        let axis = Vector3::new(0.8, -1.1, 0.9).normalize();
         file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
-        let ramp = |value: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, value]]));
+        let ramp = |part: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, turn * part]]));
         file.supports[0].driven = Some(Driven {
-            rx: ramp(0.8),
-            ry: ramp(-1.1),
-            rz: ramp(0.9),
+            rx: ramp(axis.x),
+            ry: ramp(axis.y),
+            rz: ramp(axis.z),
             ..Driven::default()
         });
         file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
     }
     let mut watched = context.build(&file, "tip")?;
     let options = StaticOptions {
-        to: if turned { 2.0 } else { 1.0 },
+        to: if turn != 0.0 { 2.0 } else { 1.0 },
         ..StaticOptions::default()
     };
     watched.end(&options)?;

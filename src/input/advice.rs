@@ -2,6 +2,7 @@
 
 use super::error::Problem;
 use super::suggest::closest;
+use pullback_elements::beam::SectionError;
 
 fn names(known: &[String]) -> String {
     const SHOWN: usize = 24;
@@ -26,6 +27,14 @@ fn explanation(message: &str) -> Option<String> {
     let told = if message.contains("an array of length 3") {
         "three numbers in brackets are expected, such as [X, Y, Z] of a place or [Fx, Fy, Fz] of a \
          force; decimals stand after a point"
+    } else if message.contains("an array of length 2") {
+        "two numbers in brackets are expected, such as GA = [GA2, GA3] of a section or [t, value] of \
+         a table"
+    } else if message.contains("an array of length 6") {
+        "six numbers in brackets are expected: along and about the three axes, and six rows of them \
+         in the matrix of a section"
+    } else if message.contains("a whole number") {
+        "a whole number stands without quotes and point, such as 8"
     } else if message.contains("expected f64") {
         "a number stands without quotes, its decimals after a point"
     } else if message.contains("exactly one key") {
@@ -69,9 +78,26 @@ impl Problem {
                 return Some(format!("expected {expected}"));
             }
             Self::Toml(message) => return explanation(message),
-            Self::Components { expected: 3, .. } => {
-                return explanation("an array of length 3");
+            Self::Components { expected, .. } => {
+                return explanation(&format!("an array of length {expected}"));
             }
+            Self::Section {
+                source: SectionError::NotPositive { quantity, .. },
+                ..
+            } if quantity.contains("stiffness ") || quantity.contains("modulus") => {
+                "give a number above zero; what is to be nearly rigid gets a large one"
+            }
+            Self::Section {
+                source: SectionError::NotPositiveDefinite { .. },
+                ..
+            } => {
+                "every strain must cost energy: give positive numbers on the diagonal, and couplings \
+                 C(i,j) with C(i,j)² < C(i,i) C(j,j)"
+            }
+            Self::Section {
+                source: SectionError::NotSymmetric { .. },
+                ..
+            } => "make the two entries equal",
             Self::LoadTarget { load: "force", .. } => {
                 "on a line use force_per_length = [fx, fy, fz]; a force needs a node"
             }

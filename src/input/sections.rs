@@ -5,8 +5,34 @@
 use super::file::Section as Described;
 use super::{InputError, Problem, Text};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use pullback_elements::beam::{Damping, Material, Section};
+use pullback_elements::beam::{Damping, Material, Section, SectionError};
 use pullback_elements::inertia::Inertia;
+
+/// Keys below the section, joined by dots, of the number that an error is about; the shape where it
+/// is about no single one.
+fn number(shape: &str, error: &SectionError) -> String {
+    match error {
+        SectionError::NotPositive { quantity, .. } => {
+            let symbol = quantity.rsplit(' ').next().unwrap_or_default();
+            match symbol {
+                "E" | "rho" => format!("material.{symbol}"),
+                "GA2" => format!("{shape}.GA.0"),
+                "GA3" => format!("{shape}.GA.1"),
+                "EI2" => format!("{shape}.EI.0"),
+                "EI3" => format!("{shape}.EI.1"),
+                _ => format!("{shape}.{symbol}"),
+            }
+        }
+        SectionError::PoissonRatio(_) => "material.nu".to_owned(),
+        SectionError::NotPositiveDefinite { diagonal } => {
+            match diagonal.iter().position(|&c| c <= 0.0) {
+                Some(k) => format!("{shape}.{k}.{k}"),
+                None => shape.to_owned(),
+            }
+        }
+        _ => shape.to_owned(),
+    }
+}
 
 pub(super) fn section(
     source: &Text<'_>,
@@ -64,10 +90,13 @@ pub(super) fn section(
         return Err(source.key(&path, Problem::UselessMaterial { section }));
     }
     let made = made.map_err(|error| {
-        refuse(Problem::Section {
+        let keys = number(shape, &error);
+        let path: Vec<&str> = path.into_iter().chain(keys.split('.')).collect();
+        let problem = Problem::Section {
             section: name.to_owned(),
             source: error,
-        })
+        };
+        source.value(&path, problem)
     })?;
     let made = match described.damping {
         None => made,

@@ -115,10 +115,15 @@ pub fn check(text: &str, place: &str, message: &str, advice: &str) {
     assert_eq!(column, before[start..].chars().count() + 1);
 }
 
-/// The program, run with arguments.
+/// The program, running a model with arguments.
 pub fn program(arguments: &[&Path]) -> Output {
+    command("run", arguments)
+}
+
+/// The program, doing one of its commands with arguments.
+pub fn command(name: &str, arguments: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .arg("run")
+        .arg(name)
         .args(arguments)
         .output()
         .unwrap()
