@@ -11,20 +11,27 @@ use pullback_integrators::linear_solver::{
 };
 use pullback_manifold::sparse::BlockPattern;
 
-/// A full matrix of scalar nodes, of which the last is eliminated first, and a right-hand side.
-struct Case<const N: usize> {
+/// A full matrix of scalar nodes, of which the last is eliminated first; a right-hand side of a known
+/// solution; and beside them a node of six unknowns coupled to none of them, which makes it a matrix that
+/// the block solver is chosen for.
+struct Case {
     pattern: BlockPattern,
     values: Vec<f64>,
-    x: [f64; N],
+    x: Vec<f64>,
     b: Vec<f64>,
 }
 
-impl<const N: usize> Case<N> {
-    fn new(A: [[f64; N]; N], x: [f64; N]) -> Self {
-        let pattern = BlockPattern::new(&[1; N], [(0..N as u32).collect::<Vec<_>>()]);
+impl Case {
+    fn new<const N: usize>(A: [[f64; N]; N], x: [f64; N]) -> Self {
+        let sizes = [vec![1; N], vec![6]].concat();
+        let pattern = BlockPattern::new(&sizes, [(0..N as u32).collect::<Vec<_>>()]);
         let mut values = vec![0.0; pattern.len()];
-        write(&pattern, &mut values, |r, c| A[r][c]);
-        let mut b = vec![0.0; N];
+        write(&pattern, &mut values, |r, c| match r < N {
+            true => A[r][c],
+            false => f64::from(u8::from(r == c)),
+        });
+        let x = [&x[..], &[1.0; 6]].concat();
+        let mut b = vec![0.0; N + 6];
         pattern.multiply_add(1.0, &values, &x, &mut b);
         Self {
             pattern,
@@ -57,6 +64,12 @@ impl<const N: usize> Case<N> {
     fn falls_back(&self) {
         let mut auto = AutoSolver::new();
         auto.analyse(&self.pattern, Symmetry::General).unwrap();
+        let mut harmless = self.values.clone();
+        write(&self.pattern, &mut harmless, |r, c| {
+            f64::from(u8::from(r == c))
+        });
+        auto.factorise(&harmless).unwrap();
+        assert_eq!(auto.active(), Some(Chosen::Block));
         let near = |found: &[f64]| {
             for (found, x) in found.iter().zip(&self.x) {
                 assert!((found - x).abs() < 1e-9 * x.abs(), "{found} instead of {x}");
