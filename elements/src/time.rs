@@ -247,6 +247,56 @@ mod tests {
     use super::*;
 
     #[test]
+    fn constants_and_straight_lines_have_the_slopes_drawn() {
+        assert_eq!(Constant(-2.5).at(7.0), [-2.5, 0.0, 0.0]);
+        assert_eq!(Proportional(1.5).at(-2.0), [-3.0, 1.5, 0.0]);
+        let ramp = Table::ramp(1.0, 3.0, 8.0).unwrap();
+        let table = [[-1.0, 2.0], [1.0, 6.0], [1.5, 5.0], [4.0, 5.0]];
+        let table = Table::new(table.to_vec()).unwrap();
+        let rows: [(&Table, f64, [f64; 2]); 12] = [
+            (&ramp, 0.5, [0.0, 0.0]),
+            (&ramp, 1.0, [0.0, 4.0]),
+            (&ramp, 2.0, [4.0, 4.0]),
+            (&ramp, 3.0, [8.0, 0.0]),
+            (&ramp, 9.0, [8.0, 0.0]),
+            (&table, -2.0, [2.0, 0.0]),
+            (&table, -1.0, [2.0, 2.0]),
+            (&table, 0.0, [4.0, 2.0]),
+            (&table, 1.0, [6.0, -2.0]),
+            (&table, 1.25, [5.5, -2.0]),
+            (&table, 1.5, [5.0, 0.0]),
+            (&table, 9.0, [5.0, 0.0]),
+        ];
+        for (f, t, [value, slope]) in rows {
+            assert_eq!(f.at(t), [value, slope, 0.0], "{f:?} at {t}");
+        }
+        assert_eq!(ramp.kinks(), [1.0, 3.0]);
+        assert_eq!(table.kinks(), [-1.0, 1.0, 1.5, 4.0]);
+    }
+
+    #[test]
+    fn a_sine_has_its_mean_amplitude_frequency_and_phase() {
+        let sine = Sine {
+            amplitude: 3.0,
+            omega: 2.0,
+            phase: TAU / 12.0,
+            offset: 1.0,
+        };
+        // Angles of 30°, 90° and 210°.
+        let slope = 3.0 * 3.0_f64.sqrt();
+        for (twelfths, expected) in [
+            (0.0, [2.5, slope, -6.0]),
+            (1.0, [4.0, 0.0, -12.0]),
+            (3.0, [-0.5, -slope, 6.0]),
+        ] {
+            for (found, expected) in sine.at(twelfths * TAU / 12.0).iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{found} for {expected}");
+            }
+        }
+        assert!(sine.kinks().is_empty());
+    }
+
+    #[test]
     fn a_hat_rises_peaks_and_falls() {
         let hat = Table::hat(0.0, 0.5, 1.0, 40.0).unwrap();
         assert_eq!(hat.at(-1.0), [0.0, 0.0, 0.0]);

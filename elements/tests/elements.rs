@@ -4,8 +4,8 @@
 
 mod common;
 
-use common::{Coupling, coupled, section};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use common::{Coupling, at_rest, coupled, section};
+use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
@@ -228,27 +228,6 @@ fn every_law_of_an_element_finds_its_error() {
     found(Error::OldStress, "K from the previous iterate");
 }
 
-/// Residual and K at a motion at rest.
-fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), ElementError> {
-    let n = element.dim();
-    let (mut r, mut K) = (vec![0.0; n], DMatrix::zeros(n, n));
-    let at = Motion {
-        t: 0.0,
-        x,
-        v: &[],
-        a: &[],
-    };
-    let mut out = Response {
-        r: &mut r,
-        K: Some(K.as_mut_slice()),
-        C: None,
-        M: None,
-        r_t: None,
-    };
-    element.evaluate(&at, &mut out)?;
-    Ok((r, K))
-}
-
 #[test]
 fn beams_refuse_rotations_at_the_edge_of_the_chart() {
     let beam = Beam::along(&helix(3), &along_helix, &section()).unwrap();
@@ -306,34 +285,6 @@ fn loads_are_those_of_their_definition() {
         let sum: f64 = r.iter().map(|x| x.abs()).sum();
         assert!((sum - found.abs().sum()).abs() < 1e-15, "{which:?}: {r:?}");
     }
-}
-
-#[test]
-fn a_line_load_adds_up_to_force_times_length() {
-    // On a straight line with nodes equidistant, for every number of nodes.
-    for nodes in 2..=4 {
-        let places: Vec<Vector3<f64>> = (0..nodes)
-            .map(|i| Vector3::new(1.5 * i as f64 / (nodes - 1) as f64, 0.0, 2.0))
-            .collect();
-        let load = LineLoad::new(&places, [1.0, -2.0, 4.0], false, Box::new(Constant(1.0)));
-        let (r, _) = at_rest(&load.unwrap(), &vec![0.2; 6 * nodes]).unwrap();
-        for (k, f) in [1.5, -3.0, 6.0, 0.0, 0.0, 0.0].into_iter().enumerate() {
-            let sum: f64 = r.iter().skip(k).step_by(6).sum();
-            assert!((sum - f).abs() < 1e-14, "{nodes} nodes, {k}: {sum}");
-        }
-        // The resultant acts at the middle.
-        let moment: f64 = places
-            .iter()
-            .enumerate()
-            .map(|(i, p)| p.x * r[6 * i + 1])
-            .sum();
-        assert!(
-            (moment + 3.0 * 0.75).abs() < 1e-14,
-            "{nodes} nodes: {moment}"
-        );
-    }
-    let one = LineLoad::new(&helix(2)[..1], [1.0; 3], false, Box::new(Constant(1.0)));
-    assert_eq!(one.unwrap_err(), BeamError::Nodes(1));
 }
 
 #[test]

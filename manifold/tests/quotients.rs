@@ -4,6 +4,7 @@
 
 mod double_double;
 
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use double_double::{Dd, series};
 use pullback_manifold::jet::{Grad, Hess, Taylor};
 use pullback_manifold::quotients::{
@@ -258,13 +259,13 @@ fn derivatives_in_z_are_exact() {
         // cos √z has D cos ψ = −sin ψ/ψ: derivative n of it is −½ derivative n−1 of sinc.
         let c = derivatives!(cos_sqrt, z);
         let s = exact(1, z);
-        assert!((c[0] - z.sqrt().cos()).abs() <= 4e-16);
+        assert_abs_diff_eq!(c[0], z.sqrt().cos(), epsilon = 4e-16);
         for n in 1..4 {
             assert!((c[n] + 0.5 * s[n - 1]).abs() <= 1e-14, "cos {n} at {z}");
         }
         let (w, f) = half_angle(z);
-        assert!((w - (0.5 * z.sqrt()).cos()).abs() <= 3e-16);
-        assert!((f - 0.5 * exact(1, 0.25 * z)[0]).abs() <= 3e-16);
+        assert_abs_diff_eq!(w, (0.5 * z.sqrt()).cos(), epsilon = 3e-16);
+        assert_abs_diff_eq!(f, 0.5 * exact(1, 0.25 * z)[0], epsilon = 3e-16);
     }
 }
 
@@ -311,8 +312,8 @@ fn derivatives_of_the_inverse_are_exact() {
     let limits = [1.0 / 12.0, 1.0 / 720.0, 2.0 / 30_240.0, 6.0 / 1_209_600.0];
     let limits_g = [1.0, -1.0 / 12.0, -2.0 / 720.0, -6.0 / 30_240.0];
     for n in 0..4 {
-        assert!((a3[n] / limits[n] - 1.0).abs() < 1e-15);
-        assert!((g[n] / limits_g[n] - 1.0).abs() < 1e-15);
+        assert_relative_eq!(a3[n], limits[n], epsilon = 0.0, max_relative = 1e-15);
+        assert_relative_eq!(g[n], limits_g[n], epsilon = 0.0, max_relative = 1e-15);
     }
 }
 
@@ -353,11 +354,7 @@ fn log_factor_is_exact() {
     let at_one = derivatives!(log_factor, 1.0);
     let limits = [2.0, -2.0 / 3.0, 8.0 / 15.0, -24.0 / 35.0];
     for n in 0..4 {
-        assert!(
-            (at_one[n] / limits[n] - 1.0).abs() < 1e-15,
-            "{n}: {}",
-            at_one[n]
-        );
+        assert_relative_eq!(at_one[n], limits[n], epsilon = 0.0, max_relative = 1e-15);
     }
     let beyond = 1.0 + 4.0 * f64::EPSILON;
     assert!((log_factor(beyond) - (2.0 - (beyond - 1.0) * 2.0 / 3.0)).abs() < 1e-15);
@@ -370,7 +367,7 @@ fn orders_of_jets_agree() {
         let g = sinc(Grad::<f64, 1>::variable(x, 0));
         let h = sinc(Hess::<1>::variable(x, 0));
         let d = derivatives!(sinc, x);
-        assert!((g.v - sinc(x)).abs() < 3e-16);
+        assert_abs_diff_eq!(g.v, sinc(x), epsilon = 3e-16);
         assert_eq!([g.v, g.g[0]], [d[0], d[1]]);
         assert_eq!([h.v, h.g[0], h.h[0][0]], [d[0], d[1], d[2]]);
     }

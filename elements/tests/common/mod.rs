@@ -180,3 +180,24 @@ impl Element for Idle {
         Ok(())
     }
 }
+
+/// Residual and K at a motion at rest.
+pub fn at_rest(element: &dyn Element, x: &[f64]) -> Result<(Vec<f64>, DMatrix<f64>), ElementError> {
+    let n = element.dim();
+    let (mut r, mut K) = (vec![0.0; n], DMatrix::zeros(n, n));
+    let at = Motion {
+        t: 0.0,
+        x,
+        v: &[],
+        a: &[],
+    };
+    let mut out = Response {
+        r: &mut r,
+        K: Some(K.as_mut_slice()),
+        C: None,
+        M: None,
+        r_t: None,
+    };
+    element.evaluate(&at, &mut out)?;
+    Ok((r, K))
+}

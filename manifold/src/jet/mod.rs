@@ -11,7 +11,9 @@
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
 //! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` is what `Moving<D>` is, only slower. The example
-//! `jet_speed` measures them against the num-dual crate, which is the oracle of their tests.
+//! `jet_speed` measures them against the num-dual crate, which is the oracle of their tests, and fails
+//! where they are not clearly faster. For a rigid link and a revolute joint num-dual was read to take 1.3
+//! to 2.0 times as long for B, Ḃ, B̈, 4.1 to 9.0 times for K_σ, and 3.0 to 5.4 times for all of them.
 
 use crate::scalar::MAX_ORDER;
 

@@ -1,0 +1,74 @@
+//! One spring that is not linear, and how to solve for its equilibrium.
+
+#![allow(non_snake_case)]
+
+use pullback_integrators::statics::NewtonOptions;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+
+/// One coordinate with the equilibrium λ P = f(w), given f and f′.
+pub struct Scalar {
+    pattern: BlockPattern,
+    P: f64,
+    f: fn(f64) -> [f64; 2],
+}
+
+impl Scalar {
+    pub fn new(P: f64, f: fn(f64) -> [f64; 2]) -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            P,
+            f,
+        }
+    }
+}
+
+impl System for Scalar {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let [f, slope] = (self.f)(at.q[0]);
+        if !f.is_finite() {
+            let what = "the spring".to_owned();
+            return Err(SystemError::NotFinite { what });
+        }
+        out.r[0] = at.t * self.P - f;
+        if let Some((weights, S)) = out.S {
+            S[0] = weights.K * slope;
+        }
+        if let Some(r_t) = out.r_t {
+            r_t[0] = self.P;
+        }
+        Ok(())
+    }
+
+    fn kind(&self, _: usize) -> Kind {
+        Kind::Length
+    }
+
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    fn name(&self, _: usize) -> String {
+        "the crown, downwards".to_owned()
+    }
+
+    fn scales(&self) -> Scales {
+        Scales {
+            force: [self.P, 0.0, 0.0],
+            ..Scales::default()
+        }
+    }
+}
+
+/// To round-off.
+pub const TIGHT: NewtonOptions = NewtonOptions {
+    relative: 1e-14,
+    absolute: 1e-15,
+    max_iterations: 20,
+    full_corrections: 6,
+    smallest_damping: 0.1,
+};

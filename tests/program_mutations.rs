@@ -1,0 +1,124 @@
+//! Model files with one mistake, drawn at random from those of the examples: each loads or is refused with
+//! a place in the file (or for something that the file lacks), and none panics.
+
+use proptest::prelude::*;
+use proptest::sample::Index;
+use proptest::test_runner::RngSeed;
+use pullback::input::{Problem, assemble_text};
+use std::ops::Range;
+use std::sync::LazyLock;
+
+/// Name and text of every example, in the order of their names.
+static MODELS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
+    let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
+    let entries = std::fs::read_dir(directory).unwrap();
+    let mut models: Vec<_> = entries
+        .map(|entry| entry.unwrap())
+        .map(|entry| {
+            let name = entry.file_name().into_string().unwrap();
+            (name, std::fs::read_to_string(entry.path()).unwrap())
+        })
+        .collect();
+    models.sort();
+    assert!(models.len() > 30);
+    models
+});
+
+/// A mistake; places are counted among those of its kind in the file.
+#[derive(Clone, Debug)]
+enum Mistake {
+    NoLine(Index),
+    Number(Index, String),
+    Key(Index),
+}
+
+fn mistakes() -> impl Strategy<Value = Mistake> {
+    let huge = format!("\"{}\"", "long ".repeat(20_000));
+    let numbers = ["nan", "inf", "-1", "1e400", &huge].map(str::to_owned);
+    prop_oneof![
+        any::<Index>().prop_map(Mistake::NoLine),
+        (any::<Index>(), prop::sample::select(numbers.to_vec()))
+            .prop_map(|(place, number)| Mistake::Number(place, number)),
+        any::<Index>().prop_map(Mistake::Key),
+    ]
+}
+
+/// Words of a text outside of its comments and strings, with whether an equals sign follows.
+fn words(text: &str) -> Vec<(Range<usize>, bool)> {
+    let mut words = Vec::new();
+    let (mut quoted, mut comment, mut start) = (false, false, None);
+    for (k, c) in text.char_indices() {
+        let inside = !quoted && !comment && (c.is_ascii_alphanumeric() || "+-._".contains(c));
+        match (inside, start) {
+            (true, None) => start = Some(k),
+            (false, Some(from)) => {
+                words.push((from..k, text[k..].trim_start_matches(' ').starts_with('=')));
+                start = None;
+            }
+            _ => {}
+        }
+        quoted ^= c == '"' && !comment;
+        comment = c != '\n' && (comment || (c == '#' && !quoted));
+    }
+    words
+}
+
+impl Mistake {
+    /// The text with the mistake in it.
+    fn make(&self, text: &str) -> String {
+        let pick = |place: &Index, keys: bool| {
+            let mut words = words(text);
+            words.retain(|(word, key)| {
+                *key == keys && (keys || text[word.clone()].parse::<f64>().is_ok())
+            });
+            words[place.index(words.len())].0.clone()
+        };
+        let (place, new) = match self {
+            Self::NoLine(place) => {
+                let lines: Vec<&str> = text.split_inclusive('\n').collect();
+                let gone = place.index(lines.len());
+                let from: usize = lines[..gone].iter().map(|line| line.len()).sum();
+                (from..from + lines[gone].len(), "")
+            }
+            Self::Number(place, number) => (pick(place, false), number.as_str()),
+            Self::Key(place) => (pick(place, true), "renamed"),
+        };
+        [&text[..place.start], new, &text[place.end..]].concat()
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 1000,
+        rng_seed: RngSeed::Fixed(2004),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn one_mistake_never_panics_and_has_a_place(model in any::<Index>(), mistake in mistakes()) {
+        let (name, text) = model.get(&MODELS);
+        let text = mistake.make(text);
+        let Err(error) = assemble_text(name, &text) else {
+            return Ok(());
+        };
+        // What a file lacks altogether has no place in it.
+        if !matches!(*error.problem, Problem::Missing { .. }) {
+            let place = error.span.clone();
+            let stands = place.is_some_and(|place| text.get(place).is_some());
+            prop_assert!(stands && error.line_column().is_some(), "{name}: no place for {error}");
+        }
+    }
+}
+
+#[test]
+fn the_mistakes_are_made_where_they_should_be() {
+    let text = "# 1 = 2\na = [1.5, -2e3] # \"3\nb.c = \"4 # d = 5\"\n";
+    let found = words(text);
+    let found: Vec<(&str, bool)> = found
+        .iter()
+        .map(|(w, key)| (&text[w.clone()], *key))
+        .collect();
+    let keys = [("a", true), ("b.c", true)];
+    assert_eq!(found, [keys[0], ("1.5", false), ("-2e3", false), keys[1]]);
+}
