@@ -17,6 +17,8 @@ struct Change {
     between: [f64; 2],
     /// Unstable directions before and after it.
     directions: [usize; 2],
+    /// Whether the load turns there.
+    turns: bool,
 }
 
 /// Sees the rows of a static analysis as they are recorded.
@@ -24,6 +26,8 @@ struct Change {
 pub(crate) struct Watch {
     /// Load parameter and unstable directions of the last row that knows them.
     stability: (f64, usize),
+    /// In which sense the load parameter changed to that row.
+    sense: f64,
     changes: Vec<Change>,
     /// Converged rows.
     rows: usize,
@@ -54,6 +58,7 @@ impl Watch {
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),
+            sense: 0.0,
             changes: Vec::new(),
             rows: 0,
             stirred: false,
@@ -87,10 +92,15 @@ impl Watch {
         }
         let Some(now) = row.unstable else { return };
         let (before, directions) = self.stability;
+        let sense = t - before;
+        let located = row.event.as_deref() == Some("turning-point");
+        let turns = located || sense * self.sense < 0.0;
+        self.sense = sense;
         if now != directions {
             self.changes.push(Change {
                 between: [before, t],
                 directions: [directions, now],
+                turns,
             });
         }
         self.stability = (t, now);
@@ -156,11 +166,21 @@ impl Watch {
             1 => "unstable in 1 direction".to_owned(),
             n => format!("unstable in {n} directions"),
         };
+        let [what, then] = if first.turns {
+            [
+                "limit point",
+                "would snap through under a load that does not turn there",
+            ]
+        } else {
+            [
+                "limit point or bifurcation",
+                "would leave this path. To follow the branch that it takes, add a small imperfection \
+                 (a lateral load, nodes off the line) and take a smaller `max_step`",
+            ]
+        };
         let mut out = format!(
-            "limit point or bifurcation {}: the equilibrium found is {} after it (negative pivots \
-             of the tangent, column `unstable`), and a structure would leave this path. To follow \
-             the branch that it takes, add a small imperfection (a lateral load, nodes off the line) \
-             and take a smaller `max_step`",
+            "{what} {}: the equilibrium found is {} after it (negative pivots of the tangent, column \
+             `unstable`), and a structure {then}",
             span(first),
             directions(first.directions[1])
         );

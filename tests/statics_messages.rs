@@ -137,7 +137,14 @@ fn a_load_that_jumps_is_told_of_and_small_numbers_are_readable() {
     );
     let constant = strut.replace("pulse = { start = 2.5e-9, end = 1 }", "constant = 1");
     let said = failure("messages_constant", &constant);
-    has(&said, &["under the loads that are there at the start"]);
+    has(
+        &said,
+        &[
+            "under the loads that are there at the start",
+            "let these loads grow with the load parameter",
+        ],
+    );
+    assert!(!said.contains("smaller steps"), "{said}");
     assert!(!said.contains("converged)"), "{said}");
 }
 

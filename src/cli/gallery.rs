@@ -17,6 +17,9 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
             return REFUSED;
         }
     };
+    if out.is_some_and(|out| !out.exists()) {
+        eprintln!("note: none of these cases draws a plot");
+    }
     match answer(&rows, json) {
         Ok((text, code)) => match print(&text) {
             0 => code,

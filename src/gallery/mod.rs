@@ -71,6 +71,8 @@ pub fn run(
     out: Option<&Path>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Vec<Comparison>, CaseError> {
+    // Cases are named like their model files, which have underscores.
+    let names: Vec<String> = names.iter().map(|n| n.replace('_', "-")).collect();
     if let Some(name) = names.iter().find(|n| CASES.iter().all(|c| c.name != **n)) {
         return Err(CaseError::Unknown {
             name: name.clone(),

@@ -14,12 +14,16 @@ fn names(known: &[String]) -> String {
 }
 
 /// Words of other programs, and ours.
-const SYNONYMS: [(&str, &str); 5] = [
+const SYNONYMS: [(&str, &str); 9] = [
     ("linear", "proportional"),
     ("limit-point", "turning-point"),
     ("harmonic", "sine"),
     ("step", "pulse"),
     ("hinge", "revolute"),
+    ("pinned", "place"),
+    ("clamped", "all"),
+    ("reaction", "reaction_force"),
+    ("bending_moment", "M"),
 ];
 
 /// What a message of the parser alone does not tell.

@@ -1,14 +1,14 @@
 //! ParaView files: an unstructured grid per step and a collection of them.
 //!
 //! Each line has points of its own, so that lines that meet at a node keep their section axes. A
-//! body is a point of its own at its centre of mass.
+//! body is a point of its own at its centre of mass, a rigid link or spring a line between two.
 
 #![allow(non_snake_case)]
 
 use crate::input::Geometry;
 use crate::probe::Answers;
-use nalgebra::Vector3;
-use pullback_elements::model::Model;
+use nalgebra::{Matrix3, Vector3};
+use pullback_elements::model::{Model, NodeState};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -45,29 +45,16 @@ pub fn collection(frames: &[Frame]) -> String {
 /// The grid (`.vtu`) of a model in its present configuration: points where the nodes are now, and
 /// in statics the load parameter.
 pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
-    let mut points = Vec::new();
-    let mut displacement = Vec::new();
-    let mut rotation = Vec::new();
-    let mut rates: [Vec<Vector3<f64>>; 2] = Default::default();
-    let mut axes: [Vec<Vector3<f64>>; 3] = Default::default();
+    let mut points = Points::default();
     let mut connectivity = Vec::new();
     let mut offsets = Vec::new();
     let mut types = Vec::new();
     let mut line_number = Vec::new();
     let mut resultants: [Vec<Vector3<f64>>; 4] = Default::default();
     for (l, line) in geometry.lines.iter().enumerate() {
-        let first = points.len();
+        let first = points.places.len();
         for (&node, R0) in line.nodes.iter().zip(&line.frames) {
-            let state = model.node_state(node);
-            points.push(state.place);
-            displacement.push(state.d);
-            rotation.push(state.psi);
-            rates[0].push(state.velocity);
-            rates[1].push(state.omega);
-            let frame = state.R * R0;
-            for (k, axis) in axes.iter_mut().enumerate() {
-                axis.push(frame.column(k).into_owned());
-            }
+            points.push(&model.node_state(node), Vector3::zeros(), R0);
         }
         for (e, &id) in line.elements.iter().enumerate() {
             let start = first + e * line.order;
@@ -83,20 +70,17 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
             resultants[3].push(answers.mean(id, |s| s.K));
         }
     }
-    for body in &geometry.bodies {
-        let state = model.node_state(body.node);
-        let arm = state.R * body.center;
-        connectivity.push(points.len());
-        points.push(state.place + arm);
-        displacement.push(state.d + arm - body.center);
-        rotation.push(state.psi);
-        rates[0].push(state.velocity + state.omega.cross(&arm));
-        rates[1].push(state.omega);
-        for (k, axis) in axes.iter_mut().enumerate() {
-            axis.push(state.R.column(k).into_owned());
+    let bodies = geometry.bodies.iter();
+    let bodies = bodies.map(|b| (VERTEX, vec![(b.node, b.center)]));
+    let links = geometry.links.iter();
+    let links = links.map(|ends| (CELL_TYPES[0], ends.map(|n| (n, Vector3::zeros())).to_vec()));
+    for (cell_type, all) in bodies.chain(links) {
+        for (node, center) in all {
+            connectivity.push(points.places.len());
+            points.push(&model.node_state(node), center, &Matrix3::identity());
         }
         offsets.push(connectivity.len());
-        types.push(VERTEX);
+        types.push(cell_type);
         line_number.push(0);
         for part in &mut resultants {
             part.push(Vector3::zeros());
@@ -112,23 +96,23 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
             "<FieldData>\n<DataArray type=\"Float64\" Name=\"load_parameter\" \
              NumberOfTuples=\"1\" format=\"ascii\">\n{load:?}\n</DataArray>\n</FieldData>\n"
         )),
-        points.len(),
+        points.places.len(),
         types.len()
     );
     out += "<Points>\n";
-    vectors(&mut out, "Points", &points);
+    vectors(&mut out, "Points", &points.places);
     out += "</Points>\n<Cells>\n";
     integers(&mut out, "connectivity", "Int64", &connectivity);
     integers(&mut out, "offsets", "Int64", &offsets);
     integers(&mut out, "types", "UInt8", &types);
     out += "</Cells>\n<PointData Vectors=\"displacement\">\n";
-    vectors(&mut out, "displacement", &displacement);
-    vectors(&mut out, "rotation", &rotation);
+    vectors(&mut out, "displacement", &points.displacement);
+    vectors(&mut out, "rotation", &points.rotation);
     if answers.is_moving() {
-        vectors(&mut out, "velocity", &rates[0]);
-        vectors(&mut out, "angular_velocity", &rates[1]);
+        vectors(&mut out, "velocity", &points.velocity);
+        vectors(&mut out, "angular_velocity", &points.omega);
     }
-    for (name, axis) in ["e1", "e2", "e3"].into_iter().zip(&axes) {
+    for (name, axis) in ["e1", "e2", "e3"].into_iter().zip(&points.axes) {
         vectors(&mut out, name, axis);
     }
     out += "</PointData>\n<CellData>\n";
@@ -137,6 +121,34 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
     }
     integers(&mut out, "line", "Int32", &line_number);
     out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+}
+
+/// Points with what is known of them.
+#[derive(Default)]
+struct Points {
+    places: Vec<Vector3<f64>>,
+    displacement: Vec<Vector3<f64>>,
+    rotation: Vec<Vector3<f64>>,
+    velocity: Vec<Vector3<f64>>,
+    omega: Vec<Vector3<f64>>,
+    axes: [Vec<Vector3<f64>>; 3],
+}
+
+impl Points {
+    /// A point that is at `center` as seen from a node in the reference configuration, with axes that
+    /// are the columns of `R0` there.
+    fn push(&mut self, node: &NodeState, center: Vector3<f64>, R0: &Matrix3<f64>) {
+        let arm = node.R * center;
+        self.places.push(node.place + arm);
+        self.displacement.push(node.d + arm - center);
+        self.rotation.push(node.psi);
+        self.velocity.push(node.velocity + node.omega.cross(&arm));
+        self.omega.push(node.omega);
+        let frame = node.R * R0;
+        for (k, axis) in self.axes.iter_mut().enumerate() {
+            axis.push(frame.column(k).into_owned());
+        }
+    }
 }
 
 fn vectors(out: &mut String, name: &str, values: &[Vector3<f64>]) {
