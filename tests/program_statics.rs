@@ -213,3 +213,58 @@ fn figures_tell_exaggeration_and_incompleteness() {
         assert!(figure.contains("Quarter circle, incomplete"), "{name}");
     }
 }
+
+#[test]
+fn a_truss_of_springs_snaps_through_and_is_drawn() {
+    let truss = r#"
+        [nodes]
+        A = [-1, 0, 0]
+        B = [1, 0, 0]
+        T = [0, 0.5, 0]
+        [[springs]]
+        name = "s1"
+        nodes = ["A", "T"]
+        stiffness = 1
+        [[springs]]
+        name = "s2"
+        nodes = ["T", "B"]
+        stiffness = 1
+        [[supports]]
+        node = "A"
+        fix = "place"
+        [[supports]]
+        node = "B"
+        fix = "place"
+        [[supports]]
+        node = "T"
+        fix = ["z"]
+        [[loads]]
+        node = "T"
+        force = [0, -0.1, 0]
+        [analysis.arc-length]
+        record = ["turning-point"]
+    "#;
+    let (rows, result, out) = run("statics_springs", truss);
+    // dP/dy = 0 of P = 2 y (l₀/l − 1) where l³ = l₀.
+    let rest = 1.25_f64.sqrt();
+    let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
+    let limit = 2.0 * y * (rest / (1.0 + y * y).sqrt() - 1.0);
+    let turning = rows.iter().find(|r| r["event"] == "turning-point").unwrap();
+    assert!((0.1 * number(turning, "t") / limit - 1.0).abs() < 1e-6);
+    let warnings = result["warnings"].to_string();
+    assert!(warnings.contains("limit point between"), "{warnings}");
+    assert!(warnings.contains("would snap through"), "{warnings}");
+    let text = read(out.join("step_0000.vtu"));
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let piece = document.descendants().find(|n| n.has_tag_name("Piece"));
+    assert_eq!(piece.unwrap().attribute("NumberOfCells"), Some("2"));
+    let array = |name: &str| -> Vec<f64> {
+        let mut all = document.descendants();
+        let found = all.find(|n| n.attribute("Name") == Some(name)).unwrap();
+        let words = found.text().unwrap().split_whitespace();
+        words.map(|w| w.parse().unwrap()).collect()
+    };
+    let ends = [-1.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0];
+    assert_eq!(array("Points"), ends);
+    assert_eq!(array("types"), [3.0, 3.0]);
+}
