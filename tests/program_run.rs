@@ -92,6 +92,16 @@ fn a_run_writes_all_its_files() {
         .unwrap();
     assert!((moment + PI).abs() < 1e-7);
     assert_eq!(results["last"]["nodes"].as_object().unwrap().len(), 9);
+    let elements = results["last"]["elements"].as_object().unwrap();
+    assert_eq!(elements.len(), 8);
+    for (name, element) in elements {
+        // The applied moment everywhere, and no force.
+        let part = |what: &str, k: usize| element[what][k].as_f64().unwrap();
+        assert!((part("M", 2) - PI).abs() < 1e-8, "{name}: {element}");
+        let others = [0, 1, 2].map(|k| part("N", k)).into_iter();
+        let others = others.chain([part("M", 0), part("M", 1)]);
+        others.for_each(|x| assert!(x.abs() < 1e-6, "{name}: {element}"));
+    }
     assert_eq!(results["settings"]["analysis"]["static"]["to"], 1.0);
 
     for name in expected

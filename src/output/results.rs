@@ -92,6 +92,8 @@ pub struct FinalState {
     pub nodes: BTreeMap<String, NodeResult>,
     /// Supported nodes by name.
     pub reactions: BTreeMap<String, ReactionResult>,
+    /// Beam elements by name.
+    pub elements: BTreeMap<String, ElementResult>,
     /// Strain energy.
     pub strain_energy: f64,
     /// Potential of the loads that have one.
@@ -141,6 +143,16 @@ pub struct ReactionResult {
     pub moment: [f64; 3],
 }
 
+/// Stress resultants of a beam element in section axes, mean over its integration points.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(non_snake_case)]
+pub struct ElementResult {
+    /// Normal and shear forces N₁, N₂, N₃.
+    pub N: [f64; 3],
+    /// Torque and bending moments M₁, M₂, M₃.
+    pub M: [f64; 3],
+}
+
 /// The state that a model is in.
 pub(super) fn final_state(
     model: &Model,
@@ -169,10 +181,20 @@ pub(super) fn final_state(
         };
         (r.node.clone(), result)
     });
+    let mut elements = BTreeMap::new();
+    for (id, _) in answers.sections() {
+        let result = || ElementResult {
+            N: answers.mean(*id, |s| s.N).into(),
+            M: answers.mean(*id, |s| s.M).into(),
+        };
+        let name = model.element(*id).0.to_owned();
+        elements.entry(name).or_insert_with(result);
+    }
     FinalState {
         t: row.t,
         nodes: nodes.collect(),
         reactions: reactions.collect(),
+        elements,
         strain_energy: answers.strain_energy(),
         load_potential: model.load_potential(row.t),
         unstable: row.unstable,
