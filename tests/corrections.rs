@@ -136,7 +136,7 @@ fn carried(k: f64, h: f64, d: f64) -> f64 {
 fn paths_do_not_jump_over_limit_points_of_shallow_structures() {
     // dP/dy = 0 where l³ = l₀ at the height y: there and at −y. A load of twice the limit is reached
     // behind both.
-    let fine = |step: f64| format!("load_scale = 1000\nmax_step = {step}\nfirst_step = {step}");
+    let fine = |step: f64| format!("load_scale = 1e6\nmax_step = {step}\nfirst_step = {step}");
     for (h, steps) in [
         (1e-2, String::new()),
         (1e-3, fine(2e-5)),

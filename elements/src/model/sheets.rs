@@ -158,7 +158,9 @@ impl Model {
             ..
         } = &mut self.work.sheets;
         let (mut changed, mut stored) = (false, false);
-        for e in &mut self.elements {
+        // A single frame has no neighbour to agree with.
+        let several = |e: &&mut Attached| e.frames.count_ones() > 1;
+        for e in self.elements.iter_mut().filter(several) {
             let mut nodes = e.nodes.iter().map(|&n| n as usize);
             // Below a right angle all quaternions are within 45° of (1, 0): they agree.
             let small = |n: usize| {
@@ -170,8 +172,8 @@ impl Model {
             }
             let possible = possible(e, &now.psi, before);
             if possible == [false; 2] {
-                e.overturned = e.frames.count_ones() > 1;
-                changed |= e.overturned;
+                e.overturned = true;
+                changed = true;
                 continue;
             }
             let seen = e.switched ^ flipped(e, before, after);
