@@ -26,8 +26,11 @@ struct Change {
 pub(crate) struct Watch {
     /// Load parameter and unstable directions of the last row that knows them.
     stability: (f64, usize),
-    /// In which sense the load parameter changed to that row.
+    /// Load parameter of the last row, and its change to there.
+    last: f64,
     sense: f64,
+    /// Whether the load has turned since the last row that knows its stability.
+    turns: bool,
     changes: Vec<Change>,
     /// Converged rows.
     rows: usize,
@@ -58,7 +61,9 @@ impl Watch {
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),
+            last: t,
             sense: 0.0,
+            turns: false,
             changes: Vec::new(),
             rows: 0,
             stirred: false,
@@ -90,12 +95,13 @@ impl Watch {
                 self.strained = about(state.Gamma.amax());
             }
         }
+        let sense = t - self.last;
+        let located = row.event.as_deref() == Some("turning-point");
+        self.turns |= located || sense * self.sense < 0.0;
+        (self.last, self.sense) = (t, sense);
         let Some(now) = row.unstable else { return };
         let (before, directions) = self.stability;
-        let sense = t - before;
-        let located = row.event.as_deref() == Some("turning-point");
-        let turns = located || sense * self.sense < 0.0;
-        self.sense = sense;
+        let turns = std::mem::take(&mut self.turns);
         if now != directions {
             self.changes.push(Change {
                 between: [before, t],
