@@ -7,28 +7,28 @@ use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
 fn run(text: &str, analysis: &str) -> Model {
-    located(text, analysis).0
+    located(text, analysis).unwrap().0
 }
 
 /// The same, with the loads at which places on the path were located.
-fn located(text: &str, analysis: &str) -> (Model, Vec<f64>) {
+fn located(text: &str, analysis: &str) -> Result<(Model, Vec<f64>), StaticsError> {
     let mut found = vec![];
     let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
     let mut q = vec![];
     let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
     match &job.plan {
         Plan::Static(options) => {
-            let done = solve_statics(&mut job.model, &mut q, options, proceed).unwrap();
+            let done = solve_statics(&mut job.model, &mut q, options, proceed)?;
             assert!(done.finished, "{analysis}");
         }
         Plan::Path(options, _) => {
-            let done = trace_path(&mut job.model, &mut q, options, proceed).unwrap();
+            let done = trace_path(&mut job.model, &mut q, options, proceed)?;
             assert!(done.summary.finished, "{analysis}");
             found = done.events.iter().map(|(_, load)| *load).collect();
         }
         Plan::Dynamic(_) => unreachable!(),
     }
-    (job.model, found)
+    Ok((job.model, found))
 }
 
 /// The displacement of a node along an axis.
@@ -134,25 +134,41 @@ fn carried(k: f64, h: f64, d: f64) -> f64 {
 
 #[test]
 fn paths_do_not_jump_over_limit_points_of_shallow_structures() {
-    // dP/dy = 0 where l³ = l₀ at the height y: there and at −y. A load of twice the limit is reached
-    // behind both.
     let fine = |step: f64| format!("load_scale = 1e6\nmax_step = {step}\nfirst_step = {step}");
     for (h, steps) in [
+        (1e-1, String::new()),
         (1e-2, String::new()),
         (1e-3, fine(2e-5)),
         (1e-4, fine(2e-6)),
     ] {
-        let rest = 1.0_f64.hypot(h);
-        let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
-        let limit = carried(1.0, h, h - y);
-        let analysis = format!("[analysis.arc-length]\nrecord = [\"turning-point\"]\n{steps}");
-        let (_, loads) = located(&truss(1.0, h, 2.0 * limit), &analysis);
-        let expected = [0.5, -0.5, 1.0];
-        assert_eq!(loads.len(), 3, "{h}: {loads:?}");
-        for (load, expected) in loads.iter().zip(expected) {
-            assert!((load - expected).abs() < 1e-6, "{h}: {loads:?}");
+        assert_limits(h, &steps).unwrap();
+    }
+    // Steps in which loads outweigh displacements are shortened, or it is said that they are too long.
+    for h in [3e-1, 3e-2, 3e-3, 1e-3] {
+        for scale in [1.0, 10.0] {
+            if let Err(error) = assert_limits(h, &format!("load_scale = {scale}")) {
+                assert!(
+                    matches!(error, StaticsError::Step(_)),
+                    "{h}, {scale}: {error}"
+                );
+            }
         }
     }
+}
+
+/// Follows the truss of a rise over both of its limit points: dP/dy = 0 where l³ = l₀ at the height y,
+/// there and at −y. A load of twice the limit is reached behind both.
+fn assert_limits(h: f64, steps: &str) -> Result<(), StaticsError> {
+    let rest = 1.0_f64.hypot(h);
+    let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
+    let limit = carried(1.0, h, h - y);
+    let analysis = format!("[analysis.arc-length]\nrecord = [\"turning-point\"]\n{steps}");
+    let (_, loads) = located(&truss(1.0, h, 2.0 * limit), &analysis)?;
+    assert_eq!(loads.len(), 3, "{h}, {steps}: {loads:?}");
+    for (load, expected) in loads.iter().zip([0.5, -0.5, 1.0]) {
+        assert!((load - expected).abs() < 1e-6, "{h}, {steps}: {loads:?}");
+    }
+    Ok(())
 }
 
 #[test]

@@ -279,7 +279,8 @@ impl fmt::Display for FailedStep {
             Cause::OffPath => f.write_str(
                 "the path turns too sharply for steps of this size, branches or ends; with a larger \
                  load_scale displacements measure steps more than loads do, which helps at limit \
-                 points of shallow or stiff structures; an imperfection makes branches smooth",
+                 points of shallow or stiff structures together with a max_step and a first_step below \
+                 their displacements over their size; an imperfection makes branches smooth",
             )?,
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",

@@ -8,8 +8,11 @@ const SAFE: f64 = 0.1;
 const SMALL: f64 = 1e-6;
 /// A correction that changes nothing, over the largest of its step.
 const NOTHING: f64 = 1e-9;
-/// What falls by less than this does not fall.
+/// Residuals that fall by less than this do not fall.
 const FALL: f64 = 0.1;
+/// The same of corrections, which Newton's method takes down linearly far from a solution: where a
+/// cubic spring is all there is, to two thirds each time.
+const LINEAR: f64 = 0.9;
 
 /// The residual that is evaluated next, and the correction that it would ask for, before they are
 /// known.
@@ -61,7 +64,7 @@ impl Outlook {
             next: last.ratio * fall,
             renewed,
             settled: small && last.correction * fall <= NOTHING * largest,
-            stays: small && last.correction > FALL * before.correction,
+            stays: small && last.correction > LINEAR * before.correction,
         }
     }
 

@@ -60,15 +60,19 @@ impl Norm {
         q + a.1 * b.1 * self.load
     }
 
-    /// Whether a step was corrected by more than its own length: its end may lie on another part of
-    /// the path, whose tangent tells nothing.
+    /// Whether a step was corrected by more than its own length, or its displacements by more than
+    /// theirs: its end may lie on another part of the path, whose tangent tells nothing. Where
+    /// displacements are small beside the size of the structure a step is almost one of the load.
     fn strays(&self, from: &Place, to: &Place, ds: f64) -> bool {
-        let moved: f64 = (to.q.iter().zip(&from.q).zip(&self.weights))
-            .map(|((to, from), w)| (to - from).powi(2) * w)
-            .sum();
-        let load = (to.lambda - from.lambda).powi(2) * self.load;
-        // Corrections are normal to the step.
-        moved + load > 2.0 * ds * ds
+        let (mut corrected, mut predicted) = (0.0, 0.0);
+        let ends = to.q.iter().zip(&from.q).zip(&from.dq);
+        for (((to, from), dq), w) in ends.zip(&self.weights) {
+            let ahead = ds * dq;
+            corrected += w * (to - from - ahead).powi(2);
+            predicted += w * ahead.powi(2);
+        }
+        let load = (to.lambda - from.lambda - ds * from.d_lambda).powi(2) * self.load;
+        corrected + load > ds * ds || corrected > predicted + LEAST * LEAST
     }
 }
 
@@ -245,6 +249,8 @@ pub fn trace_path_with<Y: System + ?Sized>(
 /// Cosine between successive tangents below which a step is rejected: a path that turns by more than
 /// this within one step may have been left for another.
 pub(super) const SHARPEST_BEND: f64 = 0.6;
+/// Corrections of coordinates over their scales that are none of another part of the path.
+const LEAST: f64 = 1e-12;
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
 
