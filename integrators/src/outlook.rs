@@ -10,9 +10,11 @@ const SMALL: f64 = 1e-6;
 const NOTHING: f64 = 1e-9;
 /// Residuals that fall by less than this do not fall.
 const FALL: f64 = 0.1;
-/// The same of corrections, which Newton's method takes down linearly far from a solution: where a
-/// cubic spring is all there is, to two thirds each time.
-const LINEAR: f64 = 0.9;
+/// The same of corrections in a step of time, whose first corrections are small.
+pub(crate) const FALL_IN_TIME: f64 = 0.1;
+/// The same in statics, where a large step may begin far from its end and corrections fall linearly: to
+/// two thirds each time where a cubic spring is all there is.
+pub(crate) const FALL_AT_REST: f64 = 0.9;
 
 /// The residual that is evaluated next, and the correction that it would ask for, before they are
 /// known.
@@ -31,8 +33,8 @@ pub(crate) struct Outlook {
     renewed: bool,
     /// Whether the next correction is expected to change nothing.
     settled: bool,
-    /// Whether the last correction was a small one, and hardly smaller than the one before.
-    stays: bool,
+    /// How a last correction that was small has fallen since the one before.
+    fallen: f64,
 }
 
 impl Outlook {
@@ -44,7 +46,7 @@ impl Outlook {
             next: f64::INFINITY,
             renewed,
             settled: false,
-            stays: false,
+            fallen: 0.0,
         };
         let (before, last) = match history {
             [.., before, last] if before.damping * last.damping > 0.0 => (before, last),
@@ -64,7 +66,7 @@ impl Outlook {
             next: last.ratio * fall,
             renewed,
             settled: small && last.correction * fall <= NOTHING * largest,
-            stays: small && last.correction > LINEAR * before.correction,
+            fallen: if small { ratio } else { 0.0 },
         }
     }
 
@@ -81,8 +83,9 @@ impl Outlook {
     /// Whether another correction is not expected to mend anything, though residuals are still larger
     /// than is allowed: it would change nothing, or else corrections and residuals have ceased to
     /// fall. What stiff neighbours leave may hide a residual that still does: corrections tell.
-    pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3]) -> bool {
+    /// Corrections do not fall where the last is more than the part `fall` of the one before.
+    pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3], fall: f64) -> bool {
         let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > FALL * self.before.0[k];
-        self.settled || (self.stays && (0..3).all(stays))
+        self.settled || (self.fallen > fall && (0..3).all(stays))
     }
 }
