@@ -44,7 +44,7 @@ fn answer(rows: &[Comparison], json: bool) -> serde_json::Result<(String, u8)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
 
