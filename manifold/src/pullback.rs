@@ -58,11 +58,10 @@ pub fn residual(slots: &[Slot<'_>], r: &[f64], r_mr: &mut [f64]) {
         let out = &mut r_mr[column..column + slot.d];
         match slot.B {
             None => out.copy_from_slice(r),
-            Some(B) => {
-                for (out, B) in out.iter_mut().zip(B.chunks_exact(slot.n)) {
-                    *out = B.iter().zip(r).map(|(b, r)| b * r).sum();
-                }
-            }
+            Some(B) => out
+                .iter_mut()
+                .zip(transposed(B, r))
+                .for_each(|(o, f)| *o = f),
         }
         row += slot.n;
         column += slot.d;
@@ -85,22 +84,7 @@ pub fn tangent(
     let (mut x_j, mut q_j) = (0, 0);
     for sj in slots {
         for column in 0..sj.d {
-            // work = (W B + Y Ḃ + Z B̈) e_column: all rows of the element, one pulled-back column.
-            work.fill(0.0);
-            match sj.B {
-                None => add_column(work, tangents, weights, x_j + column, [1.0, 0.0, 0.0]),
-                Some(B) => {
-                    for k in 0..sj.n {
-                        let at = column * sj.n + k;
-                        let factors = [
-                            B[at],
-                            sj.B_dot.get(at).copied().unwrap_or(0.0),
-                            sj.B_ddot.get(at).copied().unwrap_or(0.0),
-                        ];
-                        add_column(work, tangents, weights, x_j + k, factors);
-                    }
-                }
-            }
+            pulled_column(work, tangents, weights, x_j, sj, column);
             let out = &mut S_mr[(q_j + column) * d..(q_j + column + 1) * d];
             residual(slots, work, out);
             if let (Some(_), Some(K_sigma)) = (sj.B, sj.K_sigma.get(column * sj.d..)) {
@@ -115,9 +99,40 @@ pub fn tangent(
     }
 }
 
-/// out += (b W + ḃ Y + b̈ Z) e_k, with `factors` b, ḃ, b̈: what column k of the tangents adds to one
-/// column of S_mr before its rows are pulled back. `out` has the element's n rows.
-pub fn add_column(
+/// The entries of Bᵀ f, one after the other; B (n×d) column by column, f with n entries.
+pub fn transposed(B: &[f64], f: &[f64]) -> impl Iterator<Item = f64> {
+    let columns = B.chunks_exact(f.len().max(1));
+    columns.map(move |B| B.iter().zip(f).map(|(b, f)| b * f).sum())
+}
+
+/// out = (W B + Y Ḃ + Z B̈) e_column: one column of S_mr, of a slot whose coordinates start at the
+/// element's `first`, before its rows are pulled back. `out` has the element's n rows.
+pub fn pulled_column(
+    out: &mut [f64],
+    tangents: Tangents<'_>,
+    weights: Weights,
+    first: usize,
+    slot: &Slot<'_>,
+    column: usize,
+) {
+    out.fill(0.0);
+    let Some(B) = slot.B else {
+        add_column(out, tangents, weights, first + column, [1.0, 0.0, 0.0]);
+        return;
+    };
+    for k in 0..slot.n {
+        let at = column * slot.n + k;
+        let factors = [
+            B[at],
+            slot.B_dot.get(at).copied().unwrap_or(0.0),
+            slot.B_ddot.get(at).copied().unwrap_or(0.0),
+        ];
+        add_column(out, tangents, weights, first + k, factors);
+    }
+}
+
+/// out += (b W + ḃ Y + b̈ Z) e_k, with `factors` b, ḃ, b̈.
+fn add_column(
     out: &mut [f64],
     tangents: Tangents<'_>,
     weights: Weights,

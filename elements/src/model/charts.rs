@@ -2,11 +2,13 @@
 
 use super::dependence::Dependence;
 use super::gather::collect;
-use super::slots::{Complement, fold};
+use super::slots::fold;
 use super::{Form, Model, Node, Source};
 use nalgebra::Vector3;
+use pullback_manifold::chart::{Chart, Complement, RotationVector};
+use pullback_manifold::map::Map;
 use pullback_manifold::system::{ChartChanges, Point};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// The coordinates of a map that may change their meaning.
 #[derive(Default)]
@@ -41,7 +43,7 @@ impl Model {
         })
     }
 
-    /// Changes the charts of nodes with ψ > π, then lets the elements choose theirs.
+    /// Changes the charts of nodes where that is due ([`RotationVector`]: ψ > π), then lets the elements choose theirs.
     pub(super) fn update_charts(
         &mut self,
         t: f64,
@@ -60,9 +62,9 @@ impl Model {
             };
             let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
             let psi = take(q);
-            if psi.norm() <= PI {
+            let Some(transition) = RotationVector.transition(&psi) else {
                 continue;
-            }
+            };
             changed += 1;
             let put = |to: &mut [f64], from: &Vector3<f64>| {
                 for (u, x) in unknowns.iter().zip(from.iter()) {
@@ -79,11 +81,11 @@ impl Model {
             let (mut x, mut first) = (psi, velocity);
             for a in accelerations.iter_mut() {
                 let mut second = take(a);
-                [x, first] = settled(psi, velocity, &mut second);
+                [x, first] = settled(&transition, &psi, &velocity, &mut second);
                 put(a, &second);
             }
             if accelerations.is_empty() {
-                [x, first] = settled(psi, velocity, &mut Vector3::zeros());
+                [x, first] = settled(&transition, &psi, &velocity, &mut Vector3::zeros());
             }
             put(q, &x);
             if !v.is_empty() {
@@ -309,23 +311,24 @@ impl Model {
     }
 }
 
-/// A rotation vector and its rate, and a second rate in place, in the chart where ψ ≤ π: a step may
-/// have turned it by more than one turn.
-fn settled(psi: Vector3<f64>, rate: Vector3<f64>, second: &mut Vector3<f64>) -> [Vector3<f64>; 2] {
-    let (mut x, mut first) = (psi, rate);
-    Complement::default().apply(
-        x.as_mut_slice(),
-        first.as_mut_slice(),
-        second.as_mut_slice(),
-    );
-    let turns = (x.norm() / TAU - 1e-12).round() as i32;
+/// A rotation vector and its rate, and a second rate in place, after a change of chart: a step may
+/// have turned it by more than one turn, and then whole turns are taken off.
+fn settled(
+    transition: &Complement,
+    psi: &Vector3<f64>,
+    rate: &Vector3<f64>,
+    second: &mut Vector3<f64>,
+) -> [Vector3<f64>; 2] {
+    let mut k = transition.kinematics(0.0, psi, rate, second);
+    let turns = (k.x.norm() / TAU - 1e-12).round() as i32;
     fold(
         turns,
-        x.as_mut_slice(),
-        first.as_mut_slice(),
-        second.as_mut_slice(),
+        k.x.as_mut_slice(),
+        k.x_dot.as_mut_slice(),
+        k.x_ddot.as_mut_slice(),
     );
-    [x, first]
+    *second = k.x_ddot;
+    [k.x, k.x_dot]
 }
 
 /// Whether a node is a frame by increments.

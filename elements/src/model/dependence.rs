@@ -49,6 +49,17 @@ impl Operators {
             B_ddot: vec![0.0; len],
         }
     }
+
+    /// The operators of a node of `n` coordinates that start at `from`, as many as are read.
+    pub(super) fn slot(&self, n: usize, from: usize) -> Slot<'_> {
+        Slot {
+            n,
+            B: Some(&self.B[from..]),
+            B_dot: &self.B_dot[from..],
+            B_ddot: &self.B_ddot[from..],
+            ..Slot::default()
+        }
+    }
 }
 
 impl Dependence {
@@ -86,12 +97,8 @@ impl Dependence {
     ) -> f64 {
         let masters = self.masters().iter();
         let columns = masters.flat_map(|&m| spans[m as usize].range());
-        let B = operators.B[self.local..].chunks_exact(r.len());
-        let power = |(c, B): (usize, &[f64])| {
-            let force: f64 = B.iter().zip(r).map(|(B, r)| B * r).sum();
-            force * v[c]
-        };
-        columns.zip(B).map(power).sum()
+        let forces = pullback::transposed(&operators.B[self.local..], r);
+        columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
 
     /// Operators with respect to the ancestors from those with respect to the masters: B, and Ḃ and

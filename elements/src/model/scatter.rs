@@ -10,7 +10,7 @@
 use super::dependence::Operators;
 use super::placement::{Place, Placement, behind};
 use super::{NONE, Node, Source};
-use pullback_manifold::pullback::{self, Tangents};
+use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
 
 /// Tangents over the coordinates of a few nodes.
@@ -44,9 +44,9 @@ impl Placement {
         let mut x = 0;
         for j in group.nodes {
             let node = &nodes[*j as usize];
-            let operators = match &node.source {
-                Source::Own => None,
-                Source::Mapped(d) => Some((d.total, operators)),
+            let slot = match &node.source {
+                Source::Own => Slot::default(),
+                Source::Mapped(d) => operators.slot(node.dim, d.total),
             };
             let mut column_of_node = 0;
             for (&a, places) in behind(nodes, j).iter().zip(&mut places) {
@@ -57,19 +57,7 @@ impl Placement {
                         continue;
                     }
                     let work = &mut into.work[..n];
-                    work.fill(0.0);
-                    match operators {
-                        None => {
-                            pullback::add_column(work, tangents, weights, x + c, [1.0, 0.0, 0.0])
-                        }
-                        Some((total, o)) => {
-                            for k in 0..node.dim {
-                                let at = total + c * node.dim + k;
-                                let factors = [o.B[at], o.B_dot[at], o.B_ddot[at]];
-                                pullback::add_column(work, tangents, weights, x + k, factors);
-                            }
-                        }
-                    }
+                    pullback::pulled_column(work, tangents, weights, x, &slot, c);
                     self.put(nodes, group.nodes, places, column as usize, into);
                 }
             }
@@ -132,11 +120,10 @@ impl Placement {
                 if f.iter().all(|f| *f == 0.0) {
                     continue;
                 }
-                let mut B = operators.B[d.local..].chunks_exact(node.dim);
+                let mut pulled = pullback::transposed(&operators.B[d.local..], f);
                 for (&m, place) in masters.iter().zip(places) {
                     let master = &nodes[m as usize];
-                    let B = B.by_ref().take(master.dim);
-                    let S = B.map(|B| B.iter().zip(f).map(|(b, f)| b * f).sum::<f64>());
+                    let S = pulled.by_ref().take(master.dim);
                     let start = place.start as usize;
                     if place.start == NONE {
                         S.for_each(drop);
