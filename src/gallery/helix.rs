@@ -87,7 +87,7 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
 
 fn run(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../examples/models/helix.toml"))?;
-    let mut drifts = Vec::new();
+    let mut heights = Vec::new();
     let mut curves = Vec::new();
     let mut distances = Vec::new();
     for (elements, interpolation, name) in [
@@ -111,7 +111,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         let last = records.last().map_or(f64::NAN, |r| r.t);
         let quantity = format!("load factor reached, {name}");
         context.compare(quantity, last, 1.0, 0.0, "the whole path");
-        drifts.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
+        heights.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
         let loads: Vec<f64> = records.iter().map(|r| r.t).collect();
         let exact = exact_tips(&loads);
         let squares = records.iter().zip(&exact);
@@ -123,23 +123,24 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
             .collect();
         curves.push(Curve::new(name, points));
     }
+    // The mesh error of Ψ's linear interpolation shows as a drift of the whole curve.
     context.compare(
-        "drift at full load, 100 over 200 elements",
-        drifts[0] / drifts[1],
+        "height of the tip at full load, 100 over 200 elements",
+        heights[0] / heights[1],
         2.5,
         0.5,
         "published: about 2.5 (description of the figure)",
     );
     const EXACT: &str = "exact curve: shooting from the tip's equilibrium";
     let quantity = "mean distance of the tip along e3 from the exact curve";
-    for (k, name, tolerance) in [
-        (0, "100 elements", 0.2),
-        (1, "200 elements", 0.05),
-        (2, "100 geodesic elements", 0.01),
-    ] {
-        let quantity = format!("{quantity}, {name}");
-        context.compare(quantity, distances[k], 0.0, tolerance, EXACT);
-    }
+    context.compare(
+        format!("order of the {quantity}, 100 to 200 elements"),
+        (distances[0] / distances[1]).log2(),
+        2.0,
+        0.1,
+        EXACT,
+    );
+    // Half as many geodesic elements are to be closer.
     context.compare(
         format!("{quantity}, 100 geodesic over 200 elements"),
         distances[2] / distances[1],
