@@ -23,6 +23,9 @@ pub enum SplineError {
         /// Number of the point, from 1; of a closed curve one more for the way back to the first.
         number: usize,
     },
+    /// The distances of its points differ too much in size.
+    #[error("its points are too unevenly spaced for a smooth curve")]
+    Uneven,
     /// It starts outside.
     #[error(
         "it must start between 0 and {length}, the length of its curve along the points, got {start}"
@@ -65,16 +68,18 @@ impl Spline {
         for (k, pair) in points.windows(2).enumerate() {
             let chord = (pair[1] - pair[0]).norm();
             let finite = pair[0].iter().all(|x| x.is_finite()) && chord.is_finite();
-            if !(finite && chord > 0.0) {
+            // A chord may be lost beside the length so far.
+            let next = knots[k] + chord;
+            if !(finite && next > knots[k]) {
                 return Err(SplineError::Point { number: k + 2 });
             }
-            knots.push(knots[k] + chord);
+            knots.push(next);
         }
         let length = knots[knots.len() - 1] - knots[0];
         if !(0.0..=length).contains(&start) {
             return Err(SplineError::Start { start, length });
         }
-        let bends = bends(&points, &knots, closed);
+        let bends = bends(&points, &knots, closed).ok_or(SplineError::Uneven)?;
         let piece = |k: usize| {
             let h = knots[k + 1] - knots[k];
             let [from, to] = [bends.column(k), bends.column(k + 1)];
@@ -95,8 +100,9 @@ impl Spline {
     }
 }
 
-/// Second derivatives at the knots: the first derivatives are continuous.
-fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Matrix3xX<f64> {
+/// Second derivatives at the knots: the first derivatives are continuous. `None` where numbers
+/// under- or overflow.
+fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Option<Matrix3xX<f64>> {
     let n = points.len() - 1;
     let mut A = DMatrix::identity(n + 1, n + 1);
     let mut b = DMatrix::zeros(n + 1, 3);
@@ -119,8 +125,8 @@ fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Matrix3xX<f64>
         A[(n, 0)] = -1.0;
     }
     // Diagonally dominant, but for the last row of a closed curve, which copies.
-    let bends = A.lu().solve(&b).unwrap_or(b);
-    Matrix3xX::from_fn(n + 1, |i, k| bends[(k, i)])
+    let bends = A.lu().solve(&b)?;
+    (bends.iter().all(|b| b.is_finite())).then(|| Matrix3xX::from_fn(n + 1, |i, k| bends[(k, i)]))
 }
 
 impl Curve for Spline {
