@@ -231,12 +231,10 @@ impl fmt::Display for FailedStep {
         self.heading(f)?;
         match &self.cause {
             Cause::System(error) if self.step == 0 => {
-                // There are no steps before the start that could be smaller.
-                let text = error.to_string();
-                let what = text.strip_suffix(": take smaller steps").unwrap_or(&text);
                 write!(
                     f,
-                    "{what}: let these loads grow with the load parameter, or make them smaller"
+                    "{error}; as there are no steps before the start, let these loads grow with \
+                     the load parameter, or make them smaller"
                 )?;
             }
             Cause::System(error) => {
