@@ -198,6 +198,49 @@ fn refusals_name_what_is_wrong() {
     let statics = example(&directory, "cantilever.toml");
     let output = compare(&statics, &ASKED);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("not dynamic"));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("model.toml: the analysis of this model is not dynamic"),
+        "{said}"
+    );
     assert_eq!(files(&directory), ["model.toml"]);
+}
+
+#[test]
+fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
+    let directory = directory("program_compare_undamped");
+    let model = example(&directory, "four_bar.toml");
+    let text = read(&model);
+    let joint = "name = \"C\"\n";
+    assert_eq!(text.matches(joint).count(), 1);
+    let text = text
+        .replace(joint, &format!("{joint}closure = \"multipliers\"\n"))
+        .replace("to = 4\n", "to = 0.02\n");
+    std::fs::write(&model, text).unwrap();
+    let steps = ["--steps", "0.01,0.005", "-q"];
+    let output = compare(
+        &model,
+        &[&["--schemes", "newmark,hht:0"], &steps[..]].concat(),
+    );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("model.toml: no scheme can begin this motion; newmark: "),
+        "{said}"
+    );
+    assert_eq!(files(&directory), ["model.toml"]);
+    // Where one can, the others are rows with the reason.
+    let output = compare(
+        &model,
+        &[&["--schemes", "newmark,ga:0.8"], &steps[..]].concat(),
+    );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let table = read(directory.join("model.compare/compare.csv"));
+    let failed = table.lines().filter(|row| row.starts_with("newmark"));
+    assert_eq!(
+        failed.filter(|row| row.contains("multiplier")).count(),
+        2,
+        "{table}"
+    );
 }

@@ -156,7 +156,12 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
         flow: &|| interrupt.flow(),
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
     };
-    let subjects = models.iter().map(|path| asked.subject(registry, path));
+    let subjects = models.iter().map(|path| {
+        asked.subject(registry, path).map_err(|error| match error {
+            CompareError::Static => error.of(&path.display().to_string()),
+            error => error,
+        })
+    });
     let subjects: Result<Vec<_>, _> = subjects.collect();
     let ran = subjects.and_then(|subjects| match &subjects[..] {
         [only] => {
@@ -194,6 +199,16 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
             eprintln!(
                 "error: {model}: there is no reference, hence no error: {failure}\nresults are in \
                  {kept}"
+            );
+            return FAILED;
+        }
+    }
+    for comparison in &comparisons {
+        let failures = comparison.rows.iter().map(|row| row.failure.as_deref());
+        if let Some([first, ..]) = failures.collect::<Option<Vec<_>>>().as_deref() {
+            let (model, name) = (&comparison.model, &comparison.rows[0].scheme);
+            eprintln!(
+                "error: {model}: no run came to its end; {name}: {first}\nresults are in {kept}"
             );
             return FAILED;
         }

@@ -77,8 +77,8 @@ enum Command {
     /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures;
     /// of several model files one page, and the rest in a directory each.
     /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
-    /// is no reference; 2: the model or an argument is refused, or the results cannot be written;
-    /// 130: interrupted.
+    /// is no reference, or no run came to its end; 2: the model or an argument is refused, or the
+    /// results cannot be written; 130: interrupted.
     Compare(compare::Arguments),
     /// Shows what schemes of time integration do to vibrations over Ω = ω h: spectral radius,
     /// algorithmic damping ratio, period elongation, overshoot of the first step; by the steps that

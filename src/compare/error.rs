@@ -11,6 +11,14 @@ pub enum CompareError {
     /// The model file is refused.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// Anything else that is wrong, with the model that it is wrong with.
+    #[error("{model}: {error}")]
+    Of {
+        /// What results call the model.
+        model: String,
+        /// What is wrong.
+        error: Box<Self>,
+    },
     /// The model is not in motion.
     #[error(
         "the analysis of this model is not dynamic: give it [analysis.dynamic] with `to` and `step`"
@@ -19,6 +27,14 @@ pub enum CompareError {
     /// No scheme at all.
     #[error("no scheme to compare: name one at least, such as `newmark`")]
     NoScheme,
+    /// No scheme can begin.
+    #[error("no scheme can begin this motion; {name}: {why}")]
+    NoneBegins {
+        /// The first one.
+        name: String,
+        /// Why it cannot.
+        why: String,
+    },
     /// A scheme twice.
     #[error("scheme `{name}` is asked for twice: name it once")]
     SchemeTwice {
@@ -113,4 +129,18 @@ pub enum CompareError {
     /// The report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+}
+
+impl CompareError {
+    /// The same, with the name of its model; errors of model files have it already.
+    #[must_use]
+    pub fn of(self, model: &str) -> Self {
+        match self {
+            Self::Input(_) | Self::Of { .. } => self,
+            error => Self::Of {
+                model: model.to_owned(),
+                error: Box::new(error),
+            },
+        }
+    }
 }

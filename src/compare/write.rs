@@ -42,7 +42,7 @@ pub fn run(
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<Comparison, CompareError> {
-    let prepared = prepare(make, options)?;
+    let prepared = prepare(make, options).map_err(|error| error.of(model))?;
     let mut directory = Directory::open_for(directory, &FILES)?;
     let begun = serde_json::json!({ "model": model, "command": command, "complete": false });
     directory.write(NAME, &encode(&begun)?)?;
@@ -82,7 +82,7 @@ pub fn run_several(
             let name = subject.name.clone();
             return Err(CompareError::NameTwice { name });
         }
-        prepare(&*subject.make, &subject.options)?;
+        prepare(&*subject.make, &subject.options).map_err(|error| error.of(&subject.model))?;
     }
     let mut all: Vec<Comparison> = Vec::with_capacity(subjects.len());
     for Subject {
