@@ -352,6 +352,34 @@ fn values_are_kept_as_far_as_they_close_the_loop() {
     );
 }
 
+/// A crank that is driven to stay where it is drawn: the loop moves no more, and the drive carries it.
+#[test]
+fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
+    let text = [
+        GROUND,
+        "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\nfunction = { constant = 1 }\n",
+        &four_bar(1.0, "driven = { constant = 0 }", "", ""),
+        &body("rocker tip"),
+        "[[probes]]\nname = \"moment\"\nquantity = \"joint_moment\"\nnode = \"A\"\n",
+    ];
+    let (_, rows) = rows("held-crank", &text.concat());
+    // Virtual work: masses of 1 at the crank's tip, (−sin φ, cos φ), and the rocker's, 1.9 high.
+    let h = 1e-4;
+    let slope = (rocker(h) - rocker(-h)) / (2.0 * h);
+    let exact = 9.81 * (-1.0 - 1.9 * slope);
+    for row in &rows {
+        let found = number(row, "moment.z");
+        assert!(
+            (found - exact).abs() < 1e-6 * exact.abs(),
+            "{found} {exact}"
+        );
+        for angle in ["A", "B", "D"] {
+            assert!(number(row, angle).abs() < 1e-12, "{row:?}");
+        }
+    }
+    assert!(!rows.is_empty());
+}
+
 #[test]
 fn what_is_wrong_with_a_loop_is_said_where_it_stands() {
     // A triangle.

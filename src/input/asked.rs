@@ -21,18 +21,9 @@ pub(super) struct Asked {
 impl Asked {
     /// Of a node: its velocity (first), the rate of its rotation (second), or both.
     pub(super) fn of_node(entry: usize, model: &Model, node: NodeId, asked: [bool; 2]) -> Self {
-        let free = model.free_rotation_of(node);
-        let turn = if free == node { 3 } else { 0 };
-        let all = [(node, 0, asked[0]), (free, turn, asked[1])];
-        let unknowns = all
-            .into_iter()
-            .filter(|(.., asked)| *asked)
-            .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)));
         Self {
             entry,
-            unknowns: unknowns
-                .filter_map(|(n, k)| model.unknown_at(n, k))
-                .collect(),
+            unknowns: unknowns(model, node, asked).collect(),
             of_node: true,
         }
     }
@@ -51,6 +42,21 @@ impl Asked {
     }
 }
 
+/// The unknowns of a node's place (first), of its rotation (second), or both.
+pub(super) fn unknowns(
+    model: &Model,
+    node: NodeId,
+    of: [bool; 2],
+) -> impl Iterator<Item = usize> + '_ {
+    let free = model.free_rotation_of(node);
+    let turn = if free == node { 3 } else { 0 };
+    let all = [(node, 0, of[0]), (free, turn, of[1])].into_iter();
+    let asked = all.filter(|(.., asked)| *asked);
+    asked
+        .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)))
+        .filter_map(|(node, k)| model.unknown_at(node, k))
+}
+
 /// The rate of a joint.
 pub(super) struct Rate {
     /// Its unknown.
@@ -64,18 +70,20 @@ pub(super) struct Rate {
 }
 
 /// Moves a start to what multipliers and penalties enforce by the smallest changes of what nobody
-/// asks for: rates of joints are kept, then what nodes have been given in the order of the file.
+/// asks for: unknowns that are `placed` are kept if that can be, rates of joints are kept, then the
+/// velocities that nodes have been given in the order of the file.
 pub(super) fn satisfy(
     source: &Text<'_>,
     model: &mut Model,
     file: &ModelFile,
     mut start: Start,
     rates: &[Rate],
+    placed: &[usize],
     mut asked: Vec<Asked>,
 ) -> Result<Start, InputError> {
     let failed = |error| locate(source, file, error);
     let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
-    (model.satisfy(0.0, &mut start.q, &mut [], &held)).map_err(failed)?;
+    (model.satisfy_places(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     let (left, _) = tried(model, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
     if let (Some(first), true) = (rates.first(), most > 0.0 && left > LEFT) {

@@ -33,7 +33,7 @@ pub(super) fn start(
     let n = model.pattern().dim();
     let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; n]);
     // All places come before all velocities, whatever their order in the file.
-    let mut chosen = Vec::new();
+    let (mut chosen, mut placed) = (Vec::new(), Vec::new());
     for (k, initial) in file.initial.iter().enumerate() {
         let index = k.to_string();
         let whole = ["initial", index.as_str()];
@@ -46,6 +46,8 @@ pub(super) fn start(
         if let Some(node) = node {
             hangs(source, &path, model, node, initial)?;
             place(source, &path, model, node, initial, &mut q)?;
+            let of = [initial.displacement.is_some(), initial.rotation.is_some()];
+            placed.extend(asked::unknowns(model, node, of));
         }
         let line = match &initial.line {
             Some(name) => {
@@ -212,7 +214,7 @@ pub(super) fn start(
             return Err(source.value(&path, problem));
         }
     }
-    asked::satisfy(source, model, file, Start { q, v }, &held, asked)
+    asked::satisfy(source, model, file, Start { q, v }, &held, &placed, asked)
 }
 
 fn check<'a>(

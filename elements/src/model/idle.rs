@@ -36,7 +36,7 @@ impl ModelBuilder {
     /// Adds the coordinate that stays zero where nothing else is free once loops are closed.
     ///
     /// # Errors
-    /// [`ModelError::LockedLoop`] where it is loops that leave nothing free, and nothing is driven.
+    /// [`ModelError::LockedLoop`] where it is loops that leave nothing free, and no joint is driven.
     pub(super) fn keep_one_free(&mut self, loops: &[Report]) -> Result<(), ModelError> {
         let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
             .map(|(n, k, _)| (n.0 as usize, *k))
@@ -50,7 +50,10 @@ impl ModelBuilder {
         if free || self.nodes.is_empty() {
             return Ok(());
         }
-        let still = self.prescribed.iter().all(|(.., f)| f.is_zero());
+        // Who drives a joint's coordinate wants it there, be it at zero; a support only holds.
+        let mut prescribed = self.prescribed.iter();
+        let still = prescribed
+            .all(|(n, _, f)| f.is_zero() && self.nodes[n.0 as usize].form != Form::Coordinates);
         if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });

@@ -48,6 +48,30 @@ impl Model {
         Ok(left)
     }
 
+    /// As [`Model::satisfy`], for coordinates of which those in `wanted` are kept too if that can be;
+    /// if not, [`Model::notes`] says where they start.
+    ///
+    /// # Errors
+    /// As [`Model::satisfy`].
+    pub fn satisfy_places(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        held: &[usize],
+        wanted: &[usize],
+    ) -> Result<(), ModelError> {
+        let mut trial = q.to_vec();
+        let all = [held, wanted].concat();
+        if !wanted.is_empty() && self.satisfy(t, &mut trial, &mut [], &all).is_ok() {
+            q.copy_from_slice(&trial);
+            return Ok(());
+        }
+        let values: Vec<(usize, f64)> = wanted.iter().map(|&u| (u, q[u])).collect();
+        self.satisfy(t, q, &mut [], held)?;
+        self.report_moved(q, &values);
+        Ok(())
+    }
+
     /// As [`Model::satisfy`], for the velocities of a start whose coordinates satisfy the equations;
     /// how far off the worst remains, and the joint that it is at.
     ///
@@ -117,6 +141,13 @@ impl Model {
         }
         self.change_charts(0.0, &mut q, &mut [], &mut []);
         self.leave_out_redundant(&q)?;
+        self.report_moved(&q, values);
+        self.initial = q;
+        Ok(())
+    }
+
+    /// Says of unknowns that they do not start with the values they should have.
+    fn report_moved(&mut self, q: &[f64], values: &[(usize, f64)]) {
         for &(u, value) in values {
             if (q[u] - value).abs() > FITS * self.unit(u) {
                 let (name, x) = (self.name(u), q[u]);
@@ -128,8 +159,6 @@ impl Model {
                 });
             }
         }
-        self.initial = q;
-        Ok(())
     }
 
     /// A configuration that satisfies the equations, with as many of the values as it can have.
