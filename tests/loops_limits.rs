@@ -357,7 +357,7 @@ fn values_are_kept_as_far_as_they_close_the_loop() {
 fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
     let text = [
         GROUND,
-        "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\nfunction = { constant = 1 }\n",
+        "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\ntime = { constant = 1 }\n",
         &four_bar(1.0, "driven = { constant = 0 }", "", ""),
         &body("rocker tip"),
         "[[probes]]\nname = \"moment\"\nquantity = \"joint_moment\"\nnode = \"A\"\n",

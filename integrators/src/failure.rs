@@ -66,6 +66,8 @@ pub struct FailedStep {
     pub min_step: Option<f64>,
     /// A kink or jump of a function of the load parameter within the step.
     pub kink: Option<f64>,
+    /// What the system itself has to say ([`System::doubts`]).
+    pub doubts: Vec<String>,
     /// Evaluations and factorisations so far.
     pub spent: Spent,
 }
@@ -144,7 +146,6 @@ impl FailedStep {
             along,
             from,
             to,
-            cause,
             history: wreck.history.to_vec(),
             worst: Kind::ALL
                 .into_iter()
@@ -155,11 +156,17 @@ impl FailedStep {
                 .collect(),
             rejected,
             min_step: None,
+            // A state that cannot be evaluated says why itself.
+            doubts: match cause {
+                Cause::System(_) => Vec::new(),
+                _ => system.doubts(),
+            },
             kink: match along {
                 Along::Load => (system.kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
                 Along::Time => None,
             },
+            cause,
             spent,
         }
     }
@@ -231,10 +238,13 @@ impl fmt::Display for FailedStep {
         self.heading(f)?;
         match &self.cause {
             Cause::System(error) if self.step == 0 => {
-                write!(
-                    f,
-                    "{error}; as there are no steps before the start, let these loads grow with \
-                     the load parameter, or make them smaller"
+                // There are no steps before the start that could be smaller.
+                match error {
+                    SystemError::OutsideChart { what, edge, .. } => write!(f, "{what} left {edge}")?,
+                    error => write!(f, "{error}")?,
+                }
+                f.write_str(
+                    ": let these loads grow with the load parameter, or make them smaller",
                 )?;
             }
             Cause::System(error) => {
@@ -286,7 +296,8 @@ impl fmt::Display for FailedStep {
             Cause::Unlocated { place } => write!(
                 f,
                 "the path passes {place} in this step, but no equilibrium is found there: it may \
-                 jump or branch; an imperfection makes it smooth"
+                 jump or branch, and then an imperfection makes it smooth; or displacements are too \
+                 small beside the loads, and then a larger load_scale makes steps follow them"
             )?,
             Cause::TooManyIterations => {
                 let word = match self.iterations() {
@@ -306,6 +317,9 @@ impl fmt::Display for FailedStep {
                  no step is small enough; let it grow by a ramp",
                 significant(kink)
             )?;
+        }
+        for doubt in &self.doubts {
+            write!(f, "\n  {doubt}")?;
         }
         for (kind, name, residual) in &self.worst {
             write!(

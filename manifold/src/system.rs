@@ -204,17 +204,17 @@ impl Energies {
 /// velocity, global components.
 pub type RigidRates = [f64; 6];
 
-/// What coordinates leave when a step is too large for their chart.
-pub const CHART_EDGE: &str =
-    "the domain of its chart (it moved or turned too far at once): take smaller steps";
+/// What coordinates leave when a step is too large for their chart; smaller ones help, if there are
+/// any.
+pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
 
 /// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
     /// Coordinates have left the domain of their chart or map.
-    #[error("{what} left {edge}")]
+    #[error("{what} left {edge}{}", if *edge == CHART_EDGE { ": take smaller steps" } else { "" })]
     OutsideChart {
-        /// What it left, and what to do about it.
+        /// What it left, and what to do about it where it is not [`CHART_EDGE`].
         edge: &'static str,
         /// The node or joint.
         what: String,
@@ -321,6 +321,12 @@ pub trait System {
     /// Nothing by default.
     fn start(&mut self, t: f64, q: &[f64]) {
         let _ = (t, q);
+    }
+
+    /// What makes steps from the last converged state fail though the system can be evaluated there, in
+    /// words for the report of a failure: a mechanism close to a singular configuration, say.
+    fn doubts(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// Times at which a prescribed function has a kink: a derivative jumps there, so that a time

@@ -1,6 +1,6 @@
 //! The model as a [`System`], for integrators.
 
-use super::Model;
+use super::{Model, Source};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System, SystemError,
@@ -75,6 +75,19 @@ impl System for Model {
 
     fn start(&mut self, t: f64, q: &[f64]) {
         self.start_element_charts(t, q);
+    }
+
+    fn doubts(&self) -> Vec<String> {
+        let doubt = |&n: &u32| {
+            let node = &self.nodes[n as usize];
+            match &node.source {
+                Source::Mapped(d) => {
+                    (d.map.doubt()).map(|why| format!("joint at node {}: {why}", node.name))
+                }
+                Source::Own => None,
+            }
+        };
+        self.dependent.iter().filter_map(doubt).collect()
     }
 
     fn kinks(&self) -> Vec<f64> {

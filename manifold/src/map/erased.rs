@@ -85,6 +85,12 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
+    /// What makes steps from the last converged state fail though the map is defined there, in words
+    /// that follow "joint at node a: ": a singular configuration that is near. Nothing by default.
+    fn doubt(&self) -> Option<String> {
+        None
+    }
+
     /// See [`Map::note`].
     fn note(&self) -> Option<String> {
         None

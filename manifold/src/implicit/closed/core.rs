@@ -2,13 +2,16 @@
 
 mod derivatives;
 
-use super::super::Trouble;
 use super::super::chart::RANK;
 use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
+use super::super::{Choice, Trouble};
 use super::Description;
 use super::dense::{Inverse, Pivoted, norm, product};
 use crate::map::Parametrization;
 
+/// Condition number for each unknown, of the best chart there is, from which a singular configuration
+/// is close.
+const CLOSE: f64 = 20.0;
 /// Iterations from the last converged state at most.
 const ITERATIONS: usize = 30;
 
@@ -336,6 +339,30 @@ impl Core {
             }
         }
         Ok(())
+    }
+
+    /// The singular configuration that a state is close to, if it is: no chart has a fair condition
+    /// number there.
+    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<Trouble> {
+        let rank = self.X - self.D;
+        if rank == 0 {
+            return None;
+        }
+        let w = &mut self.work;
+        w.valid = false;
+        w.y[..self.p].copy_from_slice(&at.q[self.D..]);
+        w.y[self.p..].copy_from_slice(&at.x);
+        self.linearise(at.t);
+        let condition = self.best(Choice::Tangent);
+        if condition <= CLOSE * self.X as f64 {
+            return None;
+        }
+        let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
+        Some(Trouble::Singular {
+            condition,
+            equations,
+            coordinates,
+        })
     }
 
     fn singular(&mut self) -> Trouble {

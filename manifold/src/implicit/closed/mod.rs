@@ -201,6 +201,12 @@ impl Parametrization for Closed {
         self.core().solve(t, q).err().map(|t| t.to_string())
     }
 
+    fn doubt(&self) -> Option<String> {
+        let mut core = self.core();
+        let from = core.anchor.clone();
+        core.close_to_singular(&from).map(|t| t.to_string())
+    }
+
     fn note(&self) -> Option<String> {
         Some(self.core().note())
     }

@@ -79,10 +79,17 @@ impl Core {
     /// The equations beyond the rank (the weakest if all `expected` are there), each with those
     /// that it depends on, and the unknowns that can move although the equations hold.
     pub(super) fn dependences(&mut self, expected: usize) -> (String, String) {
+        self.rank_equations();
+        let rank = self.work.equations.rank(RANK);
+        self.dependences_beyond(rank, expected)
+    }
+
+    /// The same of the equations beyond a rank that is given: the weakest of those that are still
+    /// independent, where a singular configuration is close.
+    pub(super) fn dependences_beyond(&mut self, rank: usize, expected: usize) -> (String, String) {
         let X = self.X;
         self.rank_equations();
         let equations = self.work.equations.clone();
-        let rank = equations.rank(RANK);
         // Equations that say nothing in this mechanism (out of its plane) are not worth naming.
         let mut weak: Vec<usize> = (equations.order.iter().skip(rank.min(self.M - 1)).copied())
             .filter(|&i| {
@@ -108,7 +115,10 @@ impl Core {
             .map(|k| self.about.unknowns[k].name.clone())
             .collect();
         let dependent = if dependent.is_empty() {
-            "the equations that are left say the same to first order".to_owned()
+            // Its gradient has vanished altogether.
+            let weakest = equations.order[rank.min(self.M - 1)];
+            let name = &self.about.equations[weakest].name;
+            format!("{name} says nothing to first order")
         } else {
             list(&dependent)
         };

@@ -4,6 +4,9 @@ use super::super::Trouble;
 use super::core::Core;
 use std::f64::consts::PI;
 
+/// Condition number for each unknown over the steepest slope up to which x leaves the reach of what is
+/// driven.
+const STEEP: f64 = 5.0;
 /// Parts into which a step is divided at most.
 const PARTS: usize = 64;
 /// What a step of x may differ from the mean of its slopes at both ends: relative to the step, and
@@ -38,11 +41,32 @@ impl Core {
         std::mem::swap(&mut self.anchor, &mut self.parked);
         outcome.map_err(|trouble| match trouble {
             Trouble::Inconsistent { equation, residual } => self.contradicted(equation, residual),
-            _ if self.D == 0 && self.p > 0 => Trouble::OutOfReach {
-                driven: self.driven(|_| true),
-            },
-            other => other,
+            other => self.explained(other),
         })
+    }
+
+    /// Why the way ends where it has, the parked place: at the end of what is driven, where the
+    /// slopes of x grow like the condition number, or at a singular configuration, where they do not.
+    fn explained(&mut self, trouble: Trouble) -> Trouble {
+        let reached = self.parked.clone();
+        let singular = self.close_to_singular(&reached);
+        if self.D == 0 && self.p > 0 {
+            let slopes = reached.Y.chunks_exact(self.X);
+            let steepest = slopes.fold(0.0, |most, slope| {
+                let over = slope.iter().zip(&self.about.unknowns);
+                over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
+            });
+            match singular {
+                Some(Trouble::Singular { condition, .. })
+                    if steepest * STEEP * self.X as f64 > condition => {}
+                Some(singular) => return singular,
+                None => {}
+            }
+            return Trouble::OutOfReach {
+                driven: self.driven(|_| true),
+            };
+        }
+        singular.unwrap_or(trouble)
     }
 
     /// From the parked anchor in equal parts along a straight line.
