@@ -11,10 +11,13 @@ const NOTHING: f64 = 1e-9;
 /// Residuals that fall by less than this do not fall.
 const FALL: f64 = 0.1;
 /// The same of corrections in a step of time, whose first corrections are small.
-pub(crate) const FALL_IN_TIME: f64 = 0.1;
+const FALL_IN_TIME: f64 = 0.1;
 /// The same in statics, where a large step may begin far from its end and corrections fall linearly: to
 /// two thirds each time where a cubic spring is all there is.
-pub(crate) const FALL_AT_REST: f64 = 0.9;
+const FALL_AT_REST: f64 = 0.9;
+/// Residuals that fall as linear convergence lets them, to three tenths for that spring: not as
+/// quadratic convergence does, and not as rounding errors, which stay.
+const LINEARLY: std::ops::Range<f64> = 0.01..0.5;
 
 /// The residual that is evaluated next, and the correction that it would ask for, before they are
 /// known.
@@ -82,10 +85,15 @@ impl Outlook {
 
     /// Whether another correction is not expected to mend anything, though residuals are still larger
     /// than is allowed: it would change nothing, or else corrections and residuals have ceased to
-    /// fall. What stiff neighbours leave may hide a residual that still does: corrections tell.
-    /// Corrections do not fall where the last is more than the part `fall` of the one before.
-    pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3], fall: f64) -> bool {
+    /// fall. What stiff neighbours leave may hide a residual that still does: corrections tell. At
+    /// `rest` one part of a structure may come linearly where all others have settled.
+    pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3], rest: bool) -> bool {
         let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > FALL * self.before.0[k];
-        self.settled || (self.fallen > fall && (0..3).all(stays))
+        let linearly = |k: usize| {
+            residual[k] > allowed[k] && LINEARLY.contains(&(residual[k] / self.before.0[k]))
+        };
+        let fall = if rest { FALL_AT_REST } else { FALL_IN_TIME };
+        let settled = self.settled && !(rest && (0..3).any(linearly));
+        settled || (self.fallen > fall && (0..3).all(stays))
     }
 }

@@ -7,7 +7,7 @@ use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::outlook::{FALL_IN_TIME, Outlook};
+use crate::outlook::Outlook;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
@@ -177,7 +177,7 @@ impl Stepper {
             }
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
-            let stays = outlook.is_stagnation(residual, allowed, FALL_IN_TIME);
+            let stays = outlook.is_stagnation(residual, allowed, false);
             // One correction is made even where the prediction is in balance: what is always small
             // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
             // would never move anything.

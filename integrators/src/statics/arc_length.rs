@@ -132,7 +132,6 @@ pub fn trace_path_with<Y: System + ?Sized>(
         if !fresh {
             let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
             changes += changed.charts;
-            out.summary.chart_changes += changed.charts;
             outcome = tangent(&mut newton, solver, system, &mut at, &norm);
             // No smaller step has another tangent to begin with.
             hopeless = outcome.is_err();
@@ -149,7 +148,14 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
         outcome = match outcome {
-            Ok(()) if bend < SHARPEST_BEND || norm.strays(&at, &next, ds) => Err(Failure::OffPath),
+            // Whoever comes from the other end has to arrive as well.
+            Ok(())
+                if bend < SHARPEST_BEND
+                    || norm.strays(&at, &next, ds)
+                    || norm.strays(&next, &at, -ds) =>
+            {
+                Err(Failure::OffPath)
+            }
             Err(Failure::Diverged) => Err(Failure::OffPath),
             outcome => outcome,
         };
@@ -177,6 +183,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
             continue;
         }
         out.summary.steps += 1;
+        out.summary.chart_changes += changes;
         let moved = !located.is_empty();
         // What the row that ends the path has to tell besides its own.
         let mut untold: usize = iterations + located.iter().map(|l| l.iterations).sum::<usize>();
@@ -235,7 +242,6 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         // The tangent just found serves the next step, unless charts change.
         let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
-        out.summary.chart_changes += changed.charts;
         changes = changed.charts;
         fresh = changed == ChartChanges::default();
         let ease = (options.target_iterations as f64 / iterations.max(1) as f64).sqrt();

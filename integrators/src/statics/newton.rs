@@ -21,7 +21,7 @@
 use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
-use crate::outlook::{FALL_AT_REST, Outlook};
+use crate::outlook::Outlook;
 use crate::rounding::{allowed, inverse_scales, is_rounding};
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 
@@ -188,7 +188,7 @@ impl Newton {
         residual: [f64; 3],
     ) -> bool {
         let corrections = &self.history[self.predicted..];
-        Outlook::new(corrections, true).is_stagnation(residual, self.allowed, FALL_AT_REST) && {
+        Outlook::new(corrections, true).is_stagnation(residual, self.allowed, true) && {
             let room = [&mut self.trial[..], &mut self.simplified[..]];
             is_rounding(system, &self.S, q, &self.r, room)
         }
