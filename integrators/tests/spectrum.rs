@@ -5,7 +5,7 @@
 
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::spectrum::{
-    Numbers, amplification, characteristic, closed_form, logarithmic, point,
+    Numbers, amplification, characteristic, closed_first_step, closed_form, logarithmic, point,
 };
 use serde_json::Value;
 
@@ -256,6 +256,34 @@ fn first_steps_overshoot_as_they_should() {
     let trapezoidal = first("newmark");
     close(trapezoidal.from_rest[0], -1.0, "trapezoidal rule");
     close(trapezoidal.from_rest[1] / Omega, 0.0, "trapezoidal rule");
+}
+
+/// A whole step by the routine, against the equations of one step; velocities over ω grow with Ω.
+#[test]
+fn first_steps_are_those_of_the_closed_form() {
+    for word in WORDS {
+        for Omega in [1e-3, 0.1, 1.0, 1.9, 10.0, 1e3, 1e7] {
+            let scheme = scheme(word);
+            let steps = point(&scheme, Omega).unwrap().first_step.from_rest;
+            let closed = closed_first_step(&scheme, Omega).unwrap();
+            for (found, known) in steps.iter().zip(closed) {
+                let gap = (found - known).abs() / (1.0 + Omega.max(known.abs()));
+                assert!(gap < 1e-12, "{word} at {Omega}: {steps:?} {closed:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn expansions_are_those_of_the_reference() {
+    for word in WORDS {
+        let scheme = scheme(word);
+        if let Some(all) = pullback_integrators::spectrum::expansion(&scheme) {
+            for (found, known) in all.iter().zip(self::expansion(word)) {
+                assert!((found - known).abs() < 1e-12, "{word}: {all:?}");
+            }
+        }
+    }
 }
 
 #[test]

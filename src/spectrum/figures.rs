@@ -41,7 +41,7 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
     // What grows is shown up to where it is seen to.
     let radius: Pick = |p| (p.radius <= HIGHEST).then_some(p.radius);
     let closed_radius: Pick = |p| p.closed_radius.filter(|r| *r <= HIGHEST);
-    let spectra_graphs = [
+    let mut spectra_graphs = [
         graph(
             "spectral radius",
             [log, linear],
@@ -74,12 +74,21 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             ],
         ),
     ];
-    let none: Pick = |_| None;
+    // κ Ω²
+    spectra_graphs[3].slopes = vec![2.0];
     let place: Pick = |p| (p.radius <= HIGHEST).then_some(p.rest_place.abs());
     // Where it passes zero, a logarithm falls without end.
     let velocity: Pick = |p| {
         let seen = p.radius <= HIGHEST && p.rest_velocity.abs() >= 1e-3;
         seen.then_some(p.rest_velocity.abs())
+    };
+    let closed_place: Pick = |p| {
+        let known = p.closed_rest_place.filter(|_| p.radius <= HIGHEST);
+        known.map(f64::abs)
+    };
+    let closed_velocity: Pick = |p| {
+        let known = p.closed_rest_velocity.map(f64::abs);
+        known.filter(|v| p.radius <= HIGHEST && *v >= 1e-3)
     };
     let mut overshoot = [
         graph(
@@ -87,14 +96,14 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             [log, linear],
             0.0,
             f64::INFINITY,
-            [place, none],
+            [place, closed_place],
         ),
         graph(
             "|q̇₁/(ω q₀)|, first step from rest",
             [log, log],
             0.0,
             f64::INFINITY,
-            [velocity, none],
+            [velocity, closed_velocity],
         ),
     ];
     overshoot
@@ -104,7 +113,7 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
         ("spectrum.svg", graphs(Some(TITLE), "", &spectra_graphs)?),
         (
             "overshoot.svg",
-            graphs(None, "largest value of exact motion", &overshoot)?,
+            graphs(Some(TITLE), "largest value of exact motion", &overshoot)?,
         ),
     ])
 }

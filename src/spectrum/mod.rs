@@ -13,7 +13,8 @@ pub use figures::figures;
 use crate::output::{Directory, OutputError};
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::spectrum::{
-    self as integrator, Numbers, amplification, characteristic, closed_form, logarithmic,
+    self as integrator, Numbers, amplification, characteristic, closed_first_step, closed_form,
+    expansion, logarithmic,
 };
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -67,6 +68,9 @@ pub struct Spectrum {
     /// Largest difference between the coefficients of the characteristic polynomials by steps and in
     /// closed form, up to the limit; null where there is no closed form.
     pub defect: Option<f64>,
+    /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω in theory; null
+    /// where it has no such formula.
+    pub expansion: Option<[f64; 2]>,
     /// What it does at each Ω, ascending.
     pub points: Vec<Point>,
 }
@@ -93,6 +97,10 @@ pub struct Point {
     pub rest_place: f64,
     /// q̇₁/(ω q₀) of the first step from rest.
     pub rest_velocity: f64,
+    /// q₁/q₀ of the first step from rest in closed form.
+    pub closed_rest_place: Option<f64>,
+    /// q̇₁/(ω q₀) of the first step from rest in closed form.
+    pub closed_rest_velocity: Option<f64>,
     /// ω q₁/q̇₀ of the first step from q = 0.
     pub origin_place: f64,
     /// q̇₁/q̇₀ of the first step from q = 0.
@@ -131,6 +139,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             elongation,
         } = known(measured.numbers);
         let [rest_place, rest_velocity] = measured.first_step.from_rest;
+        let rest = closed_first_step(scheme, Omega);
         let [origin_place, origin_velocity] = measured.first_step.from_origin;
         points.push(Point {
             Omega,
@@ -142,6 +151,8 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             closed_elongation: closed.and_then(|n| n.elongation),
             rest_place,
             rest_velocity,
+            closed_rest_place: rest.map(|[place, _]| place),
+            closed_rest_velocity: rest.map(|[_, velocity]| velocity),
             origin_place,
             origin_velocity,
         });
@@ -152,6 +163,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
         order: scheme.order(),
         limit,
         defect,
+        expansion: expansion(scheme),
         points,
     })
 }
@@ -224,7 +236,8 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
 /// All numbers as comma-separated values: one line per scheme and Ω; empty where there is none.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
     let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
-                   closed_elongation,rest_place,rest_velocity,origin_place,origin_velocity\n"
+                   closed_elongation,rest_place,rest_velocity,closed_rest_place,\
+                   closed_rest_velocity,origin_place,origin_velocity\n"
         .to_owned();
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
     for (_, spectrum) in spectra {
@@ -239,6 +252,8 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
                 p.closed_elongation,
                 Some(p.rest_place),
                 Some(p.rest_velocity),
+                p.closed_rest_place,
+                p.closed_rest_velocity,
                 Some(p.origin_place),
                 Some(p.origin_velocity),
             ];

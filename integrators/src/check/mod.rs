@@ -11,7 +11,7 @@
 //! | order | a nonlinear, driven motion that is known ([`Known`]): errors of place, velocity and acceleration at the end over the step |
 //! | order under changes of chart | the same, coordinates replaced by others every third step |
 //! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
-//! | exactness | a polynomial of the degree of the order |
+//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its place but for the scheme's error of it |
 //! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
 //! | limit of stability | growth beyond the limit claimed |
 //! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
@@ -38,6 +38,7 @@ pub fn scheme(scheme: &Scheme) -> Report {
     order(&mut report, scheme, true);
     turns(&mut report, scheme);
     exactness(&mut report, scheme);
+    cubic(&mut report, scheme);
     stability(&mut report, scheme);
     if scheme.claims().symmetric {
         reversal(&mut report, scheme);
@@ -134,6 +135,44 @@ fn exactness(report: &mut Report, scheme: &Scheme) {
         Ok(state) => {
             let [q, v] = system.motion(2.0);
             let defect = (state.q[0] - q).abs().max((state.v[0] - v).abs());
+            report.defect(law, at, defect, 1e-12);
+        }
+        Err(error) => report.impossible(law, at, error.to_string()),
+    }
+}
+
+/// A cubic, whose accelerations are linear in time: schemes of order 2 and more integrate its velocity
+/// exactly, and err in its place by the same part of h³ in every step.
+fn cubic(report: &mut Report, scheme: &Scheme) {
+    let (law, at) = ("exactness", "a cubic");
+    if scheme.order() < 2 {
+        return;
+    }
+    let mut system = Polynomial::new(3);
+    let [q, v] = system.motion(0.0);
+    let (to, steps) = (2.0, 10_u32);
+    let h = to / f64::from(steps);
+    let late = system.acceleration(scheme.lateness() * h);
+    let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
+        let mut progress = Progress::new(state);
+        // Accelerations at the start first.
+        let begin = DynamicOptions {
+            scheme: *scheme,
+            ..DynamicOptions::new(0.0, h)
+        };
+        integrate(&mut system, &mut progress, &begin, &mut |_, _| {
+            ControlFlow::Continue(())
+        })?;
+        progress.state.algorithmic[0] = late;
+        run(&mut system, scheme, &mut progress, to, steps as usize)?;
+        Ok(progress.state)
+    });
+    match run {
+        Ok(state) => {
+            let jerk = system.acceleration(1.0) - system.acceleration(0.0);
+            let own = f64::from(steps) * scheme.cubic_error() * h.powi(3) * jerk;
+            let [q, v] = system.motion(to);
+            let defect = (state.q[0] - own - q).abs().max((state.v[0] - v).abs());
             report.defect(law, at, defect, 1e-12);
         }
         Err(error) => report.impossible(law, at, error.to_string()),

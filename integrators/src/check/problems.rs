@@ -271,7 +271,7 @@ impl Polynomial {
         }
     }
 
-    fn acceleration(&self, t: f64) -> f64 {
+    pub(super) fn acceleration(&self, t: f64) -> f64 {
         let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
         terms
             .map(|(c, n)| f64::from(n * (n - 1)) * c * t.powi(n - 2))

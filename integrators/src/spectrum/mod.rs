@@ -6,8 +6,8 @@
 //! the step routine that all runs use to three unit states ([`amplification`]); its eigenvalues
 //! λ = e^(−ξ̄ Ω̄ ± i Ω̄) say how the scheme sees the vibration (Hughes, *The Finite Element Method*,
 //! 9.1): Ω̄ = ω̄ h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 the elongation of its
-//! period. [`closed_form`] has the characteristic polynomials of theory, which know nothing of the step
-//! routine.
+//! period. [`closed_form`], [`closed_first_step`] and [`expansion`] have the formulas of theory, which know
+//! nothing of the step routine.
 
 #![allow(non_snake_case)]
 
@@ -15,7 +15,7 @@ mod amplification;
 mod polynomial;
 
 pub use amplification::amplification;
-pub use polynomial::{characteristic, closed_form, roots};
+pub use polynomial::{characteristic, closed_first_step, closed_form, expansion, roots};
 
 use crate::dynamics::{DynamicsError, Scheme};
 use num_complex::Complex;

@@ -43,6 +43,46 @@ pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     Some([-2.0 * R.re, R.norm_sqr(), 0.0])
 }
 
+/// q₁/q₀ and q̇₁/(ω q₀) of the first step from rest in theory: for the generalised-α family by its
+/// equations of one step with q̈₀ = −ω² q₀, for Runge-Kutta methods Re R(iΩ) and −Im R(iΩ), as
+/// q − i q̇/ω is multiplied by R(iΩ). `None` for a scheme that is neither.
+pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<[f64; 2]> {
+    let W = Omega * Omega;
+    if let Some(coefficients) = scheme.coefficients() {
+        let Coefficients {
+            alpha_m: m,
+            alpha_f: f,
+            beta: b,
+            gamma: g,
+        } = coefficients;
+        // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with q₀ = 1 and y₀ = −W,
+        // multiplied out so that nothing large cancels.
+        let (m1, f1) = (1.0 - m, 1.0 - f);
+        let p0 = m1 + f1 * b * W;
+        let place = m1 + W * (b * (m - f) - m1 * (0.5 - b));
+        let velocity = W * f1 * (0.5 * g - b) - m1;
+        return Some([place / p0, Omega * velocity / p0]);
+    }
+    let stability = scheme.family()?.stability?;
+    let R = stability(scheme, Complex::new(0.0, Omega));
+    Some([R.re, -R.im])
+}
+
+/// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of the
+/// generalised-α family that are of order 2 (Chung & Hulbert 1993, with all coefficients free).
+pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
+    let Coefficients {
+        alpha_m: m,
+        alpha_f: f,
+        beta: b,
+        ..
+    } = scheme.coefficients().filter(|_| scheme.order() == 2)?;
+    Some([
+        (12.0 * b - 1.0 - 12.0 * f * f + 12.0 * f * m) / 24.0,
+        (f - m) * (b - f + f * m) / 2.0,
+    ])
+}
+
 /// The roots of λ³ + p₁ λ² + p₂ λ + p₃: a real one, then two real ones or a pair, the one with
 /// positive imaginary part first.
 pub fn roots([p1, p2, p3]: [f64; 3]) -> [Complex<f64>; 3] {

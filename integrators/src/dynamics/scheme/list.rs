@@ -1,6 +1,6 @@
 //! The list of schemes, and their words.
 
-use super::{Scheme, bathe, central_difference, energy_momentum, generalised_alpha, radau};
+use super::Scheme;
 use crate::dynamics::DynamicsError;
 use num_complex::Complex;
 use std::str::FromStr;
@@ -25,15 +25,15 @@ pub struct Family {
 }
 
 /// All schemes of the library. A new one is its own file and its line here.
-pub static SCHEMES: [Family; 8] = [
-    generalised_alpha::NEWMARK,
-    generalised_alpha::HHT,
-    generalised_alpha::WBZ,
-    generalised_alpha::CHUNG_HULBERT,
-    energy_momentum::ENERGY_MOMENTUM,
-    bathe::BATHE,
-    radau::RADAU,
-    central_difference::CENTRAL_DIFFERENCE,
+pub static SCHEMES: &[Family] = &[
+    super::generalised_alpha::NEWMARK,
+    super::generalised_alpha::HHT,
+    super::generalised_alpha::WBZ,
+    super::generalised_alpha::CHUNG_HULBERT,
+    super::energy_momentum::ENERGY_MOMENTUM,
+    super::bathe::BATHE,
+    super::radau::RADAU,
+    super::central_difference::CENTRAL_DIFFERENCE,
 ];
 
 impl Scheme {

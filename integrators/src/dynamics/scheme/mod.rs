@@ -272,17 +272,27 @@ impl Scheme {
         ]
     }
 
-    /// Factor of h²(yₙ₊₁ − yₙ) in the local error of qₙ₊₁: β − 1/6 for Newmark (Zienkiewicz & Xie
-    /// 1991); y of the generalised-α method belongs to a time later by (α_m − α_f) h. `None` where
-    /// it vanishes: the scheme is of a higher order, and this no estimate of its error.
-    pub(super) fn error_factor(&self) -> Option<f64> {
+    /// By how much of a step y is later than the stage that it belongs to: α_m − α_f for the
+    /// generalised-α method, and otherwise nothing.
+    pub(crate) fn lateness(&self) -> f64 {
+        self.alpha_m - self.alpha_f
+    }
+
+    /// Factor of h³ q⃛ in the local error of qₙ₊₁ where accelerations are linear in time: β − 1/6 for
+    /// Newmark (Zienkiewicz & Xie 1991), β + (α_m − α_f)/2 − 1/6 for the generalised-α method.
+    pub(crate) fn cubic_error(&self) -> f64 {
         let end = self.stages()[self.count - 1];
-        let late = self.alpha_m - self.alpha_f;
-        let mut factor = end.q[0] * late - 1.0 / 6.0;
-        for (weight, stage) in end.q[1..].iter().zip(self.stages()) {
-            factor += weight * (stage.c + late);
-        }
-        (factor.abs() > 1e-12).then_some(factor.abs())
+        let late = self.lateness();
+        let weights = end.q[1..].iter().zip(self.stages());
+        let sum: f64 = weights.map(|(q, stage)| q * (stage.c + late)).sum();
+        end.q[0] * late + sum - 1.0 / 6.0
+    }
+
+    /// Factor of h²(yₙ₊₁ − yₙ) in the estimate of the local error of qₙ₊₁. `None` where it vanishes:
+    /// the scheme is of a higher order, and this no estimate of its error.
+    pub(super) fn error_factor(&self) -> Option<f64> {
+        let factor = self.cubic_error().abs();
+        (factor > 1e-12).then_some(factor)
     }
 }
 
