@@ -5,6 +5,7 @@ mod program_support;
 
 use program_support::{directory, files, read};
 use pullback::compare::FILES;
+use pullback::gallery::MODELS;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -207,6 +208,63 @@ fn refusals_name_what_is_wrong() {
 }
 
 #[test]
+fn models_of_the_gallery_need_no_file() {
+    let listed = std::fs::read_dir(Path::new(ROOT).join("examples/models")).unwrap();
+    let mut listed: Vec<String> = listed
+        .map(|file| {
+            file.unwrap()
+                .path()
+                .file_stem()
+                .unwrap()
+                .to_string_lossy()
+                .into()
+        })
+        .collect();
+    listed.sort();
+    let known: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
+    assert_eq!(known, listed);
+    let directory = directory("program_compare_built_in");
+    let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .current_dir(&directory)
+        .args([
+            "compare",
+            "pendulum",
+            "--schemes",
+            "newmark",
+            "--steps",
+            "0.1,0.05",
+            "-q",
+        ])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    assert_eq!(files(&directory.join("pendulum.compare")), names);
+}
+
+/// A formulation that a model does not take makes rows with the reason, as whatever else fails.
+#[test]
+fn formulations_that_a_model_does_not_take_are_rows() {
+    let directory = directory("program_compare_formulations");
+    let model = example(&directory, "pendulum.toml");
+    let schemes = "newmark,hht:-0.1,ga:0.8,lie-ga:0.8";
+    let output = compare(&model, &["--schemes", schemes, "--steps", "0.1,0.05"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let table = read(directory.join("model.compare/compare.csv"));
+    let mut rows = table.lines().skip(1);
+    assert!(
+        rows.by_ref().take(6).all(|row| row.contains(",complete,")),
+        "{table}"
+    );
+    let without =
+        |row: &str| row.starts_with("compared,lie-ga:0.8,") && row.contains("without the prefix");
+    assert!(rows.clone().count() == 2 && rows.all(without), "{table}");
+}
+
+#[test]
 fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
     let directory = directory("program_compare_undamped");
     let model = example(&directory, "four_bar.toml");
@@ -237,7 +295,9 @@ fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let table = read(directory.join("model.compare/compare.csv"));
-    let failed = table.lines().filter(|row| row.starts_with("newmark"));
+    let failed = table
+        .lines()
+        .filter(|row| row.starts_with("compared,newmark"));
     assert_eq!(
         failed.filter(|row| row.contains("multiplier")).count(),
         2,

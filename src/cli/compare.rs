@@ -2,6 +2,7 @@
 
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
 use crate::compare::{self, CompareError, Options, Subject, Watch};
+use crate::gallery;
 use crate::input::{Analysis, Registry};
 use crate::terminal::{Interrupt, Progress};
 use std::ffi::OsString;
@@ -12,8 +13,9 @@ use std::str::FromStr;
 /// What a command line asks of a comparison.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Model file (TOML; see docs/model_file.md) with a dynamic analysis. Several of them make one
-    /// page; what belongs to each goes to a directory of its name.
+    /// Model file (TOML; see docs/model_file.md) with a dynamic analysis, or the name of a model of
+    /// the gallery, such as top or elbow. Several of them make one page; what belongs to each goes to
+    /// a directory of its name.
     #[arg(required = true)]
     models: Vec<PathBuf>,
     /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
@@ -104,7 +106,10 @@ impl Arguments {
     ) -> Result<Subject<'a>, CompareError> {
         let model = path.display().to_string();
         // Every run has a model of its own, of the file as it is now.
-        let file = registry.load(path)?.file;
+        let file = match gallery::model(path) {
+            Some(text) if !path.exists() => registry.assemble_text(&model, text)?.file,
+            _ => registry.load(path)?.file,
+        };
         let Analysis::Dynamic(analysis) = &file.analysis else {
             return Err(CompareError::Static);
         };

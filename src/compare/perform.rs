@@ -7,7 +7,7 @@ use super::{CompareError, Comparison, Contender, Drift, Options, Reference, Row}
 use super::{equal_cost, reference, sample};
 use crate::solve::{Counts, begin};
 use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::{DynamicOptions, DynamicsError, Progress, Scheme, start};
+use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
@@ -53,13 +53,13 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
             return Err(CompareError::SchemeTwice { name });
         }
     }
-    // A formulation that the model does not take is refused before anything runs.
-    let begun = (options.schemes.iter()).map(|scheme| begins(make, scheme));
-    let begun = begun.collect::<Result<Vec<_>, _>>()?;
-    let refused: Option<Vec<_>> = begun.into_iter().collect();
-    if let Some([(name, why), ..]) = refused.as_deref() {
-        let (name, why) = (name.clone(), why.to_string());
-        return Err(CompareError::NoneBegins { name, why });
+    let begun = options.schemes.iter().map(|scheme| begins(make, scheme));
+    let refused: Option<Vec<_>> = begun.map(Result::err).collect();
+    if let Some([why, ..]) = refused.as_deref() {
+        return Err(CompareError::NoneBegins {
+            name: options.schemes[0].to_string(),
+            why: why.to_string(),
+        });
     }
     let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
     let reference = options.reference.unwrap_or_else(Scheme::radau);
@@ -86,23 +86,20 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     })
 }
 
-/// Makes the model for a scheme and begins its motion: why that cannot be, if it cannot.
-fn begins(
-    make: &Maker<'_>,
-    contender: &Contender,
-) -> Result<Option<(String, DynamicsError)>, CompareError> {
+/// Makes the model in the formulation of a scheme, which not every model takes, and begins its motion.
+fn begins(make: &Maker<'_>, contender: &Contender) -> Result<(), CompareError> {
     let mut job = make(contender.formulation())?;
     let (Contender::Method(method), Some(plan)) = (contender, dynamic(&job.plan)) else {
-        return Ok(None);
+        return Ok(());
     };
     let options = DynamicOptions {
         scheme: method.scheme(),
         adaptivity: None,
         ..plan.options
     };
-    let begun = start(&job.model, 0.0, &job.start.q, &job.start.v)
-        .and_then(|start| begin(&mut job.model, &options, &mut Progress::new(start)));
-    Ok(begun.err().map(|error| (contender.to_string(), error)))
+    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
+    begin(&mut job.model, &options, &mut Progress::new(start))?;
+    Ok(())
 }
 
 /// Compares schemes on the model that `make` makes; `model` is what results call it.

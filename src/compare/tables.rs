@@ -4,7 +4,7 @@ use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders};
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
-const BEFORE: [&str; 4] = ["scheme", "step_asked", "step", "status"];
+const BEFORE: [&str; 5] = ["run", "scheme", "step_asked", "step", "status"];
 const AFTER: [&str; 18] = [
     "energy_drift",
     "momentum_drift",
@@ -26,7 +26,8 @@ const AFTER: [&str; 18] = [
     "failure",
 ];
 
-/// The whole of `compare.csv`: a row per run; what is not known is empty.
+/// The whole of `compare.csv`: a row per run, those that are compared and then the long ones; what is
+/// not known is empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let errors = Quantity::ALL.map(|q| format!("error_{}", q.key()));
     let head: Vec<&str> = (BEFORE.into_iter())
@@ -34,11 +35,14 @@ pub(super) fn csv(comparison: &Comparison) -> String {
         .chain(AFTER)
         .collect();
     let mut out = head.join(",") + "\n";
-    for row in &comparison.rows {
+    let compared = comparison.rows.iter().map(|row| ("compared", row));
+    let long = comparison.long.iter().map(|row| ("long", row));
+    for (run, row) in compared.chain(long) {
         let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
         let c = &row.counts;
         let d = row.drift;
         let mut cells = vec![
+            run.to_owned(),
             row.scheme.clone(),
             row.asked.to_string(),
             row.step.to_string(),

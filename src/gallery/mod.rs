@@ -9,6 +9,7 @@ mod hooke;
 mod limit_points;
 mod linkages;
 mod mechanisms;
+mod models;
 mod motion;
 mod planar;
 mod spatial;
@@ -17,6 +18,7 @@ mod swings;
 mod tops;
 
 pub use case::{Case, CaseError, Comparison, Context};
+pub use models::{MODELS, model};
 
 use std::path::Path;
 use std::time::Instant;
