@@ -150,6 +150,20 @@ fn lines_must_have_length_and_direction() {
         "twist_deg is for straight lines",
         "",
     );
+    // Half a turn in each of the eight elements has no direction, and more looks like less.
+    check(
+        &arc("twist_deg = -1440"),
+        "-1440",
+        "twist_deg = -1440",
+        "take more elements",
+    );
+    assert!(assemble_text("", &arc("twist_deg = 1439")).is_ok());
+    check(
+        &with("elements = 8", &format!("elements = 1\n{turned}180 }}")),
+        "180",
+        "angle_deg = 180",
+        "take more elements",
+    );
     check(
         &arc("arc = { center = [0.5, 0, 0], axis = [0, 0, 0], angle_deg = 180 }"),
         "[0, 0, 0]",

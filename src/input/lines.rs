@@ -115,6 +115,13 @@ fn axis<'p>(
                 };
                 return Err(source.value(&[lines, index], problem));
             }
+            per_element(
+                source,
+                &path("twist_deg"),
+                line,
+                "twist_deg",
+                line.twist_deg,
+            )?;
             Box::new(Straight {
                 from,
                 to,
@@ -148,6 +155,7 @@ fn axis<'p>(
                 };
                 return Err(source.value(&at("angle_deg"), problem));
             }
+            per_element(source, &at("angle_deg"), line, "angle_deg", arc.angle_deg)?;
             Box::new(Arc {
                 from,
                 center,
@@ -164,4 +172,24 @@ fn axis<'p>(
         }
     }
     Ok(made)
+}
+
+/// Refuses angles of half a turn and more from one end of an element to the other: which way round it
+/// is meant cannot be seen from its ends.
+fn per_element(
+    source: &Text<'_>,
+    path: &[&str],
+    line: &Described,
+    key: &'static str,
+    degrees: f64,
+) -> Result<(), InputError> {
+    if degrees.abs() < 180.0 * line.elements as f64 {
+        return Ok(());
+    }
+    let problem = Problem::Range {
+        key,
+        value: degrees,
+        expected: "less than 180 degrees from one end of an element to the other: take more elements",
+    };
+    Err(source.value(path, problem))
 }
