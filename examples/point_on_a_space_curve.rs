@@ -16,10 +16,9 @@ struct Wound {
 
 impl Joint<7> for Wound {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let (s, radius) = (q[6], self.cylinder);
-        let around = (s + s.sin()) * (self.wheel / radius);
-        let up = (-s.cos() + 1.0) * self.wheel;
-        let place = Vector3::new((around.cos() - 1.0) * radius, around.sin() * radius, up);
+        let (s, p) = (q[6], self.wheel / self.cylinder);
+        let (around, up) = ((s + s.sin()) * p, (-s.cos() + 1.0) * p);
+        let place = Vector3::new(around.cos() - 1.0, around.sin(), up).map(|x| x * self.cylinder);
         Pose::of(q, 0).moved(&place)
     }
 

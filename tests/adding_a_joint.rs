@@ -34,7 +34,7 @@ fn lines(example: &str, from: &str, to: &str) -> usize {
 }
 
 #[test]
-fn a_joint_has_about_fifteen_lines() {
+fn a_joint_has_fifteen_lines_at_most() {
     for (example, from) in [
         (include_str!("../examples/helical_joint.rs"), "\nstruct"),
         (include_str!("../examples/pin_in_a_slot.rs"), "\nstruct"),
@@ -50,6 +50,6 @@ fn a_joint_has_about_fifteen_lines() {
             "\nconst"
         };
         let found = lines(example, from, end);
-        assert!(found <= 16, "{found}");
+        assert!(found <= 15, "{found}");
     }
 }

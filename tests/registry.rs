@@ -6,7 +6,9 @@
 mod program_support;
 
 use program_support::{directory, history, number, write};
+use pullback::elements::joint::{Revolute, Sheet};
 use pullback::input::{BoxedError, InputError};
+use pullback::manifold::map::Kinematics;
 use pullback::prelude::*;
 use std::ffi::OsString;
 use std::path::Path;
@@ -155,6 +157,87 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
     assert_eq!(standard.status.code(), Some(2));
     let said = String::from_utf8_lossy(&standard.stderr).into_owned();
     assert!(said.contains("no type of joint named \"bench\""), "{said}");
+}
+
+/// A revolute joint of a program's own, whose author has lost a factor 2 in Ḃ.
+#[derive(Clone)]
+struct Halved(Revolute);
+
+impl Joint<7> for Halved {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> Pose<S> {
+        self.0.pose(t, q)
+    }
+
+    fn released(&self) -> &'static [Released] {
+        self.0.released()
+    }
+
+    fn kinematics(
+        &self,
+        sheet: Sheet,
+        t: f64,
+        q: &SVector<f64, 7>,
+        v: &SVector<f64, 7>,
+        a: &SVector<f64, 7>,
+    ) -> Option<Kinematics<7, 6>> {
+        let right = self.0.kinematics(sheet, t, q, v, a)?;
+        Some(Kinematics {
+            B_dot: right.B_dot * 0.5,
+            ..right
+        })
+    }
+}
+
+#[test]
+fn check_fails_on_a_wrong_joint_and_blames_its_block() {
+    let pin = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let registry = Registry::standard().joint("pin", move |at, _: Empty| at.join(Halved(pin)));
+    let text = r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "pivot"
+type = "revolute"
+master = "ground"
+axis = [0, 1, 0]
+
+[[joints]]
+name = "arm"
+type = "offset"
+master = "pivot"
+place = [1, 0, 0]
+
+[[joints]]
+name = "wrong"
+type = "pin"
+master = "arm"
+
+[[bodies]]
+name = "body"
+node = "wrong"
+mass = 2.0
+inertia = [1, 1, 0.6]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+"#;
+    let model = write(&directory("registry_check"), text);
+    let words = ["mine", "check"].map(OsString::from).into_iter();
+    let code = pullback::cli::run(&registry, words.chain([model.into()]));
+    assert_eq!(code, 1);
+    let mut job = registry.assemble_text("model.toml", text).unwrap();
+    let report = check::job(&mut job, 0);
+    assert!(!report.is_ok());
+    let table = check::table(&report);
+    let blame = "it is 0.500 times what is right";
+    let of_it = |line: &str| line.starts_with("FAIL joint wrong") && line.contains("B_dot");
+    assert!(table.contains(blame) && table.lines().any(of_it), "{table}");
 }
 
 #[track_caller]
