@@ -41,14 +41,14 @@ pub const PARALLELOGRAMS: Case = Case {
     run: parallelograms,
 };
 
-const G: f64 = 9.81;
+pub(super) const G: f64 = 9.81;
 
 /// Mass M of a mechanism of one freedom θ (kinetic energy ½ M θ̇²) and its potential V, with their
 /// derivatives by θ.
-type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
+pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
 
 /// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
-fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
+pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
     let rates = |[theta, rate]: [f64; 2]| {
         let [M, V] = system(Taylor {
             v: theta,
@@ -71,7 +71,7 @@ fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
 }
 
 /// The derivative by θ of what is known with two derivatives.
-fn slope(x: Taylor<f64>) -> Taylor<f64> {
+pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
     Taylor {
         v: x.d,
         d: x.dd,

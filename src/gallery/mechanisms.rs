@@ -1,11 +1,18 @@
 //! Mechanisms with published or exact motions: Andrews' squeezer, Bricard's, Bauchau's.
 
+#![allow(non_snake_case)]
+
 use super::case::{Case, CaseError, Context};
-use super::motion::{History, Run};
-use crate::input::{self, Plan};
+use super::linkages::{G, integrate, slope};
+use super::motion::{History, Run, richardson};
+use crate::input::{self, Analysis, Closure, Plan};
 use crate::solve::{begin, point};
+use nalgebra::Vector3;
 use pullback_elements::model::NodeState;
-use pullback_integrators::dynamics::{DynamicsError, Progress, integrate, start};
+use pullback_integrators::dynamics::{self, DynamicsError, Progress, start};
+use pullback_manifold::jet::Taylor;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
 use std::ops::ControlFlow;
 
 /// R06: seven bodies, three loops.
@@ -101,7 +108,7 @@ fn joints<const N: usize>(
     begin(&mut model, &options, &mut progress).map_err(fail)?;
     let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
     let mut failed = None;
-    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+    dynamics::integrate(&mut model, &mut progress, &options, &mut |model, step| {
         if let Err(source) = model.configure(point(step.progress)) {
             failed = Some(source);
             return ControlFlow::Break(());
@@ -211,7 +218,69 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     if travel < 0.5 {
         return Err(context.setup("it does not move far enough to prove anything"));
     }
+    let [u, rate] = integrate(&bricard_system, [0.0; 2], 5.0);
+    let [x, _] = bricard_angles(Taylor {
+        v: u,
+        d: rate,
+        dd: 0.0,
+    });
+    let exact = [x.v, x.d];
+    let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
+    let mut enforced = file.clone();
+    let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
+    last.ok_or_else(|| context.setup("it has no hinge 6"))?
+        .closure = Some(Closure::Multipliers);
+    if let Analysis::Dynamic(analysis) = &mut enforced.analysis {
+        analysis.scheme = "ga:0.8".into();
+    }
+    for (file, how) in [(&file, "a map"), (&enforced, "multipliers")] {
+        let mut ends = Vec::new();
+        for step in [4e-3, 2e-3] {
+            ends.push(joints(context, file, step, names, &[], &mut |_| {})?.0);
+        }
+        for (d, what) in ["hinge 1", "rate of hinge 1"].into_iter().enumerate() {
+            let [found] = richardson([ends[0][d][0]], [ends[1][d][0]]);
+            let what = format!("{what} at t = 5, closed by {how}");
+            context.compare(what, found, exact[d], 1e-4, source);
+        }
+    }
     Ok(())
+}
+
+/// Angles x and y of the odd and the even hinges of Bricard's mechanism over u = x − y. Of
+/// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains
+/// sin (x + y)/2 = cos u/2 − 1.
+fn bricard_angles(u: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let half = u * 0.5;
+    let sine = half.cos() - 1.0;
+    let mean = sine.atan2((-(sine * sine) + 1.0).sqrt());
+    [mean + half, mean - half]
+}
+
+/// Its mass and potential. Bars are slender, of mass and length 1: one whose ends move with a and b has
+/// the energy (a² + a·b + b²)/6.
+fn bricard_system(u: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let [x, y] = bricard_angles(u);
+    let zero = Taylor::constant(0.0);
+    let mut turn = Quaternion::about(&Vector3::x(), zero);
+    let mut end = Vector3::repeat(zero);
+    let (mut M, mut V) = (zero, zero);
+    let [e1, e2, e3] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    for (axis, bar, angle) in [
+        (-e2, e1, x),
+        (e3, e2, y),
+        (e1, e3, x),
+        (-e2, -e1, y),
+        (e3, -e2, x),
+    ] {
+        turn = turn.product(&Quaternion::about(&axis, angle));
+        let next = end + turn.rotate(&bar.map(Taylor::constant));
+        let [a, b] = [end.map(slope), next.map(slope)];
+        M += (a.dot(&a) + a.dot(&b) + b.dot(&b)) * (1.0 / 3.0);
+        V += (end.y + next.y) * (0.5 * G);
+        end = next;
+    }
+    [M, V]
 }
 
 fn misaligned(context: &mut Context) -> Result<(), CaseError> {
@@ -221,7 +290,7 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
     let watched = ["C", "tip of bar 3", "axis A", "axis D"];
     let turn = |run: &History, node: usize| {
         let states: &Vec<NodeState> = &run.nodes[node];
-        let mut continued = nalgebra::Vector3::zeros();
+        let mut continued = Vector3::zeros();
         for s in states {
             continued = crate::probe::continue_rotation(&continued, &s.psi);
         }
