@@ -1,6 +1,5 @@
 //! Dynamics: the beam with inertia and the revolute joint in units of a static 12×12 by 12×12
-//! product, and whole runs in units of an element and iteration, their growth with the model, and
-//! where the time goes.
+//! product, and whole runs (runs/mod.rs).
 //!
 //! Residual and combined tangent of the two-node beam must not take longer than 10 products, and a joint
 //! derived from its map not longer than 4 times its closed form; the aim for the falling cantilever is
@@ -9,20 +8,16 @@
 #![allow(non_snake_case, missing_docs)]
 
 mod models;
+mod runs;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use models::{falling, flying, robot_arm};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
 use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
 use pullback::elements::joint::{Hung, Revolute};
-use pullback::integrators::dynamics::{
-    DynamicOptions, Progress, StepReport, Summary, integrate, start,
-};
-use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback::manifold::map::{Map, derived};
-use pullback::manifold::system::{Evaluation, Point, Weights};
+use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
@@ -237,157 +232,9 @@ fn revolute_joint(c: &mut Criterion) {
     );
 }
 
-/// Seconds of a whole run, everything included, and what it did.
-fn run(model: &mut Model, options: &DynamicOptions) -> (f64, Progress) {
-    let start_time = Instant::now();
-    let mut progress = Progress::new(start(model, 0.0, &[], &[]).expect("a valid start"));
-    let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(model, &mut progress, options, onward).expect("converges");
-    (start_time.elapsed().as_secs_f64(), progress)
-}
-
-/// Microseconds per element: of a whole run over its iterations, and of the parts of a step.
-struct Costs {
-    whole: f64,
-    force: f64,
-    tangent: f64,
-    factorise: f64,
-    solve: f64,
-    /// Once per step.
-    energies: f64,
-    charts: f64,
-    /// A product, measured between the runs.
-    product: f64,
-    summary: Summary,
-}
-
-fn costs(make: &dyn Fn(usize) -> Model, elements: usize, options: &DynamicOptions) -> Costs {
-    let unit = 1e-6 * elements as f64;
-    let repeats = (20_000 / elements).clamp(2, 7);
-    let mut best = (f64::INFINITY, Progress::default());
-    let mut model = make(elements);
-    let (mut unit_step, mut product_time) = (product(), f64::INFINITY);
-    for _ in 0..repeats {
-        // A fresh model: charts are part of its state.
-        model = make(elements);
-        let now = run(&mut model, options);
-        product_time = product_time.min(average(20_000, &mut unit_step));
-        if now.0 < best.0 {
-            best = now;
-        }
-    }
-    let (
-        whole,
-        Progress {
-            mut state, summary, ..
-        },
-    ) = best;
-    let count = (50_000 / elements).max(1);
-    let n = model.pattern().dim();
-    let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
-    let h = options.step;
-    let weights = Weights {
-        K: 1.0,
-        C: 2.0 / h,
-        M: 4.0 / (h * h),
-    };
-    let at = Point {
-        t: state.t,
-        q: &state.q,
-        v: &state.v,
-        a: &state.a,
-    };
-    let inside = "inside the chart";
-    let force = seconds(count, || {
-        model
-            .evaluate(at, Evaluation::residual(&mut r))
-            .expect(inside);
-    });
-    let tangent = seconds(count, || {
-        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
-        model.evaluate_from(at, at, out).expect(inside);
-    });
-    let energies = seconds(count, || {
-        black_box(model.energies(at).expect(inside));
-    });
-    let mut solver = AutoSolver::new();
-    let regular = "regular";
-    solver
-        .analyse(model.pattern(), Symmetry::General)
-        .expect(regular);
-    let factorise = seconds(count, || solver.factorise(&S).expect(regular));
-    let mut b = r.clone();
-    let solve = seconds(count, || {
-        b.copy_from_slice(&r);
-        solver.solve(Some(&S), &mut b).expect(regular);
-    });
-    let charts = seconds(count, || {
-        let (q, v) = (&mut state.q, &mut state.v);
-        model.change_charts(state.t, q, v, &mut [&mut state.a]);
-    });
-    Costs {
-        whole: whole / summary.iterations as f64 / unit,
-        force: force / unit,
-        tangent: tangent / unit,
-        factorise: factorise / unit,
-        solve: solve / unit,
-        energies: energies / unit,
-        charts: charts / unit,
-        product: 1e6 * product_time,
-        summary,
-    }
-}
-
-fn whole_runs(c: &mut Criterion) {
-    let arm = DynamicOptions::new(3.0, 0.01);
-    let flight = DynamicOptions::new(2.5, 0.05);
-    let fall = DynamicOptions::new(1.0, 0.02);
-    c.bench_function("robot arm, 40 elements, 300 steps", |bench| {
-        bench.iter(|| run(&mut robot_arm(40), &arm));
-    });
-    println!("\nmicroseconds per element and iteration (products in brackets), then of the parts:");
-    println!(
-        "                elements steps iterations      whole     | residual  +tangent  factorise  \
-         solve | per step: energies  charts"
-    );
-    let mut growth = Vec::new();
-    type Make<'a> = &'a dyn Fn(usize) -> Model;
-    let rows: [(&str, Make<'_>, usize, &DynamicOptions); 5] = [
-        ("robot arm", &robot_arm, 40, &arm),
-        ("flying beam", &flying, 100, &flight),
-        ("flying beam", &flying, 1_000, &flight),
-        ("flying beam", &flying, 10_000, &flight),
-        ("cantilever", &falling, 1_000, &fall),
-    ];
-    for (name, make, elements, options) in rows {
-        let it = costs(make, elements, options);
-        println!(
-            "{name:>14}  {elements:8} {:5} {:10}  {:6.2} ({:5.1})  |   {:6.2}    {:6.2}     \
-             {:6.2}  {:6.2}  |           {:6.2}  {:6.2}",
-            it.summary.steps,
-            it.summary.iterations,
-            it.whole,
-            it.whole / it.product,
-            it.force,
-            it.tangent,
-            it.factorise,
-            it.solve,
-            it.energies,
-            it.charts,
-        );
-        if name == "flying beam" {
-            growth.push(it.whole);
-        }
-    }
-    println!(
-        "growth of the flying beam from 100 to 10,000 elements: {:.2}",
-        growth[2] / growth[0]
-    );
-}
-
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(std::time::Duration::from_secs(2));
-    targets = beam_with_inertia, revolute_joint, whole_runs
+    targets = beam_with_inertia, revolute_joint, runs::whole_runs, runs::newton
 }
 criterion_main!(benches);

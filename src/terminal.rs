@@ -10,46 +10,81 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// A line that tells where the analysis is; silent when standard error is no terminal.
-pub struct Progress(ProgressBar);
+pub struct Progress {
+    bar: ProgressBar,
+    /// The end of a motion.
+    to: Option<f64>,
+}
+
+/// Parts of a bar.
+const WHOLE: u64 = 1000;
 
 impl Progress {
     /// A line, or none.
     pub fn new(quiet: bool) -> Self {
-        if quiet {
-            return Self(ProgressBar::hidden());
+        let bar = match quiet {
+            true => ProgressBar::hidden(),
+            false => ProgressBar::new_spinner(),
+        };
+        let line = Self { bar, to: None };
+        line.style("{spinner} {elapsed_precise} {msg}");
+        line
+    }
+
+    fn style(&self, template: &str) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style);
         }
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
-            bar.set_style(style);
-        }
-        Self(bar)
+    }
+
+    /// Gives the line a bar, for a motion that ends at the time `to`.
+    pub fn until(&mut self, to: f64) {
+        self.to = Some(to);
+        self.bar.set_length(WHOLE);
+        self.style("{spinner} {elapsed_precise} [{bar:20}] {msg}");
     }
 
     /// Tells of a converged step.
     pub fn step(&self, step: &Advance<'_>) {
-        let parameter = match step.progress {
-            Some(_) => "time",
-            None => "load parameter",
-        };
-        self.0.set_message(format!(
-            "step {}  {parameter} {}  step size {:.3e}  {}",
-            step.number,
-            significant(step.t),
-            step.step_size,
-            plural(step.iterations, "iteration")
-        ));
-        self.0.tick();
+        if let Some(to) = self.to {
+            self.bar.set_position(part(step.t, to));
+        }
+        self.bar.set_message(news(step));
+        self.bar.tick();
     }
 
     /// Tells something.
     pub fn say(&self, what: &str) {
-        self.0.set_message(what.to_owned());
-        self.0.tick();
+        self.bar.set_message(what.to_owned());
+        self.bar.tick();
     }
 
     /// Removes the line.
     pub fn clear(&self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
+    }
+}
+
+/// What is told of a converged step: where it is, its size and its iterations.
+fn news(step: &Advance<'_>) -> String {
+    let parameter = match step.progress {
+        Some(_) => "time",
+        None => "load parameter",
+    };
+    format!(
+        "step {}  {parameter} {}  step size {:.3e}  {}",
+        step.number,
+        significant(step.t),
+        step.step_size,
+        plural(step.iterations, "iteration")
+    )
+}
+
+/// How much of a motion from 0 to `to` is done at the time `t`, of [`WHOLE`].
+fn part(t: f64, to: f64) -> u64 {
+    match to > 0.0 {
+        true => (WHOLE as f64 * (t / to).clamp(0.0, 1.0)) as u64,
+        false => WHOLE,
     }
 }
 
@@ -178,4 +213,47 @@ pub fn counts(counts: &Counts) -> String {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_tells_where_it_is_its_size_and_its_iterations() {
+        let motion = pullback_integrators::dynamics::Progress::default();
+        let mut step = Advance {
+            number: 7,
+            t: 0.35,
+            step_size: 0.0125,
+            iterations: 3,
+            residuals: &[],
+            chart_changes: 0,
+            event: None,
+            unstable: None,
+            progress: Some(&motion),
+        };
+        assert_eq!(
+            news(&step),
+            "step 7  time 0.35  step size 1.250e-2  3 iterations"
+        );
+        let mut line = Progress::new(true);
+        line.until(2.0);
+        line.step(&step);
+        assert_eq!(line.bar.length(), Some(WHOLE));
+        assert_eq!(line.bar.position(), 175);
+        assert_eq!(line.bar.message(), news(&step));
+        (step.progress, step.iterations) = (None, 1);
+        assert_eq!(
+            news(&step),
+            "step 7  load parameter 0.35  step size 1.250e-2  1 iteration"
+        );
+    }
+
+    #[test]
+    fn the_bar_is_full_at_the_end() {
+        let parts = [(0.0, 3.0), (1.5, 3.0), (3.0, 3.0), (3.1, 3.0), (0.0, 0.0)];
+        let parts = parts.map(|(t, to)| part(t, to));
+        assert_eq!(parts, [0, 500, 1000, 1000, 1000]);
+    }
 }

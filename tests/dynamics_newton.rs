@@ -21,10 +21,14 @@ use pullback::elements::beam::Section;
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Sine;
-use pullback::integrators::dynamics::{Predictor, Scheme};
+use pullback::input::{Plan, assemble_text};
+use pullback::integrators::dynamics::{
+    DynamicOptions, Predictor, Progress, Scheme, StepReport, integrate, start,
+};
 use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
 use std::f64::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
 
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
 /// hinge, on that a second beam with a heavy end: every frame that a joint has as master is free.
@@ -184,5 +188,42 @@ fn residuals_square_from_one_iteration_to_the_next() {
                 );
             }
         }
+    }
+}
+
+/// The time that a run reaches until a step fails.
+fn reached<Y: System>(mut system: Y, options: &DynamicOptions, predictor: Predictor) -> f64 {
+    let mut options = DynamicOptions {
+        min_step: options.step,
+        ..*options
+    };
+    options.newton.predictor = predictor;
+    let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
+    let onward = &mut |_: &mut Y, _: &StepReport<'_>| ControlFlow::Continue(());
+    let outcome = integrate(&mut system, &mut progress, &options, onward);
+    assert_eq!(outcome.is_err(), progress.summary.failed > 0);
+    progress.state.t
+}
+
+#[test]
+fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilever() {
+    // cases.md, case 5: with the exact tangent q + h q̇ diverges before t = 6, q does not (it does later).
+    let model = || {
+        let job = assemble_text("elbow", include_str!("../examples/models/elbow.toml")).unwrap();
+        let Plan::Dynamic(plan) = job.plan else {
+            panic!("a motion")
+        };
+        (job.model, plan.options)
+    };
+    let plain = |predictor| {
+        let (model, options) = model();
+        reached(Plain { model, factor: 1.0 }, &options, predictor)
+    };
+    let diverged = plain(Predictor::Velocity);
+    assert!(diverged < 6.0, "{diverged}");
+    assert!(plain(Predictor::Keep) > 6.0);
+    for predictor in [Predictor::Velocity, Predictor::Keep] {
+        let (model, options) = model();
+        assert_eq!(reached(model, &options, predictor), 30.0);
     }
 }

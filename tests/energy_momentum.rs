@@ -201,7 +201,7 @@ fn it_is_of_order_two() {
         let exact = richardson(8 * n, &mut |n| history_of(Scheme::default(), n));
         let off = |n: usize| distances(&history_of(word.parse().unwrap(), n), &exact).to_vec();
         let errors = [n / 2, n, 2 * n].map(off);
-        assert_slopes(word, &QUANTITIES, &errors, 2.0, 0.15);
+        assert_slopes(word, &QUANTITIES, &errors, 2.0, 0.1);
     };
     for word in ["em", "em:0.8"] {
         let top = |scheme, n| {

@@ -96,3 +96,10 @@ pub fn robot_arm(elements: usize) -> Model {
     b.prescribe(base, Dof::Z, ramp(3.0));
     b.build().expect("a valid model")
 }
+
+/// The right-angle cantilever of \[M04\] 4.2, case 5, with 20 elements.
+pub fn struck() -> Model {
+    let text = include_str!("../../examples/models/elbow.toml");
+    let job = pullback::input::assemble_text("elbow", text);
+    job.expect("a valid model").model
+}

@@ -4,7 +4,7 @@ mod compare;
 mod gallery;
 mod spectrum;
 
-use crate::input::Registry;
+use crate::input::{Plan, Registry};
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
 use crate::solve::Advance;
@@ -172,12 +172,15 @@ fn run_model(
     let directory = out.unwrap_or_else(|| default_directory(model));
     let source = model.display().to_string();
     let interrupt = Interrupt::install();
-    let progress = Progress::new(quiet);
+    let mut progress = Progress::new(quiet);
+    let job = registry.load(model).map_err(RunError::from);
+    if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
+        progress.until(motion.options.to);
+    }
     let mut observer = |step: &Advance<'_>| {
         progress.step(step);
         interrupt.flow()
     };
-    let job = registry.load(model).map_err(RunError::from);
     let ran = job.and_then(|job| match again {
         true => resume_job(job, &source, &directory, &mut observer),
         false => run_job(job, &source, &directory, &mut observer),

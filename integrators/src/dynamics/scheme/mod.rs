@@ -336,3 +336,44 @@ impl fmt::Display for Scheme {
         arguments.into_iter().try_for_each(|x| write!(f, ":{x}"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_of_the_local_error_are_those_of_taylors_series() {
+        let factor = |word: &str| word.parse::<Scheme>().ok()?.error_factor();
+        let newmark = |beta: f64| (beta - 1.0 / 6.0).abs();
+        // 1/12 + Δ²/4 where β is the one that damps best, Δ = α_m − α_f.
+        let filtered = |delta: f64| 1.0 / 12.0 + 0.25 * delta * delta;
+        let radius = |rho: f64| filtered((rho - 1.0) / (rho + 1.0));
+        // What Σ Q c of the trapezoidal rule up to γ and the differences from there lacks of 1/6.
+        let bathe = |g: f64| ((g * g - 2.0 * g + 2.0) / (4.0 * (2.0 - g)) - 1.0 / 6.0).abs();
+        for (word, expected) in [
+            ("newmark", 1.0 / 12.0),
+            ("newmark:0.3025:0.6", newmark(0.3025)),
+            ("newmark:0.5:0.5", newmark(0.5)),
+            ("central-difference", newmark(0.0)),
+            ("hht:-0.1", filtered(-0.1)),
+            ("hht:0.5", radius(0.5)),
+            ("wbz:0", radius(0.0)),
+            ("wbz:0.8", radius(0.8)),
+            ("ga:0", radius(0.0)),
+            ("ga:0.5", radius(0.5)),
+            ("ga:0.8", radius(0.8)),
+            ("ga:1", 1.0 / 12.0),
+            ("em", 1.0 / 12.0),
+            ("em:0.8", radius(0.8)),
+            ("bathe:0.5", bathe(0.5)),
+            ("bathe", bathe(2.0 - 2.0_f64.sqrt())),
+        ] {
+            let found = factor(word).unwrap_or(f64::NAN);
+            assert!(
+                (found - expected).abs() < 1e-15,
+                "{word}: {found} {expected}"
+            );
+        }
+        assert_eq!(factor("radau"), None, "its error is of the fourth order");
+    }
+}

@@ -1,0 +1,214 @@
+//! Whole runs: seconds in units of an element and iteration, or step, their growth with the model, where
+//! the time goes, and Newton's iteration done otherwise.
+
+use super::models::{falling, flying, robot_arm, struck};
+use super::{average, product, seconds};
+use criterion::Criterion;
+use pullback::integrators::dynamics::{
+    DynamicOptions, Predictor, Progress, StepReport, Summary, Tangent, integrate, start,
+};
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback::manifold::system::{Evaluation, Point, Weights};
+use pullback::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Seconds of a whole run, everything included, and what it did.
+fn run(model: &mut Model, options: &DynamicOptions) -> (f64, Progress) {
+    let start_time = Instant::now();
+    let mut progress = Progress::new(start(model, 0.0, &[], &[]).expect("a valid start"));
+    let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    integrate(model, &mut progress, options, onward).expect("converges");
+    (start_time.elapsed().as_secs_f64(), progress)
+}
+
+/// Microseconds per element: of a whole run over its iterations, and of the parts of a step.
+struct Costs {
+    whole: f64,
+    /// Seconds of a whole run over its steps and elements.
+    step: f64,
+    force: f64,
+    tangent: f64,
+    factorise: f64,
+    solve: f64,
+    /// Once per step.
+    energies: f64,
+    charts: f64,
+    /// A product, measured between the runs.
+    product: f64,
+    summary: Summary,
+}
+
+fn costs(make: &dyn Fn(usize) -> Model, elements: usize, options: &DynamicOptions) -> Costs {
+    let unit = 1e-6 * elements as f64;
+    let repeats = (20_000 / elements).clamp(2, 7);
+    let mut best = (f64::INFINITY, Progress::default());
+    let mut model = make(elements);
+    let (mut unit_step, mut product_time) = (product(), f64::INFINITY);
+    for _ in 0..repeats {
+        // A fresh model: charts are part of its state.
+        model = make(elements);
+        let now = run(&mut model, options);
+        product_time = product_time.min(average(20_000, &mut unit_step));
+        if now.0 < best.0 {
+            best = now;
+        }
+    }
+    let (
+        whole,
+        Progress {
+            mut state, summary, ..
+        },
+    ) = best;
+    let count = (50_000 / elements).max(1);
+    let n = model.pattern().dim();
+    let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
+    let h = options.step;
+    let weights = Weights {
+        K: 1.0,
+        C: 2.0 / h,
+        M: 4.0 / (h * h),
+    };
+    let at = Point {
+        t: state.t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    };
+    let inside = "inside the chart";
+    let force = seconds(count, || {
+        model
+            .evaluate(at, Evaluation::residual(&mut r))
+            .expect(inside);
+    });
+    let tangent = seconds(count, || {
+        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+        model.evaluate_from(at, at, out).expect(inside);
+    });
+    let energies = seconds(count, || {
+        black_box(model.energies(at).expect(inside));
+    });
+    let mut solver = AutoSolver::new();
+    let regular = "regular";
+    solver
+        .analyse(model.pattern(), Symmetry::General)
+        .expect(regular);
+    let factorise = seconds(count, || solver.factorise(&S).expect(regular));
+    let mut b = r.clone();
+    let solve = seconds(count, || {
+        b.copy_from_slice(&r);
+        solver.solve(Some(&S), &mut b).expect(regular);
+    });
+    let charts = seconds(count, || {
+        let (q, v) = (&mut state.q, &mut state.v);
+        model.change_charts(state.t, q, v, &mut [&mut state.a]);
+    });
+    Costs {
+        whole: whole / summary.iterations as f64 / unit,
+        step: whole / (summary.steps * elements) as f64,
+        force: force / unit,
+        tangent: tangent / unit,
+        factorise: factorise / unit,
+        solve: solve / unit,
+        energies: energies / unit,
+        charts: charts / unit,
+        product: 1e6 * product_time,
+        summary,
+    }
+}
+
+pub fn whole_runs(c: &mut Criterion) {
+    let arm = DynamicOptions::new(3.0, 0.01);
+    let flight = DynamicOptions::new(2.5, 0.05);
+    let fall = DynamicOptions::new(1.0, 0.02);
+    c.bench_function("robot arm, 40 elements, 300 steps", |bench| {
+        bench.iter(|| run(&mut robot_arm(40), &arm));
+    });
+    println!("\nmicroseconds per element and iteration (products in brackets), then of the parts:");
+    println!(
+        "                elements steps iterations      whole     | residual  +tangent  factorise  \
+         solve | per step: energies  charts | seconds per step and element"
+    );
+    let mut growth = Vec::new();
+    type Make<'a> = &'a dyn Fn(usize) -> Model;
+    let rows: [(&str, Make<'_>, usize, &DynamicOptions); 5] = [
+        ("robot arm", &robot_arm, 40, &arm),
+        ("flying beam", &flying, 100, &flight),
+        ("flying beam", &flying, 1_000, &flight),
+        ("flying beam", &flying, 10_000, &flight),
+        ("cantilever", &falling, 1_000, &fall),
+    ];
+    for (name, make, elements, options) in rows {
+        let it = costs(make, elements, options);
+        println!(
+            "{name:>14}  {elements:8} {:5} {:10}  {:6.2} ({:5.1})  |   {:6.2}    {:6.2}     \
+             {:6.2}  {:6.2}  |           {:6.2}  {:6.2}  |  {:.2e}",
+            it.summary.steps,
+            it.summary.iterations,
+            it.whole,
+            it.whole / it.product,
+            it.force,
+            it.tangent,
+            it.factorise,
+            it.solve,
+            it.energies,
+            it.charts,
+            it.step,
+        );
+        if name == "flying beam" {
+            growth.push([it.whole, it.step]);
+        }
+    }
+    println!(
+        "growth of the flying beam from 100 to 10,000 elements: {:.2} per element and iteration, {:.2} \
+         per element and step",
+        growth[2][0] / growth[0][0],
+        growth[2][1] / growth[0][1]
+    );
+}
+
+/// What a Newton iteration in motion may do otherwise, on the same motions: begin at the old
+/// coordinates, or keep one tangent for a whole step.
+pub fn newton(_: &mut Criterion) {
+    println!("\nNewton's iteration as it is, and otherwise:");
+    println!(
+        "                elements     h                    iterations  factorisations  rejected  \
+         time over the first"
+    );
+    type Make<'a> = &'a dyn Fn() -> Model;
+    let arm = || robot_arm(40);
+    let rod = || falling(1_000);
+    let rows: [(&str, usize, Make<'_>, DynamicOptions); 4] = [
+        ("right angle", 20, &struck, DynamicOptions::new(30.0, 0.2)),
+        ("right angle", 20, &struck, DynamicOptions::new(30.0, 0.05)),
+        ("robot arm", 40, &arm, DynamicOptions::new(3.0, 0.01)),
+        ("cantilever", 1_000, &rod, DynamicOptions::new(1.0, 0.02)),
+    ];
+    let ways = [
+        ("", Predictor::Velocity, Tangent::Every),
+        ("predictor keep", Predictor::Keep, Tangent::Every),
+        ("tangent once", Predictor::Velocity, Tangent::Once),
+    ];
+    for (name, elements, make, options) in rows {
+        let mut best = [(f64::INFINITY, Summary::default()); 3];
+        // In turn, so that whatever slows the machine slows all.
+        for _ in 0..3 {
+            for (best, (_, predictor, tangent)) in best.iter_mut().zip(ways) {
+                let mut options = options;
+                (options.newton.predictor, options.newton.tangent) = (predictor, tangent);
+                let (time, progress) = run(&mut make(), &options);
+                *best = (best.0.min(time), progress.summary);
+            }
+        }
+        for ((way, ..), (time, summary)) in ways.iter().zip(best) {
+            println!(
+                "{name:>14}  {elements:8}  {:.2}  {way:>16}  {:12}  {:14}  {:8}  {:.2}",
+                options.step,
+                summary.iterations,
+                summary.factorisations,
+                summary.failed,
+                time / best[0].0
+            );
+        }
+    }
+}
