@@ -205,11 +205,12 @@ fn hooke(lines: &[Curve]) {
     assert!((last.0 - 30.0).abs() < 0.03, "{last:?}");
 }
 
-/// D01, as meshes as coarse as the published ones are to be trusted.
+/// D01 to 0.1, as meshes as coarse as the published ones are to be trusted; the highest step is up to half a
+/// step, 0.1, from where the curve turns.
 fn elbow(lines: &[Curve]) {
-    near(highest(&lines[0]), (7.438, 8.2521), [0.12, 0.12]);
+    near(highest(&lines[0]), (7.438, 8.2521), [0.2, 0.1]);
     let first: Curve = lines[1].iter().copied().filter(|p| p.0 < 5.0).collect();
-    near(highest(&first), (3.1, 5.5129), [0.12, 0.12]);
+    near(highest(&first), (3.1, 5.5129), [0.2, 0.1]);
 }
 
 /// The tip at t = 1 of the independent solution (tests/arms_independent.rs), to a tenth of the length.
