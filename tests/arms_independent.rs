@@ -77,13 +77,9 @@ impl Arm {
             moment[a] += M + lever;
             moment[b] -= M - lever;
         }
-        let size = |k: usize| {
-            if k % n == 0 || k % n == n - 1 {
-                0.5 * l
-            } else {
-                l
-            }
-        };
+        // Nodes at the ends of links have half a cell.
+        let ends = [0, n - 1, n, 2 * n - 1];
+        let size = |k: usize| if ends.contains(&k) { 0.5 * l } else { l };
         let mut rates: Vec<Node> = (0..2 * n)
             .map(|k| {
                 let Node { v, p, omega, .. } = nodes[k];

@@ -6,9 +6,16 @@ use std::collections::BTreeMap;
 
 type Curve = Vec<(f64, f64)>;
 
-/// What each drawing must have: the case, its labels, how many curves of lines and of dots, and what
-/// is known of its lines.
-const DRAWINGS: &[(&str, &[&str], [usize; 2], fn(&[Curve]))] = &[
+/// What a drawing must have: the case, its labels, how many curves of lines and of dots, and what is
+/// known of its lines.
+type Drawing = (
+    &'static str,
+    &'static [&'static str],
+    [usize; 2],
+    fn(&[Curve]),
+);
+
+const DRAWINGS: &[Drawing] = &[
     (
         "helix",
         &[
