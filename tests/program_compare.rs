@@ -158,7 +158,7 @@ fn several_models_make_one_page_and_a_directory_each() {
     assert_eq!(heads.count(), 3);
     let mut names = FILES.map(str::to_owned);
     names.sort();
-    for (model, own_step) in [("pendulum", 0.01), ("top", 0.002)] {
+    for (model, own_step) in [("pendulum", 0.01), ("top", 0.00025)] {
         assert_eq!(files(&out.join(model)), names, "{model}");
         let json = read(out.join(model).join("compare.json"));
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();

@@ -1,12 +1,13 @@
 //! What `pullback gallery` prints, draws and returns.
 #![allow(clippy::unwrap_used)]
 
+mod drawings;
 mod program_support;
 
 use program_support::{command, directory, files, read};
-use roxmltree::{Document, Node};
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::path::Path;
 
 #[test]
 fn the_rows_as_json_have_exactly_the_keys_documented() {
@@ -70,99 +71,25 @@ fn the_table_has_a_line_for_each_row() {
     }
 }
 
-/// Numbers of an attribute.
-fn numbers(text: &str) -> Vec<f64> {
-    let words = text.split([' ', ',']).filter(|w| !w.is_empty());
-    words.map(|w| w.parse().unwrap()).collect()
-}
-
-/// Turns places along a drawing's axis into values, by the labels at two ticks.
-fn axis(
-    document: &Document<'_>,
-    coordinate: &str,
-    is_tick: fn(&Node<'_, '_>) -> bool,
-) -> impl Fn(f64) -> f64 {
-    let labels = document
-        .descendants()
-        .filter(|n| n.has_tag_name("text") && is_tick(n));
-    let mut ticks: Vec<[f64; 2]> = labels
-        .filter_map(|n| {
-            let value = n.text()?.trim().replace('−', "-").parse().ok()?;
-            Some([numbers(n.attribute(coordinate)?)[0], value])
-        })
-        .collect();
-    ticks.sort_by(|a, b| a[1].total_cmp(&b[1]));
-    let [[p, a], .., [q, b]] = ticks[..] else {
-        panic!("{} labels along {coordinate}", ticks.len());
-    };
-    move |place| a + (b - a) * (place - p) / (q - p)
-}
-
 #[test]
 fn the_helix_is_drawn_as_load_against_displacement() {
     let out = directory("program_gallery");
     let arguments = ["helix".as_ref(), "--out".as_ref(), out.as_path()];
     assert_eq!(command("gallery", &arguments).status.code(), Some(0));
     assert_eq!(files(&out), ["helix.svg"]);
-    check_helix(&read(out.join("helix.svg")));
-    // What the README shows is what is drawn now.
-    check_helix(include_str!("../docs/images/helix.svg"));
+    drawings::check("helix", &read(out.join("helix.svg")));
 }
 
-/// Labels and curves of the drawing.
-fn check_helix(text: &str) {
-    let document = Document::parse(text).unwrap();
-    let words: Vec<&str> = document
-        .descendants()
-        .filter_map(|n| n.text())
-        .map(str::trim)
-        .collect();
-    for label in [
-        "load factor",
-        "tip displacement along e3",
-        "100 elements",
-        "200 elements",
-        "100 geodesic elements",
-    ] {
-        assert!(words.contains(&label), "{label:?} is not among {words:?}");
+#[test]
+fn the_readme_shows_what_is_drawn_now() {
+    let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
+    let shown = drawings::cases().map(|case| (case, images.join(format!("{case}.svg"))));
+    let mut count = 0;
+    for (case, image) in shown.filter(|(_, image)| image.exists()) {
+        drawings::check(case, &read(image));
+        count += 1;
     }
-    let load = axis(&document, "x", |n| {
-        n.attribute("dy") == Some("0.76em") && n.attribute("transform").is_none()
-    });
-    let height = axis(&document, "y", |n| {
-        n.attribute("text-anchor") == Some("end")
-    });
-    // The frame has five points, ticks and the legend two.
-    let lines = document
-        .descendants()
-        .filter(|n| n.has_tag_name("polyline"));
-    let curves: Vec<Vec<(f64, f64)>> = lines
-        .map(|n| numbers(n.attribute("points").unwrap()))
-        .filter(|points| points.len() > 2 * 50)
-        .map(|points| {
-            points
-                .chunks(2)
-                .map(|p| (load(p[0]), height(p[1])))
-                .collect()
-        })
-        .collect();
-    assert_eq!(curves.len(), 3);
-    for curve in &curves {
-        // Within the lines' width: from nothing to the whole load, over the first maximum that
-        // the thesis shows.
-        let (first, last) = (curve[0], curve[curve.len() - 1]);
-        assert!(first.0.abs() < 2e-3 && first.1.abs() < 0.02, "{first:?}");
-        assert!((last.0 - 1.0).abs() < 2e-3, "{last:?}");
-        let top = curve
-            .iter()
-            .copied()
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap();
-        assert!(
-            (top.0 - 0.036).abs() < 3e-3 && (top.1 - 3.28).abs() < 0.05,
-            "{top:?}"
-        );
-    }
+    assert_eq!(count, 5);
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
         let [t, fine] = lowest(&seen, k);
         let [value] = richardson([lowest(&coarse, k)[1]], [fine]);
         context.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
-        context.compare(format!("{name}: time"), t, at, 0.02, source);
+        context.compare(format!("{name}: time"), t, at, 0.01, source);
     }
     // The steady state is passed to and fro: its mean counts.
     let steady: Vec<f64> = seen.iter().filter(|s| s[0] >= 16.0).map(|s| s[1]).collect();
