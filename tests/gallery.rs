@@ -229,6 +229,7 @@ const DYNAMICS: &[Bound] = &[
     ("bricard", "exact: threefold", 2, 1e-12),
     ("bricard", "largest gap", 1, 1e-13),
     ("bricard", "largest relative change of energy", 1, 1e-3),
+    ("bricard", "exact: equation of its one freedom", 4, 1e-4),
     ("four-bar-misaligned", "aligned: angle", 1, 1e-3),
     (
         "four-bar-misaligned",

@@ -13,6 +13,7 @@ use pullback_integrators::dynamics::{self, DynamicsError, Progress, start};
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::ControlFlow;
 
 /// R06: seven bodies, three loops.
@@ -222,9 +223,9 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     if travel < 0.5 {
         return Err(context.setup("it does not move far enough to prove anything"));
     }
-    let [u, rate] = integrate(&bricard_system, [0.0; 2], 5.0);
+    let [s, rate] = integrate(&bricard_system, [0.0; 2], 5.0);
     let [x, _] = bricard_angles(Taylor {
-        v: u,
+        v: s,
         d: rate,
         dd: 0.0,
     });
@@ -251,20 +252,21 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Angles x and y of the odd and the even hinges of Bricard's mechanism over u = x − y. Of
-/// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains
-/// sin (x + y)/2 = cos u/2 − 1.
-fn bricard_angles(u: Taylor<f64>) -> [Taylor<f64>; 2] {
-    let half = u * 0.5;
-    let sine = half.cos() - 1.0;
-    let mean = sine.atan2((-(sine * sine) + 1.0).sqrt());
-    [mean + half, mean - half]
+/// Angles x and y of the odd and the even hinges of Bricard's mechanism. Of
+/// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains, for the mean m and the
+/// difference 4w of x and y, sin m = −2 sin² w: a closed curve, which √2 sin w = sin s goes round.
+fn bricard_angles(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let sine = s.sin();
+    let square = sine * sine;
+    let m = (-square).atan2(s.cos() * (square + 1.0).sqrt());
+    let w = (sine * FRAC_1_SQRT_2).atan2((-(square * 0.5) + 1.0).sqrt());
+    [m + w * 2.0, m - w * 2.0]
 }
 
 /// Its mass and potential. Bars are slender, of mass and length 1: one whose ends move with a and b has
 /// the energy (a² + a·b + b²)/6.
-fn bricard_system(u: Taylor<f64>) -> [Taylor<f64>; 2] {
-    let [x, y] = bricard_angles(u);
+fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let [x, y] = bricard_angles(s);
     let zero = Taylor::constant(0.0);
     let mut turn = Quaternion::about(&Vector3::x(), zero);
     let mut end = Vector3::repeat(zero);
