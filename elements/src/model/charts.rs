@@ -43,7 +43,8 @@ impl Model {
         })
     }
 
-    /// Changes the charts of nodes where that is due ([`RotationVector`]: ψ > π), then lets the elements choose theirs.
+    /// Changes the charts of nodes where that is due ([`RotationVector`]: ψ > π), then lets the
+    /// elements choose theirs.
     pub(super) fn update_charts(
         &mut self,
         t: f64,
