@@ -267,3 +267,75 @@ fn coordinates_without_mass_are_warned_of() {
     let said = "no mass acts on P angle: they follow forces at once. Give `rho` to";
     assert!(warnings[0].starts_with(said), "{warnings:?}");
 }
+
+/// An arch of two links at rest: a hinge at the origin, a ball at (1, 0, 1), a ball at (2, 0, 0), the
+/// second link's weight of 10 at (1.5, 0, 0.5). The first link bears no moment, so that its force is
+/// along (1, 0, 1); about the far end 10 · 0.5 = F_z · 1 + F_x · 1, F_x = F_z = 2.5.
+#[test]
+fn no_moment_passes_a_ball_in_a_loop() {
+    let arch = |closure: &str| {
+        let joint = |name: &str, kind: &str, more: &str| {
+            format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\n{more}\n")
+        };
+        let probe = |quantity: &str, of: &str| {
+            let key = if quantity.starts_with("reaction") {
+                "node"
+            } else {
+                "joint"
+            };
+            format!(
+                "[[probes]]\nname = \"{quantity} {of}\"\nquantity = \"{quantity}\"\n{key} = \"{of}\"\n"
+            )
+        };
+        [
+            "[nodes]\nground = [0, 0, 0]\n".to_owned(),
+            joint("A", "revolute", "master = \"ground\"\naxis = [0, 1, 0]"),
+            joint("link 1", "offset", "master = \"A\"\nplace = [1, 0, 1]"),
+            joint("S", "spherical", "master = \"link 1\""),
+            joint("link 2", "offset", "master = \"S\"\nplace = [2, 0, 0]"),
+            joint("foot", "offset", "master = \"ground\"\nplace = [2, 0, 0]"),
+            joint(
+                "C",
+                "spherical",
+                &format!("master = \"link 2\"\nchild = \"foot\"\n{closure}"),
+            ),
+            "[[bodies]]\nname = \"b\"\nnode = \"S\"\nmass = 1\ncenter = [0.5, 0, -0.5]\n\
+             inertia = [0.1, 0.1, 0.1]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
+             [[loads]]\ngravity = [0, 0, -10]\n[analysis.dynamic]\nto = 0.01\nstep = 0.01\n\
+             [output]\nparaview_every = 0\nfigures = false\n"
+                .to_owned(),
+            ["A", "S"].map(|of| probe("joint_force", of)).concat(),
+            ["A", "S"].map(|of| probe("joint_moment", of)).concat(),
+            probe("reaction_force", "ground"),
+            probe("reaction_moment", "ground"),
+        ]
+        .concat()
+    };
+    for (name, closure) in [("map", ""), ("multipliers", "closure = \"multipliers\"")] {
+        let out = directory(&format!("ball_{name}"));
+        let ran = program(&[&write(&out, &arch(closure))]);
+        assert!(
+            ran.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ran.stderr)
+        );
+        for row in history(&out.join("model.out")) {
+            for (what, exact) in [
+                ("joint_force A", [2.5, 0.0, 2.5]),
+                ("joint_force S", [2.5, 0.0, 2.5]),
+                ("joint_moment A", [0.0; 3]),
+                ("joint_moment S", [0.0; 3]),
+                ("reaction_force ground", [0.0, 0.0, 10.0]),
+                ("reaction_moment ground", [0.0, -15.0, 0.0]),
+            ] {
+                for (c, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+                    let found = number(&row, &format!("{what}.{c}"));
+                    assert!(
+                        (found - exact).abs() < 1e-9,
+                        "{name}, {what}.{c}: {found} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}

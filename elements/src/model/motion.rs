@@ -104,8 +104,9 @@ impl Model {
     /// What a joint has to hold besides the forces on what hangs on it: those with which loops
     /// close. With the multipliers μ of the equations in the child's axes the child is acted upon
     /// by the force and moment −R μ, and the frame that it is one with by the opposite; they cancel
-    /// where a node carries both.
-    fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
+    /// where a node carries both, but for what stays behind: above a frame that turns freely there is
+    /// no moment about it, as loads and inertia that turn it balance the closing forces.
+    pub(super) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
         let w = &self.work;
         let mut out = [Vector3::zeros(); 2];
         for report in &self.reports {
@@ -123,12 +124,19 @@ impl Model {
                 let force = R * Vector3::new(mu[0], mu[1], mu[2]);
                 let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
                 for (end, sign) in [(frame, -1.0), (child, 1.0)] {
-                    if upwards(&self.nodes, end).contains(&node.0) {
-                        let place = |n: u32| self.node_state(NodeId(n)).place;
-                        let arm = place(end) - place(node.0);
-                        out[0] += force * sign;
-                        out[1] += (moment + arm.cross(&force)) * sign;
-                    }
+                    let path = upwards(&self.nodes, end);
+                    let Some(above) = path.iter().position(|&n| n == node.0) else {
+                        continue;
+                    };
+                    let place = |n: u32| self.node_state(NodeId(n)).place;
+                    let ball = |&&n: &&u32| self.free_rotation_of(NodeId(n)) != NodeId(n);
+                    let (at, moment) = match path[..above].iter().rev().find(ball) {
+                        Some(&ball) => (place(ball), Vector3::zeros()),
+                        None => (place(end), moment),
+                    };
+                    let arm = at - place(node.0);
+                    out[0] += force * sign;
+                    out[1] += (moment + arm.cross(&force)) * sign;
                 }
             }
         }

@@ -113,21 +113,25 @@ impl Model {
     /// Reactions of all supported frame nodes at the last evaluation of the residual.
     pub fn reactions(&self) -> Vec<Reaction> {
         let mut out: Vec<Reaction> = Vec::new();
-        for n in self.nodes.iter().filter(|n| n.is_frame()) {
+        let frames = self.nodes.iter().enumerate().filter(|(_, n)| n.is_frame());
+        for (id, n) in frames {
             let own = self.carrier(n);
             let prescribed =
                 std::array::from_fn(|k| self.unknowns[own.first + k] == NONE && own.is_own());
             if !prescribed.contains(&true) {
                 continue;
             }
+            let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
+            // Covector T m of a spatial moment m.
+            let [force, turn] = self.closing_force(NodeId(id as u32));
+            let turn = so3::tangent(&psi) * turn;
             let mut f = [0.0; 6];
             for k in (0..6).filter(|&k| prescribed[k]) {
-                f[k] = -self.work.r[n.first + k];
+                let closing = if k < 3 { force[k] } else { turn[k - 3] };
+                f[k] = closing - self.work.r[n.first + k];
             }
             let mut moment = Vector3::new(f[3], f[4], f[5]);
             if prescribed[3..].iter().all(|&p| p) {
-                let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
-                // Covector T m of the spatial moment m.
                 moment = so3::tangent_inverse(&psi) * moment;
             }
             out.push(Reaction {
