@@ -6,6 +6,7 @@ mod dynamics_support;
 
 use dynamics_support::{assert_slopes, body, configure, tight};
 use nalgebra::Matrix3;
+use pullback::elements::joint::Spline;
 use pullback::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -134,6 +135,14 @@ fn a_bead_swings_on_a_parabola_in_the_time_of_an_elliptic_integral() {
         .into();
     assert_slopes("parabola", &["place", "rate"], &errors, 2.0, 0.1);
     assert!(errors[2].iter().all(|e| *e < 1e-4), "{errors:?}");
+}
+
+#[test]
+fn a_bead_sets_out_from_the_end_of_its_curve() {
+    let line = Spline::through(&[[0.0; 3], [2.0, 0.0, 0.0]], false, 0.0).unwrap();
+    let mut made = bead(|b, on| on_curve(b, "bead", on, line.clone()).unwrap());
+    let (state, _) = moved(&mut made, &[[0.0, 1.5]], 0.8, 40);
+    assert!((state.place - Vector3::new(1.2, 0.0, 0.0)).norm() < 1e-10);
 }
 
 /// The line through the master along e1.

@@ -148,7 +148,8 @@ impl Curve for Spline {
         let [first, last] = self.ends();
         match self.closed {
             true => f64::INFINITY,
-            false => (s - first).min(last - s),
+            // Its ends belong to it.
+            false => (s - first).min(last - s) + 1e-9 * (last - first),
         }
     }
 }
