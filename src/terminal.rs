@@ -2,6 +2,7 @@
 
 use crate::gallery::Comparison;
 use crate::solve::{Advance, Counts};
+use crate::warnings;
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback_integrators::significant;
 use std::fmt::Write;
@@ -182,9 +183,6 @@ pub fn plural(count: usize, thing: &str) -> String {
     }
 }
 
-/// Error of the energy over the energy supplied that makes results doubtful.
-const DOUBTFUL: f64 = 0.1;
-
 /// What an analysis did, in lines.
 pub fn counts(counts: &Counts) -> String {
     let mut out = format!(
@@ -204,13 +202,9 @@ pub fn counts(counts: &Counts) -> String {
              {:.2e} at most",
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
-        if energy.largest_defect > DOUBTFUL * energy.start.max(energy.work.abs()) {
-            let _ = writeln!(
-                out,
-                "warning: that is much compared with the energy supplied; take smaller steps, or a \
-                 scheme that damps high frequencies (more)"
-            );
-        }
+    }
+    if let Some(warning) = warnings::unbalanced(counts) {
+        let _ = writeln!(out, "warning: {warning}");
     }
     out
 }

@@ -5,6 +5,7 @@
 use crate::input::{Joint, ModelFile, Time};
 use crate::output::Row;
 use crate::probe::Answers;
+use crate::solve::Counts;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_integrators::significant;
@@ -204,6 +205,19 @@ impl Watch {
         }
         Some(out)
     }
+}
+
+/// Error of the energy over the energy supplied that makes results doubtful.
+const DOUBTFUL: f64 = 0.1;
+
+/// What there is to say of the balance of energy of a motion.
+pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
+    let energy = counts.energy?;
+    let doubtful = energy.largest_defect > DOUBTFUL * energy.start.max(energy.work.abs());
+    doubtful.then_some(
+        "the balance of energy is off by much compared with the energy supplied; take smaller steps, \
+         or a scheme that damps high frequencies (more)",
+    )
 }
 
 /// Whether any node is elsewhere than where it is drawn.

@@ -3,7 +3,7 @@
 
 mod program_support;
 
-use program_support::{directory, history, number, program, write};
+use program_support::{directory, history, number, program, results, write};
 
 /// A point mass on an arm of length 1 that turns about e₂ and starts along e₁.
 fn arm(name: &str, turns: &str, more: &str, analysis: &str) -> (Vec<[f64; 2]>, String) {
@@ -21,6 +21,10 @@ fn arm(name: &str, turns: &str, more: &str, analysis: &str) -> (Vec<[f64; 2]>, S
     let said = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
     let said = said.concat();
     assert!(output.status.success(), "{said}");
+    // What the terminal warns of stands in result.json.
+    let told = results(&directory.join("model.out"))["warnings"].to_string();
+    let doubt = "much compared";
+    assert_eq!(told.contains(doubt), said.contains(doubt), "{told}\n{said}");
     let rows = history(&directory.join("model.out"));
     let numbers = |row| ["rate", "energy_defect"].map(|column| number(row, column));
     (rows.iter().map(numbers).collect(), said)

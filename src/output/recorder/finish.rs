@@ -6,10 +6,13 @@ use crate::output::panels::panels;
 use crate::output::plot::{self, Shapes};
 use crate::output::results::{Ending, NAME, Results};
 use crate::solve::Counts;
+use crate::warnings::unbalanced;
 
 impl Recorder<'_> {
     pub(super) fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
-        let warnings = self.warnings(ending);
+        let mut warnings = self.warnings(ending);
+        // On the terminal it stands with the counts.
+        warnings.extend(unbalanced(&self.statistics.counts).map(str::to_owned));
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;
         let results = Results {
