@@ -229,6 +229,15 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
             kept.push((description, Box::new(momentum(k, i))));
         }
     }
+    let violation = |row: &Row, j: usize| row.samples[j].violation;
+    let loops = |row: &Row| (0..row.samples.len()).any(|j| violation(row, j).is_some());
+    if comparison.rows.iter().any(loops) {
+        let value = move |row: &Row, j: usize| violation(row, j).unwrap_or(f64::NAN);
+        kept.push((
+            "residual of the loops' equations".to_owned(),
+            Box::new(value),
+        ));
+    }
     for (name, value) in &kept {
         for finest in [false, true] {
             let steps = comparison.rows.iter().map(|row| row.step);

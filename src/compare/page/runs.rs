@@ -2,7 +2,7 @@
 
 use super::{cells, end_table, escaped, exact, first, names, put, step, table};
 use crate::compare::tables::{short, status};
-use crate::compare::{Comparison, Quantity, Row};
+use crate::compare::{Comparison, EqualCost, Quantity, Row};
 
 pub(super) fn errors(out: &mut String, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
@@ -60,6 +60,17 @@ fn note(row: &Row) -> &'static str {
     }
 }
 
+/// What evaluations do not count, where there are schemes whose rates are spins.
+fn spins(equal: &EqualCost) -> &'static str {
+    let spinning = |name: &str| name.starts_with("lie-") || name.starts_with("spin-");
+    match equal.schemes.iter().any(|s| spinning(&s.0)) && !equal.seconds {
+        true => {
+            " An evaluation of lie- and spin- assembles the tangent three times: --timed counts that."
+        }
+        false => "",
+    }
+}
+
 /// Errors of all schemes at a cost that they have in common.
 pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
     let Some(equal) = &c.equal_cost else { return };
@@ -69,7 +80,8 @@ pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
     };
     let caption = format!(
         "Errors at equal cost, {what}: log error interpolated over log cost between neighbouring step \
-         sizes, or extrapolated from the nearest two (≈); in brackets, over that of the first scheme."
+         sizes, or extrapolated from the nearest two (≈); in brackets, over that of the first scheme.{}",
+        spins(equal)
     );
     let columns: Vec<String> = std::iter::once("scheme".to_owned())
         .chain(names())
