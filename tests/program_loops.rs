@@ -311,9 +311,19 @@ fn no_moment_passes_a_ball_in_a_loop() {
         ]
         .concat()
     };
-    for (name, closure) in [("map", ""), ("multipliers", "closure = \"multipliers\"")] {
+    let held = "node = \"ground\"\nfix = \"all\"";
+    // A ground that moves, hardly, is a parameter of the loop's map.
+    let moving = "node = \"ground\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+        driven = { x = { proportional = 1e-12 } }";
+    for (name, closure, support) in [
+        ("map", "", held),
+        ("moving", "", moving),
+        ("multipliers", "closure = \"multipliers\"", held),
+    ] {
         let out = directory(&format!("ball_{name}"));
-        let ran = program(&[&write(&out, &arch(closure))]);
+        let text = arch(closure);
+        assert!(text.contains(held));
+        let ran = program(&[&write(&out, &text.replace(held, support))]);
         assert!(
             ran.status.success(),
             "{}",

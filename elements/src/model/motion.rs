@@ -128,6 +128,10 @@ impl Model {
                     let Some(above) = path.iter().position(|&n| n == node.0) else {
                         continue;
                     };
+                    // Frames that the map reads, and those above, have been handed these forces.
+                    if path[..=above].iter().any(|n| d.masters().contains(n)) {
+                        continue;
+                    }
                     let place = |n: u32| self.node_state(NodeId(n)).place;
                     let ball = |&&n: &&u32| self.free_rotation_of(NodeId(n)) != NodeId(n);
                     let (at, moment) = match path[..above].iter().rev().find(ball) {
