@@ -119,3 +119,35 @@ fn it_swings_a_line_about_its_axis() {
         assert!(errors[1] < 1e-3 * exact, "{interpolation}: {errors:?}");
     }
 }
+
+#[test]
+fn what_falls_freely_does_not_turn() {
+    for order in [1, 2, 3] {
+        for interpolation in ["total", "geodesic"] {
+            let text = model(
+                "stiffness = { EA = 3e3, GA = [1e3, 1.2e3], GJ = 20, EI = [20, 15] }",
+                &format!(
+                    "from = \"root\"\norder = {order}\ninterpolation = \"{interpolation}\"\n\
+                     twist_deg = 200"
+                ),
+                "[analysis.dynamic]\nto = 0.5\nstep = 0.05\n",
+            );
+            let support = "[[supports]]\nnode = \"root\"\nfix = \"all\"\n";
+            let job = assemble_text("falling", &text.replace(support, "")).unwrap();
+            let mut model = job.model;
+            let tip = model.find("tip").unwrap();
+            let start = start(&model, 0.0, &job.start.q, &job.start.v).unwrap();
+            let ended = solve(
+                &mut model,
+                &job.plan,
+                &mut Progress::new(start),
+                &mut |_, _| ControlFlow::Continue(()),
+            );
+            assert!(ended.finished, "{:?}", ended.failure);
+            let state = model.node_state(tip);
+            let about = format!("order {order}, {interpolation}: {state:?}");
+            assert!((state.velocity.z + 9.81 * 0.5).abs() < 1e-10, "{about}");
+            assert!(state.omega.norm() < 1e-10, "{about}");
+        }
+    }
+}

@@ -166,6 +166,12 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
         (1.0, [0.1733439640984, 0.6400885920706, -0.7484907911336]),
     ];
+    let turned = Quaternion::new(
+        0.7329439806797,
+        -0.2782857193376,
+        0.5318246113342,
+        -0.3201761427363,
+    );
     let hung = context.file(include_str!("../../examples/models/heavy_top.toml"))?;
     // The same body with a pinned node instead of a joint.
     let mut pinned = hung.clone();
@@ -187,6 +193,13 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
             let place: [f64; 3] = richardson(coarse, fine);
             context.compare_vector(&what, place, x, 1e-5, source);
         }
+        let what = format!("{name}, extrapolated body axis");
+        compare_axes(context, &what, [&b, &c], turned, source);
+        let what = format!("{name}, extrapolated body rate at t = 1 over 150");
+        let rate: [f64; 3] = richardson(body_rate(&b).into(), body_rate(&c).into());
+        let rates = [rate, [-0.8220781016826, 150.0, -5.9232913481173]];
+        let [rate, exact] = rates.map(|r| r.map(|r| r / 150.0));
+        context.compare_vector(&what, rate, exact, 1e-5, source);
         let order = observed_order(&[&a, &b, &c].map(|h| axis(h, 1.0)));
         context.compare(
             format!("{name}, order in the step"),
@@ -197,6 +210,33 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         );
     }
     Ok(())
+}
+
+/// Angular velocity in axes of the body, of the first recorded node at t = 1.
+fn body_rate(run: &History) -> Vector3<f64> {
+    let state = run.at(0, 1.0);
+    state.R.transpose() * state.omega
+}
+
+/// Compares the extrapolated axes of the first recorded node at t = 1 with those of a quaternion.
+fn compare_axes(
+    context: &mut Context,
+    what: &str,
+    runs: [&History; 2],
+    exact: Quaternion<f64>,
+    source: &str,
+) {
+    let exact = UnitQuaternion::new_normalize(exact);
+    for k in 0..3 {
+        let [coarse, fine] = runs.map(|h| {
+            let axis: Vector3<f64> = h.at(0, 1.0).R.column(k).into();
+            axis.into()
+        });
+        let what = format!("{what} {} at t = 1,", k + 1);
+        let axis: [f64; 3] = richardson(coarse, fine);
+        let exact = exact * Vector3::ith(k, 1.0);
+        context.compare_vector(&what, axis, exact.into(), 1e-5, source);
+    }
 }
 
 /// Time between two zeros, downwards, of the second component of a body's rate.
@@ -220,11 +260,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let steps = [2e-3, 1e-3, 5e-4];
     let [a, b, c] = steps.map(|h| context.motion(&file, &["O"], Run::step(h)));
     let (a, b, c) = (a?, b?, c?);
-    let body = |h: &History, t: f64| -> Vector3<f64> {
-        let state = h.at(0, t);
-        state.R.transpose() * state.omega
-    };
-    let omega = richardson(body(&b, 1.0).into(), body(&c, 1.0).into());
+    let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
     context.compare_vector(
@@ -234,27 +270,13 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
         1e-5,
         source,
     );
-    let p = UnitQuaternion::new_normalize(Quaternion::new(
-        0.24270299,
-        0.11814413,
-        -0.82272015,
-        -0.50026871,
-    ));
-    for k in 0..3 {
-        let exact = p * Vector3::ith(k, 1.0);
-        let [coarse, fine] = [&b, &c].map(|h| {
-            let e: Vector3<f64> = h.at(0, 1.0).R.column(k).into();
-            e.into()
-        });
-        let what = format!("extrapolated body axis {} at t = 1,", k + 1);
-        let axis: [f64; 3] = richardson(coarse, fine);
-        context.compare_vector(&what, axis, exact.into(), 1e-5, source);
-    }
+    let exact = Quaternion::new(0.24270299, 0.11814413, -0.82272015, -0.50026871);
+    compare_axes(context, "extrapolated body axis", [&b, &c], exact, source);
     let period = richardson([period(&b)], [period(&c)])[0];
     let source = "exact: Jacobi's elliptic functions, R03";
     let what = "extrapolated period";
     context.compare(what, period, 3.91057341972687, 1e-4, source);
-    let order = observed_order(&[&a, &b, &c].map(|h| body(h, 1.0)));
+    let order = observed_order(&[&a, &b, &c].map(body_rate));
     let source = "theory: the trapezoidal rule";
     context.compare("order in the step", order, 2.0, 0.1, source);
     // Energy is not conserved exactly: its error has the order of the scheme.

@@ -68,6 +68,9 @@ pub struct LineGeometry {
     pub nodes: Vec<NodeId>,
     /// Reference orientation (columns E₁, E₂, E₃) at each node.
     pub frames: Vec<Matrix3<f64>>,
+    /// Mass and first moment that each node of each element carries, where the mass centre is beside
+    /// the axis.
+    pub carried: Vec<Vec<(f64, Vector3<f64>)>>,
     /// Elements from start to end.
     pub elements: Vec<ElementId>,
 }

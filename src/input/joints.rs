@@ -45,6 +45,8 @@ impl Entry<'_> {
         known.extend(all.map(str::to_owned));
         known.extend(["penalty_damping", "coordinates"].map(str::to_owned));
         known.extend(ACTS.map(str::to_owned));
+        // What stands in the joint itself for one coordinate stands in `coordinates` for several.
+        known.retain(|known| path != [known]);
         let problem = Problem::JointKey {
             joint: self.joint.name.clone(),
             kind: self.joint.kind.clone(),

@@ -4,8 +4,8 @@ use super::assemble::{LineGeometry, Names};
 use super::file::{Interpolation as Chosen, Line as Described};
 use super::{InputError, Problem, Text};
 use nalgebra::{Unit, Vector3};
-use pullback_elements::beam::{Interpolation, Section};
-use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, NodeId, Straight};
+use pullback_elements::beam::{self, Interpolation, Section};
+use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, ModelError, NodeId, Straight};
 use std::collections::BTreeMap;
 
 /// Elements that one line may have: more would only be a slip of the pen.
@@ -61,16 +61,17 @@ pub(super) fn lay(
     let places = [builder.place(from), builder.place(to)];
     let axis = axis(source, &path, line, places)?;
     let whole = ["lines", index.as_str()];
+    let stands = Line {
+        elements: line.elements,
+        order: line.order,
+        section,
+    };
     let made = builder
         .line_with(
             &line.name,
             axis.as_ref(),
             [from, to],
-            &Line {
-                elements: line.elements,
-                order: line.order,
-                section,
-            },
+            &stands,
             interpolation,
         )
         .map_err(|error| source.value(&whole, Problem::Model(error)))?;
@@ -78,12 +79,34 @@ pub(super) fn lay(
     let frames = (0..made.nodes.len())
         .map(|i| axis.at(i as f64 / intervals).1)
         .collect();
+    let mut carried = Vec::new();
+    if section.inertia.S != Vector3::zeros() {
+        for (e, own) in made
+            .nodes
+            .windows(line.order + 1)
+            .step_by(line.order)
+            .enumerate()
+        {
+            let places: Vec<_> = own.iter().map(|&n| builder.place(n)).collect();
+            let frame = |xi: f64| axis.at(stands.parameter(e, xi)).1;
+            let shares = beam::carried(&places, &frame, &section).map_err(|error| {
+                let element = format!("{}:{}", line.name, e + 1);
+                let source_error = ModelError::Beam {
+                    element,
+                    source: error,
+                };
+                source.value(&whole, Problem::Model(source_error))
+            })?;
+            carried.push(shares);
+        }
+    }
     Ok(LineGeometry {
         name: line.name.clone(),
         order: line.order,
         interpolation,
         nodes: made.nodes,
         frames,
+        carried,
         elements: made.elements,
     })
 }

@@ -8,7 +8,6 @@ use super::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
-use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{EccentricForce, LineLoad, NodalLoad, Which};
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::time::{Constant, TimeFunction};
@@ -197,7 +196,7 @@ pub(super) fn apply(
                     let weight = Weight {
                         name: format!("load {}", k + 1),
                         g: g.into(),
-                        inertia: &sections[name].inertia,
+                        mass: A_rho,
                     };
                     weight.add(builder, line, &amplitude, &model_error)?;
                 }
@@ -222,16 +221,16 @@ pub(super) fn apply(
 }
 
 /// The weight of a line.
-struct Weight<'a> {
+struct Weight {
     name: String,
     g: Vector3<f64>,
-    /// Per length, in section axes.
-    inertia: &'a Inertia,
+    /// Mass per length.
+    mass: f64,
 }
 
-impl Weight<'_> {
-    /// Adds it. A mass centre beside the axis has its weight there, node by node: mass and place
-    /// are interpolated as those of the section are.
+impl Weight {
+    /// Adds it. A mass centre beside the axis has its weight there, node by node, by the shares that
+    /// the inertia has: what falls freely does not turn.
     fn add(
         &self,
         builder: &mut ModelBuilder,
@@ -239,23 +238,21 @@ impl Weight<'_> {
         amplitude: &dyn Fn() -> Result<Box<dyn TimeFunction>, InputError>,
         model_error: &dyn Fn(ModelError) -> InputError,
     ) -> Result<(), InputError> {
-        let force = self.g * self.inertia.mass;
-        let center = self.inertia.S / self.inertia.mass;
         for e in 0..line.elements.len() {
             let (nodes, places) = element(builder, line, e);
             let name = format!("{}:{}:{}", self.name, line.name, e + 1);
-            let whole = LineLoad::new(&places, force.into(), false, amplitude()?);
-            let whole = whole.map_err(|source| {
-                let element = name.clone();
-                model_error(ModelError::Beam { element, source })
-            })?;
-            if center == Vector3::zeros() {
+            let Some(shares) = line.carried.get(e) else {
+                let force = (self.g * self.mass).into();
+                let whole = LineLoad::new(&places, force, false, amplitude()?);
+                let whole = whole.map_err(|source| {
+                    let element = name.clone();
+                    model_error(ModelError::Beam { element, source })
+                })?;
                 builder.element(name, whole, nodes).map_err(model_error)?;
                 continue;
-            }
-            let frames = &line.frames[e * line.order..];
-            for (i, (share, frame)) in whole.shares().iter().zip(frames).enumerate() {
-                let (n, at) = ((force * *share).into(), (frame * center).into());
+            };
+            for (i, (mass, S)) in shares.iter().enumerate() {
+                let (n, at) = ((self.g * *mass).into(), (S / *mass).into());
                 let part = EccentricForce::boxed(n, at, amplitude()?);
                 builder
                     .element(format!("{name}, node {}", i + 1), part, &[nodes[i]])

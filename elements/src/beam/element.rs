@@ -54,7 +54,7 @@ pub struct Beam<const NN: usize, I = Total<NN>> {
     /// assembly waits for every detour through memory.
     first: GaussPoint<NN>,
     others: Vec<GaussPoint<NN>>,
-    rotations: I,
+    pub(super) rotations: I,
     /// Whether the section has mass.
     massive: bool,
     damping: Damping,

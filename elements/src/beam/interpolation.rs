@@ -128,7 +128,7 @@ pub struct Seen<const NN: usize> {
 /// Total rotation vectors: φ is the identity.
 #[derive(Clone, Debug)]
 pub struct Total<const NN: usize> {
-    masses: Option<[MassPoint<NN>; NN]>,
+    pub(super) masses: Option<[MassPoint<NN>; NN]>,
 }
 
 impl<const NN: usize> Rotations<NN> for Total<NN> {

@@ -2,10 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::element::Tangents;
+use super::Section;
+use super::element::{Beam, BeamError, Tangents};
 use crate::element::Motion;
 use crate::inertia::{FrameMotion, Inertia};
-use nalgebra::{Matrix6, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::system::Weights;
 
 /// One point of the inertia rule: shape functions, weight times length, inertia per length with
@@ -108,5 +109,39 @@ impl<const NN: usize> MassPoint<NN> {
         let motion = self.motion(at);
         let FrameMotion { psi, psi_dot, .. } = &motion;
         self.weight * self.inertia.kinetic_energy(&motion.x_dot, psi, psi_dot)
+    }
+}
+
+/// What each node of a beam element carries of its mass, ∫ Nᵢ Aρ (M), and of its first moment,
+/// ∫ Nᵢ S (M·L, components in the global frame of the reference configuration), by the element's own
+/// rule: a uniform acceleration g takes the forces and moments that the weight of these shares has.
+///
+/// # Errors
+/// As [`Beam::new`].
+pub fn carried(
+    places: &[Vector3<f64>],
+    frame: &dyn Fn(f64) -> Matrix3<f64>,
+    section: &Section,
+) -> Result<Vec<(f64, Vector3<f64>)>, BeamError> {
+    fn of<const NN: usize>(
+        places: [Vector3<f64>; NN],
+        frame: &dyn Fn(f64) -> Matrix3<f64>,
+        section: &Section,
+    ) -> Result<Vec<(f64, Vector3<f64>)>, BeamError> {
+        let beam = Beam::<NN>::new(&places, frame, section)?;
+        let share = |i: usize| {
+            let points = beam.rotations.masses.iter().flatten();
+            points.fold((0.0, Vector3::zeros()), |(mass, S), p| {
+                let weight = p.weight * p.N[i];
+                (mass + weight * p.inertia.mass, S + p.inertia.S * weight)
+            })
+        };
+        Ok((0..NN).map(share).collect())
+    }
+    match *places {
+        [a, b] => of([a, b], frame, section),
+        [a, b, c] => of([a, b, c], frame, section),
+        [a, b, c, d] => of([a, b, c, d], frame, section),
+        _ => Err(BeamError::Nodes(places.len())),
     }
 }

@@ -58,11 +58,6 @@ impl LineLoad {
         self
     }
 
-    /// What each node carries of a unit force per length that keeps its direction, ∫ Nᵢ (L).
-    pub fn shares(&self) -> &[f64] {
-        &self.shares
-    }
-
     /// `force` per length times `amplitude` on an element through `places`; a follower load turns
     /// with the cross-sections.
     ///

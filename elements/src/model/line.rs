@@ -16,6 +16,15 @@ pub struct Line {
     pub section: Section,
 }
 
+impl Line {
+    /// Parameter u ∈ \[0, 1\] of the axis at ξ ∈ \[−1, 1\] of element `e`, the first being 0.
+    pub fn parameter(&self, e: usize, xi: f64) -> f64 {
+        let order = self.order as f64;
+        let first = (e * self.order) as f64;
+        (first + 0.5 * (1.0 + xi) * order) / (self.elements * self.order) as f64
+    }
+}
+
 /// Nodes and elements of a line, from its start to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineNodes {
@@ -95,9 +104,7 @@ impl ModelBuilder {
             let first = e * line.order;
             let own = &nodes[first..=first + line.order];
             let places: Vec<Vector3<f64>> = own.iter().map(|&n| self.place(n)).collect();
-            let frame = |xi: f64| -> Matrix3<f64> {
-                at(first as f64 + 0.5 * (1.0 + xi) * line.order as f64).1
-            };
+            let frame = |xi: f64| -> Matrix3<f64> { axis.at(line.parameter(e, xi)).1 };
             let element_name = format!("{name}:{}", e + 1);
             let own = own.to_vec();
             let beam = interpolation
