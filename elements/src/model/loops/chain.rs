@@ -64,17 +64,10 @@ impl Chain {
             let node = &nodes[last as usize];
             let steady = match &node.source {
                 Source::Own => (0..6).all(|k| held.function(last as usize, k).is_some()),
-                // A frame that reads coordinates only.
-                Source::Mapped(d) => {
-                    let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
-                    d.segments.len() == 1 && d.masters().iter().all(no_frame)
-                }
+                Source::Mapped(_) => reads_no_frame(nodes, last),
             };
             if !steady {
-                return Err(ModelError::LooseLoop {
-                    joint: nodes[frame as usize].name.clone(),
-                    node: node.name.clone(),
-                });
+                return Err(loose(nodes, frame, last));
             }
             *end = Some(last).filter(|_| node.is_own());
         }
@@ -84,6 +77,38 @@ impl Chain {
             root: None,
             ends,
         })
+    }
+
+    /// Lets the chains go on above their root, to the frame that it hangs on.
+    ///
+    /// # Errors
+    /// [`ModelError::LooseLoop`] where it hangs on several.
+    pub(super) fn lengthen(&mut self, nodes: &[Node]) -> Result<(), ModelError> {
+        let Some(root) = self.root else { return Ok(()) };
+        self.root = upwards(nodes, root).get(1).copied();
+        if self.root.is_none() && !reads_no_frame(nodes, root) {
+            return Err(loose(nodes, self.frame, root));
+        }
+        Ok(())
+    }
+}
+
+/// A chain of joints that ends at a frame where none can end.
+fn loose(nodes: &[Node], frame: u32, end: u32) -> ModelError {
+    ModelError::LooseLoop {
+        joint: nodes[frame as usize].name.clone(),
+        node: nodes[end as usize].name.clone(),
+    }
+}
+
+/// Whether a frame follows from coordinates alone.
+fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
+    match &nodes[n as usize].source {
+        Source::Own => false,
+        Source::Mapped(d) => {
+            let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
+            d.segments.len() == 1 && d.masters().iter().all(no_frame)
+        }
     }
 }
 

@@ -179,37 +179,107 @@ pub(super) fn close(
         let dependence = Dependence::new(same.boxed(), vec![vec![frame.0]], 6);
         nodes[child.0 as usize].source = Source::Mapped(Box::new(dependence));
     }
-    for set in connected(nodes, &loops, held)? {
+    for set in connected(nodes, &loops, held, length)? {
         reports.push(close_set(nodes, &set, held, wishes, length)?);
     }
     Ok(reports)
 }
 
+/// Free coordinates of loops that share some, and the numbers of these loops.
+type Set = (BTreeSet<u32>, Vec<usize>);
+
 /// The loops in sets that share a free coordinate, each with the two chains to its root.
+///
+/// Where a loop reads a root that follows from coordinates of its own set, or of a set that in turn
+/// reads a root that follows from its own, the chains go on above that root.
 fn connected(
     nodes: &[Node],
     loops: &[Closing],
     held: &Held<'_>,
+    length: f64,
 ) -> Result<Vec<Vec<Chain>>, ModelError> {
-    let mut sets: Vec<(BTreeSet<u32>, Vec<Chain>)> = Vec::new();
-    for &closing in loops {
-        let chain = Chain::find(nodes, closing, held)?;
-        let mut own: BTreeSet<u32> = coordinates(nodes, &chain).into_iter().collect();
+    let chains = loops.iter().map(|&l| Chain::find(nodes, l, held));
+    let mut chains = chains.collect::<Result<Vec<_>, _>>()?;
+    loop {
+        let sets = sharing(nodes, &chains, held);
+        let Some(k) = circular(nodes, &chains, &sets, held, length) else {
+            let of = |(_, set): Set| set.iter().map(|&k| chains[k].clone()).collect();
+            return Ok(sets.into_iter().map(of).collect());
+        };
+        chains[k].lengthen(nodes)?;
+    }
+}
+
+/// The loops in sets that share a free coordinate.
+fn sharing(nodes: &[Node], chains: &[Chain], held: &Held<'_>) -> Vec<Set> {
+    let mut sets: Vec<Set> = Vec::new();
+    for (k, chain) in chains.iter().enumerate() {
+        let mut own: BTreeSet<u32> = coordinates(nodes, chain).into_iter().collect();
         own.retain(|&n| {
             let node = &nodes[n as usize];
             (0..node.dim).any(|k| held.function(n as usize, k).is_none())
         });
-        let mut all = vec![chain];
-        let (touching, rest) = (sets.into_iter()).partition(|(other, _)| !own.is_disjoint(other));
+        let (touching, rest): (Vec<Set>, _) =
+            (sets.into_iter()).partition(|(other, _)| !own.is_disjoint(other));
         sets = rest;
-        let touching: Vec<(BTreeSet<u32>, Vec<Chain>)> = touching;
         let mut before = Vec::new();
         for (other, chains) in touching {
             own.extend(other);
             before.extend(chains);
         }
-        before.append(&mut all);
+        before.push(k);
         sets.push((own, before));
     }
-    Ok(sets.into_iter().map(|(_, chains)| chains).collect())
+    sets
+}
+
+/// A loop that reads its root, which follows from its own coordinates, if only through other sets.
+fn circular(
+    nodes: &[Node],
+    chains: &[Chain],
+    sets: &[Set],
+    held: &Held<'_>,
+    length: f64,
+) -> Option<usize> {
+    // Which sets each loop needs for its root.
+    let needs = |k: usize| -> Vec<usize> {
+        let Some(root) = chains[k].root else {
+            return Vec::new();
+        };
+        let above = Chain {
+            frame: root,
+            child: root,
+            root: None,
+            ends: [None; 2],
+        };
+        let above = coordinates(nodes, &above);
+        let set = |s: &usize| above.iter().any(|n| sets[*s].0.contains(n));
+        let needed: Vec<usize> = (0..sets.len()).filter(set).collect();
+        if needed.is_empty() || !chain::root_matters(nodes, &chains[k], root, held, length) {
+            return Vec::new();
+        }
+        needed
+    };
+    let needed: Vec<Vec<usize>> = (0..chains.len()).map(needs).collect();
+    let of_set = |s: usize| sets[s].1.iter().flat_map(|&k| needed[k].iter().copied());
+    let leads_back = |from: usize, to: usize| {
+        let (mut seen, mut waiting) = (BTreeSet::new(), vec![from]);
+        while let Some(s) = waiting.pop() {
+            if s == to {
+                return true;
+            }
+            if seen.insert(s) {
+                waiting.extend(of_set(s));
+            }
+        }
+        false
+    };
+    for (s, (_, own)) in sets.iter().enumerate() {
+        for &k in own {
+            if needed[k].iter().any(|&other| leads_back(other, s)) {
+                return Some(k);
+            }
+        }
+    }
+    None
 }
