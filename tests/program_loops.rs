@@ -21,6 +21,17 @@ fn with(changes: &[(&str, &str)]) -> String {
 }
 
 #[test]
+fn a_rate_where_the_drive_leaves_no_freedom_is_refused() {
+    let driven = with(&[
+        ("rate = ", "driven = { proportional = 4.5 } # "),
+        ("name = \"D\"\n", "name = \"D\"\nrate = 1\n"),
+    ]);
+    let said = refusal(&driven).to_string();
+    assert!(said.contains("the initial rate of D"), "{said}");
+    assert!(said.contains("leaves it no freedom"), "{said}");
+}
+
+#[test]
 fn the_program_says_which_joint_closes_the_loop() {
     let out = directory("loops-notes");
     let model = write(&out, &with(&[("to = 4", "to = 0.1")]));
@@ -264,7 +275,7 @@ fn coordinates_without_mass_are_warned_of() {
     });
     let warnings = ran.unwrap().warnings;
     assert_eq!(warnings.len(), 1, "{warnings:?}");
-    let said = "no mass acts on P angle: they follow forces at once. Give `rho` to";
+    let said = "no mass acts on P angle: they follow forces at once. Mass of";
     assert!(warnings[0].starts_with(said), "{warnings:?}");
 }
 

@@ -195,6 +195,10 @@ impl Model {
         };
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
         let missing = wanted - now(v)?;
+        // What is driven, or locked, has the rates that it has.
+        if unknowns.is_empty() {
+            return Ok(missing.amax());
+        }
         let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
         let start = now(v)?;
         for (k, &u) in unknowns.iter().enumerate() {
@@ -203,13 +207,13 @@ impl Model {
             v[u] -= 1.0;
         }
         let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
-            Ok(more) if !unknowns.is_empty() => {
+            Ok(more) => {
                 for (&u, more) in unknowns.iter().zip(more.iter()) {
                     v[u] += more;
                 }
                 missing - columns * more
             }
-            _ => missing,
+            Err(_) => missing,
         };
         Ok(left.amax())
     }
