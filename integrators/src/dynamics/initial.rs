@@ -4,7 +4,8 @@
 
 use super::{DynamicsError, State};
 use crate::failure::mechanism;
-use crate::linear_solver::LinearSolver;
+use crate::linear_solver::{LinearError, LinearSolver};
+use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
 /// A state with given coordinates and velocities; accelerations are found when a run begins.
@@ -128,7 +129,8 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// Coordinates without mass make M singular: M + h C + h² K stands in for it then, h the step that
 /// will be made, which leaves them in balance with the forces on them to the accuracy of a first
-/// step.
+/// step. Where their rows of M are zero it does so in these rows alone, and all other accelerations
+/// are exact.
 fn solve_mass<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -139,6 +141,7 @@ fn solve_mass<Y: System + ?Sized>(
 ) -> Result<(), DynamicsError> {
     let t = state.t;
     let mut refused = None;
+    let mut M = Vec::new();
     for (C, K) in [(0.0, 0.0), (h, h * h)] {
         let at = Point {
             t,
@@ -153,10 +156,14 @@ fn solve_mass<Y: System + ?Sized>(
         if let Some(b) = b {
             r.copy_from_slice(b);
         }
+        if !M.is_empty() && solve_massive(system.pattern(), solver, &M, r, S).is_ok() {
+            return Ok(());
+        }
         match solver.factorise(S).and_then(|()| solver.solve(Some(S), r)) {
             Ok(()) => return Ok(()),
             Err(error) => refused = Some(error),
         }
+        M = S.to_vec();
     }
     match refused {
         None => Ok(()),
@@ -166,4 +173,56 @@ fn solve_mass<Y: System + ?Sized>(
             mechanism: mechanism(system, S),
         }),
     }
+}
+
+/// Solves M x = b (b in `r`, then x) with the rows of S in place of those of M that are zero:
+/// M₁₁ x₁ = b₁ for what has mass, S₂₂ x₂ = b₂ − S₂₁ x₁ for what has none.
+///
+/// # Errors
+/// [`LinearError`] where there is still no solution, or nothing without mass; `r` is as it was then.
+fn solve_massive(
+    pattern: &BlockPattern,
+    solver: &mut dyn LinearSolver,
+    M: &[f64],
+    r: &mut [f64],
+    S: &[f64],
+) -> Result<(), LinearError> {
+    let n = r.len();
+    let mut mass = vec![0.0; n];
+    let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
+    pattern.multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
+    let mut both = M.to_vec();
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let rows = pattern.unknowns(i);
+            let entries = pattern
+                .unknowns(j)
+                .flat_map(|c| rows.clone().map(move |r| (r, c)));
+            for (k, (r, c)) in range.zip(entries) {
+                if mass[r] == 0.0 && mass[c] == 0.0 {
+                    both[k] = S[k];
+                }
+            }
+        }
+    }
+    solver.factorise(&both)?;
+    let mut x = r.to_vec();
+    solver.solve(Some(&both), &mut x)?;
+    let keep = |x: &mut [f64], massive: bool| {
+        let others = x
+            .iter_mut()
+            .zip(&mass)
+            .filter(|(_, m)| (**m > 0.0) != massive);
+        others.for_each(|(x, _)| *x = 0.0);
+    };
+    keep(&mut x, true);
+    let mut rest = r.to_vec();
+    pattern.multiply_add(-1.0, S, &x, &mut rest);
+    keep(&mut rest, false);
+    solver.solve(Some(&both), &mut rest)?;
+    keep(&mut rest, false);
+    for ((r, x), rest) in r.iter_mut().zip(&x).zip(&rest) {
+        *r = x + rest;
+    }
+    Ok(())
 }
