@@ -3,6 +3,7 @@
 use crate::input::{self, InputError, Job, Plan};
 use crate::output::{
     Checkpoint, Directory, Ending, OutputError, RecordError, Recorder, ResumeError, Setting,
+    is_complete,
 };
 use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
@@ -125,7 +126,8 @@ pub fn resume_job(
     let columns = job.probes.iter().map(|p| p.columns().len()).sum();
     let checkpoint = Checkpoint::read(directory, &settings, &job.model, columns)?;
     let (t, to) = (checkpoint.progress().state.t, plan.options.to);
-    if t >= to {
+    // A run may have been killed between its last step and its results.
+    if t > to || t == to && is_complete(directory) {
         return Err(ResumeError::Passed { t, to }.into());
     }
     execute(job, source, directory, Some(checkpoint), observer)
@@ -177,6 +179,8 @@ fn execute(
     if checkpoint.is_none() {
         warnings = warnings::strained(&model, &file, &progress);
         if matches!(plan, Plan::Dynamic(_)) {
+            notes.extend(warnings::carried(&model, &file));
+            warnings.extend(warnings::left_behind(&file));
             warnings.extend(warnings::immobile(&model));
             warnings.extend(warnings::massless(&mut model, &progress));
         }
@@ -187,7 +191,10 @@ fn execute(
     };
     let mut recorder = Recorder::new(setting, directory, probes, &model, warnings)?;
     match (&plan, checkpoint) {
-        (Plan::Dynamic(_), Some(checkpoint)) => recorder.resume(checkpoint),
+        (Plan::Dynamic(_), Some(checkpoint)) => {
+            recorder.resume(checkpoint);
+            recorder.look(&mut model, &progress)?;
+        }
         (Plan::Dynamic(_), None) => recorder.start_motion(&mut model, &progress)?,
         _ => recorder.start(&mut model)?,
     }
@@ -218,7 +225,8 @@ fn execute(
         },
         None => ending(&ended, t),
     };
-    let warnings = recorder.warnings(&ending);
+    let mut warnings = recorder.warnings(&ending);
+    warnings.extend(warnings::unbalanced(&ended.counts).map(str::to_owned));
     let written = recorder.finish(&ending, ended.counts)?;
     Ok(Outcome {
         ending,

@@ -9,6 +9,7 @@ use pullback_integrators::statics::{
     FailedStep, Iteration, StaticsError, Step, solve_statics, trace_path,
 };
 use pullback_manifold::system::Point;
+use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
 
 /// Why an analysis came to no end.
@@ -110,8 +111,22 @@ pub struct Counts {
     /// Changes of chart.
     pub chart_changes: usize,
     /// Energies, in dynamics.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "energies")]
     pub energy: Option<EnergyBalance>,
+}
+
+/// What `result.json` tells of the energies; the rest is for a run that goes on.
+fn energies<S: Serializer>(energy: &Option<EnergyBalance>, to: S) -> Result<S::Ok, S::Error> {
+    let Some(energy) = energy else {
+        return to.serialize_none();
+    };
+    let mut map = to.serialize_map(Some(5))?;
+    map.serialize_entry("start", &energy.start)?;
+    map.serialize_entry("now", &energy.now)?;
+    map.serialize_entry("work", &energy.work)?;
+    map.serialize_entry("gross", &energy.gross)?;
+    map.serialize_entry("largest_defect", &energy.largest_defect)?;
+    map.end()
 }
 
 impl Counts {

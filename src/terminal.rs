@@ -2,7 +2,6 @@
 
 use crate::gallery::Comparison;
 use crate::solve::{Advance, Counts};
-use crate::warnings;
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback_integrators::significant;
 use std::fmt::Write;
@@ -202,9 +201,6 @@ pub fn counts(counts: &Counts) -> String {
              {:.2e} at most",
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
-    }
-    if let Some(warning) = warnings::unbalanced(counts) {
-        let _ = writeln!(out, "warning: {warning}");
     }
     out
 }

@@ -6,6 +6,7 @@ use crate::input::{Joint, ModelFile, Time};
 use crate::output::Row;
 use crate::probe::Answers;
 use crate::solve::Counts;
+use pullback_elements::element::SectionState;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_integrators::significant;
@@ -52,6 +53,9 @@ pub(crate) struct Watch {
 
 /// Residuals from this part of loads and reactions on leave too few correct digits.
 const UNRESOLVED: f64 = 1e-3;
+
+/// Names that a message lists.
+const LISTED: usize = 4;
 
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
@@ -210,14 +214,25 @@ impl Watch {
 /// Error of the energy over the energy supplied that makes results doubtful.
 const DOUBTFUL: f64 = 0.1;
 
-/// What there is to say of the balance of energy of a motion.
+/// What there is to say of the balance of energy of a motion, or of one without any.
 pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     let energy = counts.energy?;
-    let doubtful = energy.largest_defect > DOUBTFUL * energy.start.max(energy.work.abs());
-    doubtful.then_some(
-        "the balance of energy is off by much compared with the energy supplied; take smaller steps, \
-         or a scheme that damps high frequencies (more)",
-    )
+    if energy.largest_defect <= DOUBTFUL * energy.start.max(energy.work.abs()) {
+        let now = energy.now.kinetic + energy.now.stored;
+        let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
+        return (still && counts.steps > 0).then_some(
+            "nothing moves: no load acts on anything free, nothing is driven, and all starts at \
+             rest. See `loads`, `driven` and `initial`",
+        );
+    }
+    Some(if energy.defect() > 0.0 {
+        "the balance of energy is off by much compared with the energy supplied: energy has come from \
+         nowhere; take smaller steps, or a scheme that damps high frequencies (more)"
+    } else {
+        "the balance of energy is off by much compared with the energy supplied: energy is lost, as \
+         the scheme damps what its steps do not resolve (waves of a sudden start, say), or dampers \
+         take it faster than that; take smaller steps, or a scheme that damps less"
+    })
 }
 
 /// Whether any node is elsewhere than where it is drawn.
@@ -228,42 +243,111 @@ fn moved(model: &Model) -> bool {
     })
 }
 
+/// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
+/// a loop (false).
+fn has(own: bool, model: &Model, joint: &Joint) -> bool {
+    let prefix = format!("{} ", joint.name);
+    let of_joint = |name: &str| name.starts_with(&prefix);
+    (model.released()).any(|(node, name, _)| model.is_own(node) == own && of_joint(name))
+}
+
+/// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
+fn driven<'f>(
+    file: &'f ModelFile,
+    order: usize,
+) -> impl Iterator<Item = (String, Option<&'f Joint>)> {
+    let off = move |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[order] != 0.0);
+    let supports = file.supports.iter().filter(move |s| {
+        let driven = s.driven.as_ref();
+        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
+    });
+    let joints = (file.joints.iter()).filter(move |j| j.driven.as_ref().is_some_and(off));
+    (supports.map(|s| (format!("support of {}", s.node), None)))
+        .chain(joints.map(|j| (format!("joint {}", j.name), Some(j))))
+}
+
+/// The first names of several, and how many more there are.
+fn listed(names: &[String]) -> String {
+    let first = names[..names.len().min(LISTED)].join("; ");
+    match names.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}
+
+/// Names with their verb.
+fn are(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{} {verb}", names.join(", "))
+}
+
+/// A word about what starts with a velocity because it hangs by a joint from something driven.
+pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
+    let driven: Vec<String> = driven(file, 1).map(|(name, _)| name).collect();
+    if !file.initial.is_empty() || driven.is_empty() {
+        return None;
+    }
+    let moves = |name: &str| {
+        model.find(name).is_some_and(|node| {
+            let state = model.node_state(node);
+            state.velocity.norm() + state.omega.norm() > 0.0
+        })
+    };
+    let carried = (file.joints.iter()).filter(|j| {
+        j.rate.is_none() && j.driven.is_none() && has(true, model, j) && moves(&j.name)
+    });
+    let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
+    (!carried.is_empty()).then(|| {
+        format!(
+            "{} driven with a velocity at t = 0: what hangs from there by {} starts with it, as rates \
+             of joints are 0. [[initial]] with velocity = [0, 0, 0] lets it start at rest in space",
+            are(&driven),
+            listed(&carried)
+        )
+    })
+}
+
+/// A word about lines that stay behind where a joint at their end starts with a rate.
+pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
+    let rated = (file.joints.iter()).filter(|j| j.rate.is_some_and(|rate| rate != 0.0));
+    rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
+        let child = j.child.as_ref();
+        let ends = move |end: &String| *end == j.name || Some(end) == child;
+        let lines = file.lines.iter();
+        let lines = lines.filter(move |l| ends(&l.from) || ends(&l.to));
+        lines.map(|l| {
+            format!(
+                "joint {} starts with a rate, and the rest of line {} at rest, which jerks it: \
+                 [[initial]] with line = {:?} and an angular_velocity (about the joint) or a velocity \
+                 sets all of it in motion, and the joint with it",
+                j.name, l.name, l.name
+            )
+        })
+    })
+}
+
 /// A word about energy that is stored at the start of a motion because driven coordinates, or
 /// initial values, are not where the model is drawn.
 pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
-    let off = |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[0] != 0.0);
-    // The coordinates of a loop are where they are together.
-    let looped = |j: &&Joint| {
-        let own = format!("{} ", j.name);
-        let mut all = model
-            .released()
-            .filter(|(_, name, _)| name.starts_with(&own));
-        all.any(|(node, ..)| !model.is_own(node))
-    };
-    let joints = file
-        .joints
-        .iter()
-        .filter(|j| j.value.is_some_and(|x| x != 0.0) || j.driven.as_ref().is_some_and(off))
-        .filter(|j| !looped(j));
-    let joints = joints.map(|j| format!("joint {}", j.name));
-    let supports = file.supports.iter().filter(|s| {
-        let driven = s.driven.as_ref();
-        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
-    });
-    let names: Vec<String> = (supports.map(|s| format!("support of {}", s.node)))
-        .chain(joints)
+    let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
+    let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
+    let names: Vec<String> = driven(file, 0)
+        .chain(valued)
+        // The coordinates of a loop are where they are together.
+        .filter(|(_, joint)| joint.is_none_or(|j| !has(false, model, j)))
+        .map(|(name, _)| name)
         .collect();
-    if stored <= 0.0 || names.is_empty() {
+    // A joint that is let go with its own spring tight is what it seems.
+    let tight = |(_, s): &(_, SectionState)| s.N.norm() + s.M.norm() > 0.0;
+    let parts = !file.springs.is_empty() || model.section_states(0.0).iter().any(tight);
+    if stored <= 0.0 || names.is_empty() || !parts {
         return Vec::new();
     }
     vec![format!(
         "{} not where the model is drawn at t = 0, which stores the energy {stored:.3e} in it; draw \
          it in that position, or start at 0",
-        match names.as_slice() {
-            [one] => format!("{one} is"),
-            all => format!("{} are", all.join(", ")),
-        }
+        are(&names)
     )]
 }
 
@@ -278,23 +362,17 @@ pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
     })
 }
 
-/// Names that a message lists.
-const LISTED: usize = 4;
-
 /// A word about coordinates on which no mass acts.
 pub(crate) fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
     let state = &progress.state;
     // A state outside of a domain is told of by the first step.
     let names = model.massless(state.t, &state.q, &state.v).ok()?;
-    let more = match names.len().saturating_sub(LISTED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
     (!names.is_empty()).then(|| {
         format!(
-            "no mass acts on {}{more}: they follow forces at once. Give `rho` to the sections of \
-             lines, and bodies to joints that carry none",
-            names[..names.len().min(LISTED)].join("; ")
+            "no mass acts on {}: they follow forces at once. Mass of lines is `rho` of a \
+             material, or `mass` with A_rho and J beside a `stiffness`; angles of joints need bodies \
+             with `inertia` (or lines), others any body",
+            listed(&names)
         )
     })
 }

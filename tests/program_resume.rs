@@ -201,6 +201,29 @@ fn a_finished_run_can_be_made_longer() {
 }
 
 #[test]
+fn a_run_that_was_killed_before_its_results_were_written_gets_them() {
+    let out = directory("resume-results");
+    let model = write(&out, MODEL);
+    let [whole, killed] = ["whole", "killed"].map(|name| out.join(name));
+    for directory in [&whole, &killed] {
+        assert!(run(&model, Some(directory), &mut go_on).is_ok());
+    }
+    let again = resume(&model, Some(&killed), &mut go_on);
+    assert!(matches!(
+        again,
+        Err(RunError::Resume(ResumeError::Passed { .. }))
+    ));
+    std::fs::remove_file(killed.join("history.csv")).unwrap();
+    let text = read(killed.join("result.json"));
+    let running = text.replace("\"complete\": true", "\"complete\": false");
+    assert_ne!(running, text);
+    std::fs::write(killed.join("result.json"), running).unwrap();
+    let again = resume(&model, Some(&killed), &mut go_on).unwrap();
+    assert_eq!(again.ending, Ending::Complete);
+    assert_same(&whole, &killed);
+}
+
+#[test]
 fn what_cannot_be_resumed_is_refused_by_name() {
     let directory = directory("program_not_resumed");
     let model = write(&directory, MODEL);

@@ -200,12 +200,14 @@ impl FailedStep {
             );
         }
         let known = if self.step == 1 { "start" } else { "converged" };
-        write!(
-            f,
-            "step {} failed between {parameter} {from} ({known}) and {to} (smallest step {:.1e})",
-            self.step,
-            self.to - self.from
-        )?;
+        write!(f, "step {} failed ", self.step)?;
+        // A step may be too small to be seen in these digits.
+        if from == to {
+            write!(f, "right after {parameter} {from} ({known})")?;
+        } else {
+            write!(f, "between {parameter} {from} ({known}) and {to}")?;
+        }
+        write!(f, " (smallest step {:.1e})", self.to - self.from)?;
         match self.rejected {
             0 => {}
             1 => write!(f, " after 1 rejected attempt")?,

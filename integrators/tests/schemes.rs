@@ -23,8 +23,10 @@ fn words_make_schemes_and_schemes_say_their_words() {
     let bathe: Scheme = "bathe".parse().unwrap();
     assert_eq!(bathe.to_string(), "bathe");
     assert!((bathe.stages()[0].c - (2.0 - 2.0_f64.sqrt())).abs() < 1e-15);
-    let long: Scheme = "generalised-alpha:1".parse().unwrap();
-    assert_eq!(long, Scheme::chung_hulbert(1.0).unwrap());
+    for word in ["generalised-alpha:1", "generalized-alpha:1"] {
+        let long: Scheme = word.parse().unwrap();
+        assert_eq!(long, Scheme::chung_hulbert(1.0).unwrap());
+    }
     // HHT by its spectral radius (1 + α)/(1 − α): 0.8 is α = −1/9, 1/2 the smallest.
     let by_radius: Scheme = "hht:0.8".parse().unwrap();
     let alpha_f = by_radius.coefficients().unwrap().alpha_f;

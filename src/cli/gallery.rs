@@ -5,6 +5,12 @@ use crate::gallery::{self, Comparison};
 use crate::terminal::{self, Progress};
 use std::path::Path;
 
+/// The cases by name, for the help.
+pub(super) fn cases() -> String {
+    let names: Vec<&str> = gallery::CASES.iter().map(|c| c.name).collect();
+    format!("Cases: {}", names.join(", "))
+}
+
 /// Computes the cases and prints how they compare; the exit code.
 pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     let progress = Progress::new(json);

@@ -90,6 +90,7 @@ enum Command {
     /// Prints the JSON Schema of the model file.
     Schema,
     /// Computes the built-in cases and compares them with published or exact results.
+    #[command(after_help = gallery::cases())]
     Gallery {
         /// Names of cases; all by default.
         cases: Vec<String>,
@@ -218,6 +219,9 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     }
     for warning in &outcome.warnings {
         eprintln!("warning: {warning}");
+    }
+    if !quiet && outcome.ending != Ending::Complete {
+        println!("{}", terminal::counts(&outcome.counts).trim_end());
     }
     let kept = format!("kept in {directory}: {reached}, marked incomplete{again}");
     match &outcome.ending {

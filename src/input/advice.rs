@@ -14,7 +14,7 @@ fn names(known: &[String]) -> String {
 }
 
 /// Words of other programs, and ours.
-const SYNONYMS: [(&str, &str); 9] = [
+const SYNONYMS: &[(&str, &str)] = &[
     ("linear", "proportional"),
     ("limit-point", "turning-point"),
     ("harmonic", "sine"),
@@ -24,6 +24,8 @@ const SYNONYMS: [(&str, &str); 9] = [
     ("clamped", "all"),
     ("reaction", "reaction_force"),
     ("bending_moment", "M"),
+    ("joint_angle", "joint_coordinate"),
+    ("angle", "joint_coordinate"),
 ];
 
 /// What a message of the parser alone does not tell.
@@ -51,6 +53,11 @@ fn explanation(message: &str) -> Option<String> {
 }
 
 fn suggestion(found: &str, known: &[String]) -> String {
+    if let Some(key) = found.strip_suffix("_deg")
+        && known.iter().any(|known| known == key)
+    {
+        return format!("give `{key}`, in radians");
+    }
     let known_as = SYNONYMS
         .iter()
         .find(|(word, ours)| *word == found && known.iter().any(|known| known == ours));

@@ -168,6 +168,20 @@ impl<'a> Recorder<'a> {
         Ok(self.add(model, row, answers)?)
     }
 
+    /// Looks at the state in which a motion goes on, without a row of its own.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn look(&mut self, model: &mut Model, progress: &Progress) -> Result<(), RecordError> {
+        let answers = moving(model, progress)?;
+        let row = Row {
+            t: progress.state.t,
+            ..Row::default()
+        };
+        self.last = Some(final_state(model, &answers, &row, self.setting.file));
+        Ok(())
+    }
+
     /// Records a converged step, with the model in its configuration; in a motion as often as the
     /// plan says.
     ///

@@ -6,7 +6,9 @@ use crate::probe::Answers;
 use crate::solve::Counts;
 use pullback_elements::model::Model;
 use serde::Serialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Name of the file.
 pub(super) const NAME: &str = "result.json";
@@ -151,6 +153,13 @@ pub struct ElementResult {
     pub N: [f64; 3],
     /// Torque and bending moments M₁, M₂, M₃.
     pub M: [f64; 3],
+}
+
+/// Whether the results in a directory tell of a run that came to its end.
+pub(crate) fn is_complete(directory: &Path) -> bool {
+    let text = std::fs::read_to_string(directory.join(NAME));
+    let read = text.map(|text| serde_json::from_str::<Value>(&text));
+    matches!(read, Ok(Ok(read)) if read["complete"] == true)
 }
 
 /// The state that a model is in.

@@ -128,8 +128,8 @@ impl Model {
             .collect()
     }
 
-    /// Names of the unknowns on which no mass acts at a state, and which no multiplier ties to others:
-    /// forces alone tell how they move.
+    /// Names of the unknowns on which no mass acts at a state, alone or in a direction of their node, and
+    /// which no multiplier ties to others: forces alone tell how they move.
     ///
     /// # Errors
     /// [`SystemError`] when the state is outside a chart.
@@ -145,10 +145,9 @@ impl Model {
         let out = Evaluation::with_tangent(&mut r, only_M, &mut M);
         self.evaluate(Point { t, q, v, a: &a }, out)?;
         let mut mass = vec![0.0; n];
-        for value in &mut M {
-            *value = value.abs();
-        }
-        self.pattern.multiply_add(1.0, &M, &vec![1.0; n], &mut mass);
+        let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
+        self.pattern
+            .multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
         let mut tied = vec![false; n];
         let pattern = &self.pattern;
         for j in
@@ -158,7 +157,43 @@ impl Model {
                 tied[pattern.unknowns(i)].fill(true);
             }
         }
-        let without = |&i: &usize| mass[i] == 0.0 && !tied[i];
-        Ok((0..n).filter(without).map(|i| self.name(i)).collect())
+        let mut names = Vec::new();
+        for j in 0..pattern.blocks() {
+            let all = pattern.unknowns(j);
+            let without = |i: &usize| mass[*i] == 0.0 && !tied[*i];
+            names.extend(all.clone().filter(without).map(|i| self.name(i)));
+            let Some(first) = pattern.find(j, j).filter(|_| all.clone().all(|i| !tied[i])) else {
+                continue;
+            };
+            let own = &M[first..first + all.len() * all.len()];
+            let hollow = hollow(own, all.len()).map(|k| self.name(all.start + k));
+            names.extend(hollow.map(|name| format!("{name}, together with others of its node")));
+        }
+        Ok(names)
     }
+}
+
+/// Part of its size below which the mass of a direction is a rounding error.
+const HOLLOW: f64 = 1e-12;
+
+/// The coordinate at which the Cholesky factorisation of a block of M ends because a direction of
+/// those before it has no mass; coordinates without mass of their own are left out.
+fn hollow(block: &[f64], n: usize) -> Option<usize> {
+    let mut L = vec![0.0; n * n];
+    for j in 0..n {
+        let size = block[j + j * n];
+        if size == 0.0 {
+            continue;
+        }
+        let dot = |i: usize, L: &[f64]| (0..j).map(|k| L[i + k * n] * L[j + k * n]).sum::<f64>();
+        let pivot = size - dot(j, &L);
+        if pivot <= HOLLOW * size {
+            return Some(j);
+        }
+        let root = pivot.sqrt();
+        for i in j..n {
+            L[i + j * n] = (block[i + j * n] - dot(i, &L)) / root;
+        }
+    }
+    None
 }

@@ -152,7 +152,9 @@ impl Model {
             if (q[u] - value).abs() > FITS * self.unit(u) {
                 let (name, x) = (self.name(u), q[u]);
                 self.reports.push(Report {
-                    words: format!("{name} starts at {x:.6}, as its value does not close the loop"),
+                    words: format!(
+                        "{name} starts at {x:.6}: the loop is not found to close with its value"
+                    ),
                     map: None,
                     closures: Vec::new(),
                     element: None,

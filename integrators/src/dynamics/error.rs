@@ -125,8 +125,8 @@ pub enum DynamicsError {
     },
     /// No accelerations satisfy the equations of motion.
     #[error(
-        "no consistent accelerations at time {t:.6}: {source}{}; give these coordinates mass or \
-         stiffness, or hold them",
+        "no consistent accelerations at time {t:.6}: {source}{}; give these coordinates mass \
+         (rotations: inertia) or stiffness, or hold them",
         names(mechanism)
     )]
     Accelerations {
@@ -157,8 +157,12 @@ pub enum DynamicsError {
 }
 
 fn names(mechanism: &[(String, f64)]) -> String {
-    mechanism
-        .iter()
-        .map(|(name, entry)| format!("\n    {name} ({entry:+.3})"))
-        .collect()
+    match mechanism {
+        // Its component of a vector of length one says nothing.
+        [(name, _)] => format!("\n    {name}"),
+        all => all
+            .iter()
+            .map(|(name, entry)| format!("\n    {name} ({entry:+.3})"))
+            .collect(),
+    }
 }

@@ -64,9 +64,10 @@ pub enum ImplicitError {
     },
     /// A singular configuration, or more redundant equations than expected.
     #[error(
-        "the configuration is singular: there {equations}, so that {left} coordinates are left \
+        "the configuration is singular: there {equations}, so that {} left \
          free and not {expected}; undetermined are {coordinates}. Start from another \
-         configuration, or remove equations that say the same"
+         configuration, or remove equations that say the same",
+        counted(*.left)
     )]
     Singular {
         /// Which equations depend on which.
@@ -149,4 +150,11 @@ pub enum Trouble {
         /// Its residual.
         residual: f64,
     },
+}
+
+fn counted(coordinates: usize) -> String {
+    match coordinates {
+        1 => "1 coordinate is".to_owned(),
+        n => format!("{n} coordinates are"),
+    }
 }

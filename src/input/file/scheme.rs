@@ -45,7 +45,11 @@ impl Scheme {
 
 /// Numbers of a scheme: one, or a list.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected the numbers of the scheme, such as { generalised-alpha = 0.9 } or \
+                 { newmark = [0.25, 0.5] }"
+)]
 enum Numbers {
     One(f64),
     Many(Vec<f64>),

@@ -11,7 +11,6 @@ use crate::warnings::unbalanced;
 impl Recorder<'_> {
     pub(super) fn write_results(&mut self, ending: &Ending) -> Result<(), OutputError> {
         let mut warnings = self.warnings(ending);
-        // On the terminal it stands with the counts.
         warnings.extend(unbalanced(&self.statistics.counts).map(str::to_owned));
         self.statistics.seconds = self.seconds();
         self.statistics.largest_rotation = self.record.largest_rotation;

@@ -52,7 +52,9 @@ impl Scheme {
             word: word.to_owned(),
             problem,
         };
-        let family = SCHEMES.iter().find(|f| f.word == word || f.long == word);
+        // Either spelling: "generalized-alpha", too.
+        let long = word.replace("ized", "ised");
+        let family = SCHEMES.iter().find(|f| f.word == word || f.long == long);
         let Some(family) = family else {
             let known: Vec<&str> = SCHEMES.iter().map(|f| f.usage).collect();
             let text = format!(
