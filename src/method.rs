@@ -19,7 +19,7 @@ pub struct Prefix {
 }
 
 /// All of them.
-pub static PREFIXES: [Prefix; 4] = [
+pub static PREFIXES: [Prefix; 6] = [
     Prefix {
         word: "",
         formulation: Formulation::Total,
@@ -37,16 +37,32 @@ pub static PREFIXES: [Prefix; 4] = [
         word: "lie-",
         formulation: Formulation::LieGroup,
         about: "Lie group: exponentials of sums of angular velocities and their rates (Brüls, \
-                Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo & \
-                Vu-Quoc 1988)",
+                Cardona & Arnold 2012; with Newmark's coefficients the spin-vector Newmark of Simo & \
+                Vu-Quoc 1988, `svq-newmark`)",
         only: None,
+    },
+    Prefix {
+        word: "svq-",
+        formulation: Formulation::LieGroup,
+        about: "the spin-vector Newmark of Simo & Vu-Quoc 1988, as published: material angular \
+                velocities and their rates of both ends of a step, vectors of different tangent \
+                spaces, are added, which [M04] 3.3 calls inconsistent with the manifold; step by \
+                step the same as `lie-newmark`",
+        only: Some("newmark"),
     },
     Prefix {
         word: "spin-",
         formulation: Formulation::SpatialSpins,
-        about: "spin vectors (after Simo & Vu-Quoc 1988, spatial): angular velocities and their \
+        about: "spin vectors in the fixed frame (a variant of Simo & Vu-Quoc 1988): angular velocities and their \
                 rates of both ends of a step, vectors of different tangent spaces, are added as \
                 they stand in the fixed frame, which [M04] 3.3 calls inconsistent with the manifold",
+        only: Some("newmark"),
+    },
+    Prefix {
+        word: "mixed-",
+        formulation: Formulation::MixedSpins,
+        about: "spin vectors in the fixed frame with rates in the body (nobody's method): components \
+                of different frames are added without transport, and an order is lost",
         only: Some("newmark"),
     },
 ];
@@ -92,7 +108,7 @@ impl Method {
         }
         let spins = matches!(
             prefix.formulation,
-            Formulation::LieGroup | Formulation::SpatialSpins
+            Formulation::LieGroup | Formulation::SpatialSpins | Formulation::MixedSpins
         );
         if spins && scheme.stages().len() > 1 {
             return Err(refuse(
@@ -107,6 +123,14 @@ impl Method {
     /// The formulation of rotations.
     pub fn formulation(&self) -> Formulation {
         self.prefix.formulation
+    }
+
+    /// The order of the scheme in this formulation.
+    pub fn order(&self) -> usize {
+        match self.prefix.formulation {
+            Formulation::MixedSpins => 1,
+            _ => self.scheme.order(),
+        }
     }
 
     /// What the formulation is, and from where.

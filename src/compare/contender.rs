@@ -40,7 +40,7 @@ impl Contender {
     /// Its order in theory, where the step size is its own.
     pub fn order(&self) -> Option<usize> {
         match self {
-            Self::Method(method) => Some(method.scheme().order()),
+            Self::Method(method) => Some(method.order()),
             Self::General(_) => None,
         }
     }

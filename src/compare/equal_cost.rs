@@ -8,7 +8,7 @@ use serde::Serialize;
 /// common; where that is nothing, in the middle of the gap, and the nearest two runs are extrapolated.
 #[derive(Clone, Debug, Serialize)]
 pub struct EqualCost {
-    /// The cost: seconds of the integration alone where they were taken, or else evaluations.
+    /// The cost: assemblies of the model, or seconds of the integration alone.
     pub cost: f64,
     /// Whether it is a time.
     pub seconds: bool,
@@ -17,12 +17,11 @@ pub struct EqualCost {
     pub schemes: Vec<(String, Values, bool)>,
 }
 
-/// Finds a cost for all schemes, and their errors there.
-pub(super) fn find(schemes: &[String], rows: &[Row]) -> Option<EqualCost> {
-    let seconds = rows.iter().any(|row| row.seconds_alone.is_some());
+/// Finds a cost for all schemes, a time or a number of assemblies, and their errors there.
+pub(super) fn find(schemes: &[String], rows: &[Row], seconds: bool) -> Option<EqualCost> {
     let cost = |row: &Row| match seconds {
         true => row.seconds_alone,
-        false => Some(row.counts.evaluations as f64),
+        false => Some(row.assemblies as f64),
     };
     let mut curves = Vec::new();
     for scheme in schemes {
@@ -70,11 +69,14 @@ fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample::QUANTITIES;
     use super::*;
 
     /// Runs of an error e and a cost c.
     fn points(all: &[(f64, f64)]) -> Vec<(f64, Values)> {
-        all.iter().map(|&(c, e)| (c.ln(), Values([e; 6]))).collect()
+        all.iter()
+            .map(|&(c, e)| (c.ln(), Values([e; QUANTITIES])))
+            .collect()
     }
 
     #[test]
@@ -93,7 +95,7 @@ mod tests {
                 "{cost}: {found:?}"
             );
         }
-        let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; 6])));
+        let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; QUANTITIES])));
         assert_eq!(at(&none, 1.5, Quantity::Position), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::CompareError;
 use super::reference::{Reference, kept_by};
-use super::sample::{Pose, Sample, Values, sizes};
+use super::sample::{Pose, QUANTITIES, Sample, Values, sizes};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 use std::fmt;
@@ -54,8 +54,8 @@ impl Exact {
         Reference {
             scheme: self.name.clone(),
             steps: [0.0; 3],
-            order: Values([f64::NAN; 6]),
-            extrapolated: [false; 6],
+            order: Values([f64::NAN; QUANTITIES]),
+            extrapolated: [false; QUANTITIES],
             error,
             kept: kept_by(&samples),
             evaluations: 0,
@@ -74,17 +74,18 @@ enum Column {
     Node(usize, usize, usize),
 }
 
-const FIELDS: [&str; 5] = [
+const FIELDS: [&str; 6] = [
     "place",
     "rotation",
     "velocity",
     "angular_velocity",
     "acceleration",
+    "angular_acceleration",
 ];
 
 /// Reads exact values from a CSV file: a column `t`, `energy` if it is known, and columns
 /// `NODE.place.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
-/// `NODE.angular_velocity.x`, `NODE.acceleration.x`, the three components of each. Rows are needed at
+/// `NODE.angular_velocity.x`, `NODE.acceleration.x`, `NODE.angular_acceleration.x`, the three components of each. Rows are needed at
 /// the times of the comparison; others may be there.
 ///
 /// # Errors
@@ -183,9 +184,11 @@ fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
                     velocity,
                     omega,
                     acceleration,
+                    omega_dot,
                     ..
                 } = &mut out.nodes[node];
-                let of = [place, &mut turns[node], velocity, omega, acceleration];
+                let turn = &mut turns[node];
+                let of = [place, turn, velocity, omega, acceleration, omega_dot];
                 for (known, vector) in of.into_iter().enumerate() {
                     if known == field {
                         vector[k] = *value;

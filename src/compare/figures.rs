@@ -43,7 +43,8 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     )?;
     add(
         "work.svg",
-        "Error over what it costs: evaluations of the model, and wall-clock time.",
+        "Error over what it costs: assemblies of the model (one per evaluation, three with a tangent where \
+         rates are spins), and wall-clock time.",
         work(comparison),
     )?;
     add(
@@ -174,11 +175,8 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         true => row.seconds_alone,
         false => Some(row.seconds),
     };
-    let evaluations = |row: &Row| Some(row.counts.evaluations as f64);
-    let costs: [(&str, &Cost); 2] = [
-        ("evaluations of the model", &evaluations),
-        (&time, &seconds),
-    ];
+    let assemblies = |row: &Row| Some(row.assemblies as f64);
+    let costs: [(&str, &Cost); 2] = [("assemblies of the model", &assemblies), (&time, &seconds)];
     let quantities = shown(comparison).into_iter().take(2);
     let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
     let graph = |(quantity, (cost, of)): (Quantity, (&str, &Cost))| Graph {

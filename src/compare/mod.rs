@@ -125,6 +125,9 @@ pub struct Row {
     pub failure: Option<String>,
     /// What it did.
     pub counts: Counts,
+    /// How often it assembled the model: once per evaluation, and three times for a tangent where rates
+    /// are spins.
+    pub assemblies: usize,
     /// Root mean square errors against the reference.
     pub error: Option<Values>,
     /// Drift of what the motion keeps, and the balance of energy.
@@ -160,7 +163,7 @@ pub struct SchemeOrders {
     /// Its order in theory; none for a general solver, of which h is a tolerance.
     pub theory: Option<usize>,
     /// The order observed in each quantity, where one can be, in the order of [`Quantity::ALL`].
-    pub observed: [Option<Order>; 6],
+    pub observed: [Option<Order>; sample::QUANTITIES],
 }
 
 impl SchemeOrders {
@@ -207,8 +210,10 @@ pub struct Comparison {
     pub reference_failure: Option<String>,
     /// Observed orders of the schemes.
     pub orders: Vec<SchemeOrders>,
-    /// Errors at equal cost, where all schemes have a cost in common.
+    /// Errors at equal numbers of assemblies.
     pub equal_cost: Option<EqualCost>,
+    /// Errors at equal times of the integration alone, where they were taken.
+    pub equal_time: Option<EqualCost>,
     /// All runs, scheme by scheme, from large to small steps.
     pub rows: Vec<Row>,
     /// The long runs, one per scheme, if they are asked for; they have no errors.

@@ -1,6 +1,7 @@
 //! Observed orders of convergence and their confidence.
 
 use super::Contender;
+use super::sample::QUANTITIES;
 use super::{Quantity, Reference, Row, SchemeOrders};
 use serde::Serialize;
 
@@ -103,7 +104,7 @@ pub(super) fn orders(
             // Where h is a tolerance, a slope over it is no order.
             observed: match method.order() {
                 Some(_) => Quantity::ALL.map(|quantity| observed(&name, quantity)),
-                None => [None; 6],
+                None => [None; QUANTITIES],
             },
             scheme: name,
         }

@@ -5,7 +5,7 @@ use super::drift::{Kept, drift};
 use super::grid::Grid;
 use super::order::NEAR;
 use super::run::{Ran, Task};
-use super::sample::{Sample, Values, choose, distances, extrapolate, sizes};
+use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, sizes};
 use crate::method::Method;
 use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
@@ -36,7 +36,7 @@ pub struct Reference {
     /// Observed order of the three runs.
     pub order: Values,
     /// Whether a quantity is extrapolated.
-    pub extrapolated: [bool; 6],
+    pub extrapolated: [bool; QUANTITIES],
     /// Estimate of the error of each quantity, root mean square.
     pub error: Values,
     /// What the motion keeps.
@@ -74,9 +74,9 @@ pub(super) fn judge(scheme: &Scheme, grid: &Grid, runs: &[Ran]) -> Option<Refere
     );
     let between = distances(&ab, &bc);
     let size = sizes(&c.samples);
-    let (mut order, mut error) = ([f64::NAN; 6], [0.0; 6]);
-    let mut extrapolated = [false; 6];
-    for k in 0..6 {
+    let (mut order, mut error) = ([f64::NAN; QUANTITIES], [0.0; QUANTITIES]);
+    let mut extrapolated = [false; QUANTITIES];
+    for k in 0..QUANTITIES {
         let round_off = ROUND_OFF * size.0[k];
         if second.0[k] <= round_off {
             error[k] = round_off;

@@ -51,6 +51,8 @@ pub(super) struct Ran {
     /// The common times that it reached.
     pub samples: Vec<Sample>,
     pub summary: Summary,
+    /// How often the model was assembled on the way.
+    pub assemblies: usize,
     /// Why it did not come to its end.
     pub failure: Option<Failure>,
     /// Wall-clock time of the integration.
@@ -119,9 +121,7 @@ fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> Dyn
 pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, watch: &Watch<'_>) -> Ran {
     let mut ran = Ran {
         samples: Vec::with_capacity(grid.times + 1),
-        summary: Summary::default(),
-        failure: None,
-        time: Duration::ZERO,
+        ..Ran::default()
     };
     ran.failure = advance(make, task, grid, watch, &mut ran).err();
     ran
@@ -147,6 +147,7 @@ fn advance(
     };
     let model = &mut job.model;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let before = model.assemblies();
     let clock = Instant::now();
     for k in 0..=grid.times {
         let to = if k == 0 { 0.0 } else { grid.time(k) };
@@ -158,6 +159,7 @@ fn advance(
             flow
         });
         ran.summary = progress.summary;
+        ran.assemblies = model.assemblies() - before;
         ran.time = clock.elapsed();
         integrated?;
         if stopped {
@@ -186,6 +188,7 @@ fn in_general(
     let model = &mut job.model;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let clock = Instant::now();
+    let before = model.assemblies();
     let times = grid.all_times();
     let mut failed = None;
     let samples = &mut ran.samples;
@@ -210,6 +213,7 @@ fn in_general(
     };
     let ended = crate::general::integrate(model, &mut progress, general, &times, &mut observer);
     ran.summary = progress.summary;
+    ran.assemblies = model.assemblies() - before;
     ran.time = clock.elapsed();
     ended?;
     match failed {

@@ -21,18 +21,24 @@ pub enum Quantity {
     AngularVelocity,
     /// Accelerations of nodes.
     Acceleration,
+    /// Rates of the angular velocities of nodes, global components.
+    AngularAcceleration,
     /// Kinetic and stored energy, and the potential of the loads that have one.
     Energy,
 }
 
+/// Number of quantities.
+pub(super) const QUANTITIES: usize = 7;
+
 impl Quantity {
     /// All of them, in the order of [`Values`].
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; QUANTITIES] = [
         Self::Position,
         Self::Rotation,
         Self::Velocity,
         Self::AngularVelocity,
         Self::Acceleration,
+        Self::AngularAcceleration,
         Self::Energy,
     ];
 
@@ -44,6 +50,7 @@ impl Quantity {
             Self::Velocity => "velocity",
             Self::AngularVelocity => "angular velocity",
             Self::Acceleration => "acceleration",
+            Self::AngularAcceleration => "angular acceleration",
             Self::Energy => "energy",
         }
     }
@@ -52,6 +59,7 @@ impl Quantity {
     pub fn key(self) -> &'static str {
         match self {
             Self::AngularVelocity => "angular_velocity",
+            Self::AngularAcceleration => "angular_acceleration",
             other => other.name(),
         }
     }
@@ -59,7 +67,7 @@ impl Quantity {
 
 /// A value per [`Quantity`]; what is not known is not a number, and null in JSON.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Values(pub [f64; 6]);
+pub struct Values(pub [f64; QUANTITIES]);
 
 impl Values {
     /// That of a quantity.
@@ -91,6 +99,8 @@ pub struct Pose {
     pub omega: Vector3<f64>,
     /// Acceleration.
     pub acceleration: Vector3<f64>,
+    /// Rate of the angular velocity.
+    pub omega_dot: Vector3<f64>,
 }
 
 impl From<NodeState> for Pose {
@@ -101,6 +111,7 @@ impl From<NodeState> for Pose {
             velocity: node.velocity,
             omega: node.omega,
             acceleration: node.acceleration,
+            omega_dot: node.omega_dot,
         }
     }
 }
@@ -135,6 +146,7 @@ impl Sample {
             velocity: vector,
             omega: vector,
             acceleration: vector,
+            omega_dot: vector,
         };
         Self {
             t,
@@ -176,20 +188,21 @@ fn angle(a: &Pose, b: &Pose) -> f64 {
     2.0 * if half > 1.0 { 1.0 } else { half }.asin()
 }
 
-fn node_distances(a: &Pose, b: &Pose) -> [f64; 5] {
+fn node_distances(a: &Pose, b: &Pose) -> [f64; QUANTITIES - 1] {
     [
         (a.place - b.place).norm(),
         angle(a, b),
         (a.velocity - b.velocity).norm(),
         (a.omega - b.omega).norm(),
         (a.acceleration - b.acceleration).norm(),
+        (a.omega_dot - b.omega_dot).norm(),
     ]
 }
 
 /// Root mean square over common times and nodes of the distances of two runs; what one of them does not
 /// know is left out, and what is known nowhere is not a number.
 pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
-    let (mut sum, mut count) = ([0.0; 6], [0_usize; 6]);
+    let (mut sum, mut count) = ([0.0; QUANTITIES], [0_usize; QUANTITIES]);
     let mut add = |k: usize, d: f64| {
         if !d.is_nan() {
             sum[k] += d * d;
@@ -202,23 +215,24 @@ pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
                 add(k, d);
             }
         }
-        add(5, a.energy - b.energy);
+        add(Quantity::Energy as usize, a.energy - b.energy);
     }
     Values(std::array::from_fn(|k| (sum[k] / count[k] as f64).sqrt()))
 }
 
 /// The largest size of each quantity in a run: what its round-off is measured by.
 pub(super) fn sizes(samples: &[Sample]) -> Values {
-    let mut largest = [0.0_f64; 6];
+    let mut largest = [0.0_f64; QUANTITIES];
     for sample in samples {
         for n in &sample.nodes {
-            let sizes = [n.place, n.velocity, n.omega, n.acceleration].map(|x| x.norm());
-            for (k, size) in [0, 2, 3, 4].into_iter().zip(sizes) {
+            let vectors = [n.place, n.velocity, n.omega, n.acceleration, n.omega_dot];
+            for (k, size) in [0, 2, 3, 4, 5].into_iter().zip(vectors.map(|x| x.norm())) {
                 largest[k] = largest[k].max(size);
             }
         }
         largest[1] = 1.0;
-        largest[5] = largest[5].max(sample.gross_energy);
+        let energy = &mut largest[Quantity::Energy as usize];
+        *energy = energy.max(sample.gross_energy);
     }
     Values(largest)
 }
@@ -236,6 +250,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sampl
             velocity: towards(&a.velocity, &b.velocity),
             omega: towards(&a.omega, &b.omega),
             acceleration: towards(&a.acceleration, &b.acceleration),
+            omega_dot: towards(&a.omega_dot, &b.omega_dot),
         }
     };
     let samples = a.iter().zip(b).map(|(a, b)| Sample {
@@ -251,7 +266,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sampl
 }
 
 /// A run that has each quantity from the first where `pick` says so, from the second otherwise.
-pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; 6]) -> Vec<Sample> {
+pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIES]) -> Vec<Sample> {
     let node = |(a, b): (&Pose, &Pose)| {
         let from = |k: usize| if pick[k] { a } else { b };
         Pose {
@@ -260,11 +275,15 @@ pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; 6]) -> Ve
             velocity: from(2).velocity,
             omega: from(3).omega,
             acceleration: from(4).acceleration,
+            omega_dot: from(5).omega_dot,
         }
     };
     let samples = first.iter().zip(second).map(|(a, b)| Sample {
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: if pick[5] { a.energy } else { b.energy },
+        energy: match pick[Quantity::Energy as usize] {
+            true => a.energy,
+            false => b.energy,
+        },
         ..b.clone()
     });
     samples.collect()

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
 const BEFORE: [&str; 5] = ["run", "scheme", "step_asked", "step", "status"];
-const AFTER: [&str; 18] = [
+const AFTER: [&str; 19] = [
     "energy_drift",
     "momentum_drift",
     "angular_momentum_drift",
@@ -17,6 +17,7 @@ const AFTER: [&str; 18] = [
     "rejected",
     "iterations",
     "evaluations",
+    "assemblies",
     "factorisations",
     "chart_changes",
     "seconds",
@@ -64,6 +65,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
             c.rejected,
             c.iterations,
             c.evaluations,
+            row.assemblies,
             c.factorisations,
             c.chart_changes,
         ];

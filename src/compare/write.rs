@@ -1,8 +1,9 @@
 //! What a comparison leaves in a directory.
 
 use super::figures::{Figure, figures};
+use super::page::{Format, page};
 use super::perform::{carry_out, prepare};
-use super::{CompareError, Comparison, Maker, Options, Watch, page, tables};
+use super::{CompareError, Comparison, Maker, Options, Watch, tables};
 use crate::output::{Directory, OutputError};
 use std::path::{Path, PathBuf};
 
@@ -10,12 +11,15 @@ use std::path::{Path, PathBuf};
 const NAME: &str = "compare.json";
 /// Name of the page.
 const PAGE: &str = "compare.html";
+/// Name of the page in Markdown.
+const TEXT: &str = "compare.md";
 
 /// Names of all files that a comparison may write.
-pub const FILES: [&str; 7] = [
+pub const FILES: [&str; 8] = [
     NAME,
     "compare.csv",
     PAGE,
+    TEXT,
     "convergence.svg",
     "work.svg",
     "drift.svg",
@@ -27,8 +31,8 @@ pub fn default_directory(model: &Path) -> PathBuf {
     model.with_extension("compare")
 }
 
-/// Compares schemes and writes `compare.json`, `compare.csv`, the figures and `compare.html`, which
-/// needs no other file. `command` is the command line that asks for it.
+/// Compares schemes and writes `compare.json`, `compare.csv`, the figures, `compare.html`, which needs
+/// no other file, and the same in Markdown, `compare.md`. `command` is the command line that asks for it.
 ///
 /// A comparison that is stopped keeps what has been found, marked incomplete.
 ///
@@ -104,7 +108,7 @@ pub fn run_several(
     for comparison in &all {
         sections.push((comparison, drawn(comparison)?));
     }
-    let page = page::html(&sections, command);
+    let page = page(Format::Html, &sections, command);
     Directory::open_for(directory, &[PAGE])?.write(PAGE, &page)?;
     Ok(all)
 }
@@ -124,8 +128,10 @@ fn write(comparison: &Comparison, directory: &mut Directory) -> Result<(), Outpu
         directory.write(figure.name, &figure.svg)?;
     }
     let command = comparison.command.as_deref();
-    let page = page::html(&[(comparison, figures)], command);
-    directory.write(PAGE, &page)?;
+    let section = [(comparison, figures)];
+    for (name, format) in [(PAGE, Format::Html), (TEXT, Format::Markdown)] {
+        directory.write(name, &page(format, &section, command))?;
+    }
     directory.write(NAME, &encode(comparison)?)
 }
 

@@ -197,6 +197,7 @@ impl Model {
     ) -> Result<(), SystemError> {
         let statics = at.is_static();
         let rates = out.r_t.is_some();
+        self.work.assemblies += 1;
         let Evaluation { r, mut S, r_t } = out;
         self.check_left_out()?;
         self.enter_element_charts();

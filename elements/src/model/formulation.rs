@@ -38,6 +38,10 @@ pub enum Formulation {
     /// the spatial rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. Nothing is transported
     /// from one space to the other, which \[M04\] 3.3 calls inconsistent with the manifold.
     SpatialSpins,
+    /// Mixed spins: as the spatial ones, but with the material rates Ω̇ of the two ends in the components
+    /// of the body, ωₙ₊₁ = ωₙ + h Rₙ[(1−γ) Ω̇ₙ + γ Ω̇ₙ₊₁]. Components of two frames are added
+    /// without transport, which costs every scheme an order; it is there to show that.
+    MixedSpins,
 }
 
 impl Formulation {
@@ -47,6 +51,7 @@ impl Formulation {
             Self::Total | Self::Updated => None,
             Self::LieGroup => Some(Spins::Material),
             Self::SpatialSpins => Some(Spins::Spatial),
+            Self::MixedSpins => Some(Spins::Mixed),
         }
     }
 }
@@ -134,6 +139,12 @@ impl Model {
     /// Number of rotations that are unknowns by increments ([`Formulation`]).
     pub fn increments(&self) -> usize {
         turning(&self.nodes).count()
+    }
+
+    /// How often residual or tangent have been assembled since the model was made: once per evaluation,
+    /// three times for a tangent where rates are spins.
+    pub fn assemblies(&self) -> usize {
+        self.work.assemblies
     }
 
     /// Whether rates of any coordinates are spins at present.

@@ -7,6 +7,7 @@ use super::gather::collect;
 use super::loops::upwards;
 use super::{Form, Model, NONE, Source};
 use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, Spins};
 
 /// Coordinates and velocities of one frame node at a point.
@@ -26,6 +27,8 @@ pub struct NodeState {
     pub omega: Vector3<f64>,
     /// Acceleration ẍ, global components; zero in statics.
     pub acceleration: Vector3<f64>,
+    /// Rate ω̇ of the angular velocity, global components; zero in statics.
+    pub omega_dot: Vector3<f64>,
 }
 
 /// A motion of a rigid body: the velocity field v + ω × (x − about).
@@ -48,14 +51,19 @@ impl Model {
         };
         let w = &self.work;
         let (d, psi) = (three(&w.x, 0), three(&w.x, 3));
+        let [psi_dot, psi_ddot] = [&w.v, &w.a].map(|x| three(x, 3));
+        let R = so3::rotation(&psi);
+        // ω̇ = R Ω̇ with Ω̇ = T Ψ̈ + Ṫ Ψ̇, [M04] (50).
+        let rest = so3::T_dot_psi_dot(&psi_dot, &psi, &Quotients::new(psi.norm()));
         NodeState {
             d,
             psi,
             place: n.place + d,
-            R: so3::rotation(&psi),
+            R,
             velocity: three(&w.v, 0),
-            omega: so3::tangent(&psi).tr_mul(&three(&w.v, 3)),
+            omega: so3::tangent(&psi).tr_mul(&psi_dot),
             acceleration: three(&w.a, 0),
+            omega_dot: R * (so3::tangent(&psi) * psi_ddot + rest),
         }
     }
 
@@ -206,7 +214,7 @@ impl Model {
                 let rate = match spins {
                     None => so3::tangent_inverse(&theta).tr_mul(&omega),
                     Some(Spins::Material) => so3::rotation(&theta).tr_mul(&omega),
-                    Some(Spins::Spatial) => omega,
+                    Some(Spins::Spatial | Spins::Mixed) => omega,
                 };
                 put(first, &rate);
             }

@@ -17,6 +17,8 @@ pub(super) struct Workspace {
     pub a: Vec<f64>,
     /// Time of these.
     pub t: f64,
+    /// How often the model has been assembled.
+    pub assemblies: usize,
     /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
@@ -101,6 +103,7 @@ impl Workspace {
             v: zeros(total),
             a: zeros(total),
             t: 0.0,
+            assemblies: 0,
             r: zeros(total),
             r_t: zeros(total),
             direct: zeros(total),

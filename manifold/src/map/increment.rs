@@ -35,7 +35,8 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew. With
-/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ.
+/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones those of
+/// w and the material Ω̇, which stays as it is when the chart is centred anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the sheet of Ψ in use.
@@ -171,11 +172,13 @@ impl<const D: usize> Map<D, D> for Increment {
         // From rates or spins at θ to Ω and Ω̇.
         let B = match spins {
             Some(Spins::Material) => return Some(new),
-            Some(Spins::Spatial) => so3::rotation(&theta).transpose(),
+            Some(Spins::Spatial | Spins::Mixed) => so3::rotation(&theta).transpose(),
             None => so3::tangent(&theta),
         };
         new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
-        new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
+        if spins != Some(Spins::Mixed) {
+            new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
+        }
         if spins.is_none() {
             let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
             new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{A_varied, C1, T_dot_psi_dot, tangent_inverse};
+use super::{A_varied, C1, T_dot_psi_dot, rotation, skew, tangent, tangent_inverse};
 use crate::quotients::Quotients;
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,6 +14,9 @@ pub enum Spins {
     /// The spatial one in the components of Rₙ, w = Rₙᵀ ω = R(θ) Ω = Tᵀ θ̇ and ẇ = Rₙᵀ ω̇ = R(θ) Ω̇:
     /// components stay where they are, and sums of w are those of ω.
     Spatial,
+    /// The spatial w with the material Ω̇: components of the body are added to those of Rₙ as if they
+    /// were of one space, which costs a scheme an order. Nobody's method; it shows what transport is for.
+    Mixed,
 }
 
 impl Spins {
@@ -21,7 +24,7 @@ impl Spins {
     fn sign(self) -> f64 {
         match self {
             Self::Material => 1.0,
-            Self::Spatial => -1.0,
+            Self::Spatial | Self::Mixed => -1.0,
         }
     }
 }
@@ -39,7 +42,7 @@ pub struct Spin {
 }
 
 impl Spin {
-    /// The rates at θ with the spins Ω and Ω̇, or w and ẇ.
+    /// The rates at θ with the spins Ω and Ω̇, w and ẇ, or w and Ω̇.
     #[must_use]
     pub fn rates(
         spins: Spins,
@@ -47,6 +50,10 @@ impl Spin {
         Omega: &Vector3<f64>,
         Omega_dot: &Vector3<f64>,
     ) -> Self {
+        let Omega_dot = match spins {
+            Spins::Mixed => rotation(theta) * Omega_dot,
+            Spins::Material | Spins::Spatial => *Omega_dot,
+        };
         let theta = theta * spins.sign();
         let T_inverse = tangent_inverse(&theta);
         let theta_dot = T_inverse * Omega;
@@ -66,8 +73,19 @@ impl Spin {
     /// T δθ̇ = δΩ − C₁(θ̇,θ) δθ                                                [M04] (44)
     /// T δθ̈ = δΩ̇ − (C₅(θ̇,θ) + C₁(θ̈,θ)) δθ − C₄(θ̇,θ) δθ̇                       [M04] (63)
     /// ```
+    ///
+    /// Of mixed ones M e is δΩ̇ in the body, so that δẇ = R(θ) (M e + Tδθ × Ω̇).
     #[must_use]
     pub fn varied(&self, [K, C, M]: [f64; 3], theta: &Vector3<f64>) -> [Matrix3<f64>; 2] {
+        let given = match self.spins {
+            Spins::Material | Spins::Spatial => Matrix3::from_diagonal_element(M),
+            Spins::Mixed => {
+                let T = tangent(theta);
+                let rest = T_dot_psi_dot(&self.theta_dot, theta, &Quotients::new(theta.norm()));
+                let Omega_dot = T * self.theta_ddot + rest;
+                rotation(theta) * (Matrix3::from_diagonal_element(M) - skew(&Omega_dot) * T * K)
+            }
+        };
         // Everything changes its sign for spatial spins: derivatives do not.
         let sign = self.spins.sign();
         let [theta, theta_dot, theta_ddot] =
@@ -77,8 +95,7 @@ impl Spin {
         let of = |numbers| A_varied(numbers, &theta_dot, &theta_ddot, &theta, &c);
         let first = Matrix3::from_diagonal_element(C) - C1(&theta_dot, &theta, &c) * K;
         let first = T_inverse * first;
-        let second =
-            Matrix3::from_diagonal_element(M) - of([K, 0.0, 0.0]) - of([0.0, 1.0, 0.0]) * first;
+        let second = given - of([K, 0.0, 0.0]) - of([0.0, 1.0, 0.0]) * first;
         [first, T_inverse * second]
     }
 }

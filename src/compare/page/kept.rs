@@ -1,10 +1,10 @@
 //! Tables of energies and momenta.
 
-use super::{cells, end_table, escaped, first, put, step, table};
+use super::{Page, escaped, first, step};
 use crate::compare::tables::short;
 use crate::compare::{Comparison, Kept, Row};
 
-pub(super) fn drift(out: &mut String, c: &Comparison) {
+pub(super) fn drift(out: &mut Page, c: &Comparison) {
     let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
     let constraints = if c.enforced {
         "Loops closed by multipliers hold their equations h at every step to the tolerance of the \
@@ -13,7 +13,8 @@ pub(super) fn drift(out: &mut String, c: &Comparison) {
         "Constraints are maps x = φ(t, q): they hold at every step whatever the scheme. Where loops are \
          closed by their equations, |h| is what Newton's method leaves of them at a given q."
     };
-    put(out, &format!("<p>{} {constraints}</p>", keeps(&kept)));
+    out.heading(2, "", "What the motion keeps");
+    out.paragraph("", &format!("{} {constraints}", keeps(&kept)));
     let caption = "Largest change since the start at common times, of what is kept; |h|, the largest \
                    residual of a loop there, each equation over its size; and the largest \
                    defect of the balance of energy over all steps, kinetic and stored less supplied \
@@ -23,6 +24,7 @@ pub(super) fn drift(out: &mut String, c: &Comparison) {
                    the magnitudes of kinetic and stored energy and load potential.";
     rows(out, caption, &c.rows);
     if let Some(row) = c.long.first() {
+        out.heading(2, "", "What a long run keeps");
         let end = row.samples.last().map_or(0.0, |s| s.t);
         let halved = c.long.iter().filter(|row| row.counts.rejected > 0);
         let halved: Vec<&str> = halved.map(|row| row.scheme.as_str()).collect();
@@ -38,7 +40,7 @@ pub(super) fn drift(out: &mut String, c: &Comparison) {
     }
 }
 
-fn rows(out: &mut String, caption: &str, rows: &[Row]) {
+fn rows(out: &mut Page, caption: &str, rows: &[Row]) {
     let columns = [
         "scheme",
         "h",
@@ -51,7 +53,7 @@ fn rows(out: &mut String, caption: &str, rows: &[Row]) {
         "relative",
         "trend, relative",
     ];
-    table(out, caption, &columns.map(str::to_owned), 1);
+    out.table(caption, &columns.map(str::to_owned), 1);
     for (k, row) in rows.iter().enumerate() {
         let optional = |x: Option<f64>| x.map_or("–".to_owned(), short);
         let drift = row.drift;
@@ -67,9 +69,9 @@ fn rows(out: &mut String, caption: &str, rows: &[Row]) {
             drift.relative(drift.trend),
         ];
         line.extend(all.map(optional));
-        cells(out, first(rows, k), 1, &line);
+        out.row(first(rows, k), 1, &line);
     }
-    end_table(out);
+    out.end_table();
 }
 
 /// What a motion keeps, in words.

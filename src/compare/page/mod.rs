@@ -1,13 +1,17 @@
-//! `compare.html`: one page that needs nothing else, for the screen and for print.
+//! `compare.html`: one page that needs nothing else, for the screen and for print; and `compare.md`, the
+//! same in Markdown.
 
 mod kept;
 mod orders;
 mod runs;
+mod writer;
 
 use super::figures::Figure;
 use super::tables::short;
 use super::{Comparison, Quantity, Row};
-use std::fmt::Write;
+use writer::Page;
+
+pub(super) use writer::Format;
 
 const STYLE: &str = "\
 body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:#222;max-width:1080px;margin:2em auto;\
@@ -21,80 +25,70 @@ p.caption{font-size:.88em;color:#444;break-after:avoid}sup{line-height:0}small{c
 th,td{padding:.22em .7em;text-align:right;white-space:nowrap;vertical-align:top}\
 th{border-bottom:1px solid #444;font-weight:600;white-space:normal;vertical-align:bottom}thead tr:first-child th{border-top:1.5px solid #444}\
 tbody tr:last-child td{border-bottom:1.5px solid #444}\
-td.l,th.l{text-align:left}tr.next td{border-top:1px solid #ccc}td.reason{white-space:pre-wrap;\
-text-align:left;color:#a33c00}\
+td.l,th.l{text-align:left}tr.next td{border-top:1px solid #ccc}span.reason{white-space:pre-wrap;\
+color:#a33c00}\
 figure{margin:1.2em 0;break-inside:avoid}figure svg{max-width:100%;height:auto}\
 figcaption{font-size:.9em;color:#444}\
 @page{size:A4;margin:15mm}\
 @media print{body{font-size:10pt;max-width:none;margin:0;padding:0}table{font-size:7.5pt}\
 figure{margin:.8em 0}figure svg{max-height:108mm}th,td{padding:.12em .45em}h2{break-after:avoid}tr{break-inside:avoid}}";
 
-/// The page of comparisons, each on a model of its own, with their figures inside.
-pub(super) fn html(all: &[(&Comparison, Vec<Figure>)], command: Option<&str>) -> String {
-    let mut out = String::new();
+/// The page of comparisons, each on a model of its own, with their figures.
+pub(super) fn page(
+    format: Format,
+    all: &[(&Comparison, Vec<Figure>)],
+    command: Option<&str>,
+) -> String {
+    let mut out = Page::new(format);
     let title = match all {
         [(c, _)] => format!("{}: schemes compared", title(c)),
         _ => format!("Schemes compared on {} models", all.len()),
     };
-    put(
-        &mut out,
-        &format!(
+    if out.is_html() {
+        out.put(&format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<title>{title}\
              </title>\n<style>{STYLE}</style>\n</head>\n<body>"
-        ),
-    );
+        ));
+    }
     if all.len() > 1 {
-        put(&mut out, &format!("<h1>{title}</h1>"));
+        out.heading(1, "", &title);
     }
     for (k, (comparison, figures)) in all.iter().enumerate() {
-        let class = if k > 0 { " class=\"another\"" } else { "" };
-        put(
-            &mut out,
-            &format!("<h1{class}>{}</h1>", self::title(comparison)),
-        );
+        let class = if k > 0 { "another" } else { "" };
+        out.heading(1, class, &self::title(comparison));
         // One command made all of them.
         let command = command.filter(|_| k == 0);
         section(&mut out, comparison, figures, command);
     }
-    put(&mut out, "</body>\n</html>");
-    out
+    if out.is_html() {
+        out.put("</body>\n</html>");
+    }
+    out.into_text()
 }
 
 fn title(c: &Comparison) -> String {
     escaped(c.title.as_deref().unwrap_or(&c.model))
 }
 
-fn section(out: &mut String, c: &Comparison, figures: &[Figure], command: Option<&str>) {
+fn section(out: &mut Page, c: &Comparison, figures: &[Figure], command: Option<&str>) {
     head(out, c, command);
     if let Some(reference) = &c.reference {
-        put(out, "<h2>Orders of convergence</h2>");
+        out.heading(2, "", "Orders of convergence");
         orders::orders(out, c);
         orders::describe(out, reference);
     }
     for figure in figures {
-        let Figure { caption, svg, .. } = figure;
-        put(
-            out,
-            &format!(
-                "<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>",
-                inline(svg)
-            ),
-        );
+        out.figure(figure);
     }
-    put(out, "<h2>Errors</h2>");
+    out.heading(2, "", "Errors");
     runs::errors(out, c);
-    put(out, "<h2>Cost</h2>");
-    runs::equal_cost(out, c);
+    for equal in c.equal_cost.iter().chain(&c.equal_time) {
+        runs::equal_cost(out, equal);
+    }
+    out.heading(2, "", "Cost");
     runs::cost(out, c);
-    put(out, "<h2>What the motion keeps</h2>");
     kept::drift(out, c);
     runs::failures(out, c);
-}
-
-/// Appends a line.
-fn put(out: &mut String, line: &str) {
-    out.push_str(line);
-    out.push('\n');
 }
 
 pub(super) fn escaped(text: &str) -> String {
@@ -102,18 +96,11 @@ pub(super) fn escaped(text: &str) -> String {
     text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A figure as part of a page: without its declaration.
-fn inline(svg: &str) -> &str {
-    svg.find("<svg")
-        .map_or(svg, |start| svg[start..].trim_end())
-}
-
-fn head(out: &mut String, c: &Comparison, command: Option<&str>) {
-    put(
-        out,
+fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
+    out.paragraph(
+        "",
         &format!(
-            "<p>Schemes of time integration compared on <code>{}</code>: {} unknown{}, time from 0 to \
-             {}.</p>",
+            "Schemes of time integration compared on <code>{}</code>: {} unknown{}, time from 0 to {}.",
             escaped(&c.model),
             c.unknowns,
             if c.unknowns == 1 { "" } else { "s" },
@@ -121,62 +108,23 @@ fn head(out: &mut String, c: &Comparison, command: Option<&str>) {
         ),
     );
     if let Some(command) = command {
-        put(
-            out,
-            &format!("<p class=\"command\"><code>{}</code></p>", escaped(command)),
-        );
+        out.command(command);
     }
-    put(
-        out,
-        &format!(
-            "<p>{}, {} {}.</p>",
-            c.program,
-            std::env::consts::OS,
-            std::env::consts::ARCH
-        ),
-    );
+    let (system, machine) = (std::env::consts::OS, std::env::consts::ARCH);
+    out.paragraph("", &format!("{}, {system} {machine}.", c.program));
     if !c.complete {
-        put(
-            out,
-            "<p class=\"warning\">This comparison was interrupted: rows are missing or without errors.</p>",
+        out.paragraph(
+            "warning",
+            "This comparison was interrupted: rows are missing or without errors.",
         );
     }
     if let Some(failure) = &c.reference_failure {
         let failure = escaped(failure);
-        put(
-            out,
-            &format!("<p class=\"warning\">There is no reference, hence no error: {failure}</p>"),
+        out.paragraph(
+            "warning",
+            &format!("There is no reference, hence no error: {failure}"),
         );
     }
-}
-
-/// The head of a table: a caption, and names of columns, the first ones of words.
-fn table(out: &mut String, caption: &str, columns: &[String], words: usize) {
-    if !caption.is_empty() {
-        put(out, &format!("<p class=\"caption\">{caption}</p>"));
-    }
-    put(out, "<table>");
-    let mut head = String::from("<thead><tr>");
-    for (k, column) in columns.iter().enumerate() {
-        let class = if k < words { " class=\"l\"" } else { "" };
-        // Writing to a string cannot fail.
-        let _ = write!(head, "<th{class}>{column}</th>");
-    }
-    put(out, &format!("{head}</tr></thead>\n<tbody>"));
-}
-
-fn end_table(out: &mut String) {
-    put(out, "</tbody>\n</table>");
-}
-
-/// A row of a table, the first cells of words.
-fn cells(out: &mut String, next: bool, words: usize, cells: &[String]) {
-    let mut row = String::from(if next { "<tr class=\"next\">" } else { "<tr>" });
-    for (k, cell) in cells.iter().enumerate() {
-        let class = if k < words { " class=\"l\"" } else { "" };
-        let _ = write!(row, "<td{class}>{cell}</td>");
-    }
-    put(out, &(row + "</tr>"));
 }
 
 fn names() -> impl Iterator<Item = String> {

@@ -1,11 +1,11 @@
 //! Tables of orders and of the reference.
 
-use super::{cells, end_table, escaped, exact, names, put, table};
+use super::{Page, escaped, exact, names};
 use crate::compare::order::{ABOVE_REFERENCE, NEAR, STRAIGHT};
 use crate::compare::tables::{order, short, theory};
-use crate::compare::{Comparison, Quantity, Reference};
+use crate::compare::{Comparison, Quantity, Reference, SchemeOrders};
 
-pub(super) fn orders(out: &mut String, c: &Comparison) {
+pub(super) fn orders(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "theory"].map(str::to_owned).into_iter())
         .chain(names())
         .collect();
@@ -19,7 +19,7 @@ pub(super) fn orders(out: &mut String, c: &Comparison) {
          not seen to be) in the asymptotic range. – stands where fewer than two errors can be used.",
         ABOVE_REFERENCE as usize
     );
-    table(out, &caption, &columns, 1);
+    out.table(&caption, &columns, 1);
     for scheme in &c.orders {
         let mut row = vec![
             escaped(&scheme.scheme),
@@ -35,53 +35,49 @@ pub(super) fn orders(out: &mut String, c: &Comparison) {
                 }
             }
         }));
-        cells(out, false, 1, &row);
+        out.row(false, 1, &row);
     }
-    end_table(out);
+    out.end_table();
     formulations(out, c);
 }
 
 /// What the rotations are in each scheme, where they are not the same in all.
-fn formulations(out: &mut String, c: &Comparison) {
+fn formulations(out: &mut Page, c: &Comparison) {
     let first = c.orders.first().map(|o| o.formulation);
     if c.orders.iter().all(|o| Some(o.formulation) == first) {
         return;
     }
-    put(
-        out,
-        "<p>Rotations of frames are unknowns in these formulations:</p>\n<ul>\n",
+    out.paragraph(
+        "",
+        "Rotations of frames are unknowns in these formulations:",
     );
-    for scheme in &c.orders {
-        let line = format!(
-            "<li><code>{}</code>: {}</li>\n",
-            escaped(&scheme.scheme),
-            escaped(scheme.formulation)
-        );
-        put(out, &line);
-    }
-    put(out, "</ul>\n");
+    let item = |scheme: &SchemeOrders| {
+        let [name, formulation] = [&scheme.scheme[..], scheme.formulation].map(escaped);
+        format!("<code>{name}</code>: {formulation}")
+    };
+    out.list(&c.orders.iter().map(item).collect::<Vec<_>>());
 }
 
-pub(super) fn describe(out: &mut String, r: &Reference) {
+pub(super) fn describe(out: &mut Page, r: &Reference) {
     let [a, b, c] = r.steps;
     if c == 0.0 {
         let name = escaped(&r.scheme);
-        put(
-            out,
+        out.paragraph(
+            "",
             &format!(
-                "<p>Errors are those against a solution that is given: <code>{name}</code>. It knows the \
-                 quantities that have errors below.</p>"
+                "Errors are those against a solution that is given: <code>{name}</code>. It knows the \
+                 quantities that have errors below."
             ),
         );
         return;
     }
-    put(
-        out,
+    out.paragraph(
+        "",
         &format!(
-            "<p>Reference: <code>{}</code> with step sizes A = {}, B = {} and C = {}. A quantity \
+            "Reference: <code>{}</code> with step sizes A = {}, B = {} and C = {}. A quantity \
              whose observed order is that in theory is extrapolated from B and C after Richardson, \
              and the estimate of its error is twice the distance from the extrapolation of A and B. {} \
-             evaluations, {} changes of chart in C.</p>",
+             evaluations, {} changes of chart in C.",
             escaped(&r.scheme),
             exact(a),
             exact(b),
@@ -91,7 +87,7 @@ pub(super) fn describe(out: &mut String, r: &Reference) {
         ),
     );
     let columns: Vec<String> = std::iter::once(String::new()).chain(names()).collect();
-    table(out, "The reference's own error", &columns, 1);
+    out.table("The reference's own error", &columns, 1);
     let row = |name: &str, value: &dyn Fn(Quantity) -> String| {
         let values = Quantity::ALL.into_iter().map(value);
         std::iter::once(name.to_owned())
@@ -102,7 +98,7 @@ pub(super) fn describe(out: &mut String, r: &Reference) {
         order if order.is_finite() => format!("{order:.2}"),
         _ => "–".to_owned(),
     });
-    cells(out, false, 1, &observed);
+    out.row(false, 1, &observed);
     let extrapolated = row("extrapolated", &|q| {
         if r.extrapolated[q as usize] {
             "yes"
@@ -111,12 +107,7 @@ pub(super) fn describe(out: &mut String, r: &Reference) {
         }
         .to_owned()
     });
-    cells(out, false, 1, &extrapolated);
-    cells(
-        out,
-        false,
-        1,
-        &row("error (rms)", &|q| short(r.error.of(q))),
-    );
-    end_table(out);
+    out.row(false, 1, &extrapolated);
+    out.row(false, 1, &row("error (rms)", &|q| short(r.error.of(q))));
+    out.end_table();
 }

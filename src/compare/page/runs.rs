@@ -1,10 +1,10 @@
 //! Tables of the runs: errors, cost, reasons of failures.
 
-use super::{cells, end_table, escaped, exact, first, names, put, step, table};
+use super::{Page, escaped, exact, first, names, step};
 use crate::compare::tables::{short, status};
 use crate::compare::{Comparison, EqualCost, Quantity, Row};
 
-pub(super) fn errors(out: &mut String, c: &Comparison) {
+pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
         .chain(names())
         .collect();
@@ -15,7 +15,7 @@ pub(super) fn errors(out: &mut String, c: &Comparison) {
         c.times,
         changed_steps(c)
     );
-    table(out, &caption, &columns, 1);
+    out.table(&caption, &columns, 1);
     for (k, row) in c.rows.iter().enumerate() {
         let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
         // An error below that of the reference is only known to be no larger than that.
@@ -26,9 +26,9 @@ pub(super) fn errors(out: &mut String, c: &Comparison) {
             Some(error) => short(error),
         };
         line.extend(Quantity::ALL.map(error));
-        cells(out, first(&c.rows, k), 1, &line);
+        out.row(first(&c.rows, k), 1, &line);
     }
-    end_table(out);
+    out.end_table();
 }
 
 /// Which step sizes were made of those asked for, where they are others.
@@ -60,33 +60,33 @@ fn note(row: &Row) -> &'static str {
     }
 }
 
-/// What evaluations do not count, where there are schemes whose rates are spins.
-fn spins(equal: &EqualCost) -> &'static str {
-    let spinning = |name: &str| name.starts_with("lie-") || name.starts_with("spin-");
-    match equal.schemes.iter().any(|s| spinning(&s.0)) && !equal.seconds {
-        true => {
-            " An evaluation of lie- and spin- assembles the tangent three times: --timed counts that."
-        }
-        false => "",
-    }
-}
-
 /// Errors of all schemes at a cost that they have in common.
-pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
-    let Some(equal) = &c.equal_cost else { return };
-    let what = match equal.seconds {
-        true => format!("{} s of integration alone", short(equal.cost)),
-        false => format!("{} evaluations of the model", equal.cost.round()),
+pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
+    let (title, what) = match equal.seconds {
+        true => {
+            let time = short(equal.cost);
+            (
+                "Errors at equal time",
+                format!("{time} s of integration alone"),
+            )
+        }
+        false => {
+            let count = equal.cost.round();
+            (
+                "Errors at equal work",
+                format!("{count} assemblies of the model"),
+            )
+        }
     };
+    out.heading(2, "", title);
     let caption = format!(
-        "Errors at equal cost, {what}: log error interpolated over log cost between neighbouring step \
-         sizes, or extrapolated from the nearest two (≈); in brackets, over that of the first scheme.{}",
-        spins(equal)
+        "At {what}: log error interpolated over log cost between neighbouring step sizes, or \
+         extrapolated from the nearest two (≈); in brackets, over that of the first scheme.",
     );
     let columns: Vec<String> = std::iter::once("scheme".to_owned())
         .chain(names())
         .collect();
-    table(out, &caption, &columns, 1);
+    out.table(&caption, &columns, 1);
     for (name, errors, beyond) in &equal.schemes {
         let about = if *beyond { "≈ " } else { "" };
         let mut line = vec![escaped(name)];
@@ -98,12 +98,12 @@ pub(super) fn equal_cost(out: &mut String, c: &Comparison) {
                 (e, _) => format!("{about}{}", short(e)),
             }
         }));
-        cells(out, false, 1, &line);
+        out.row(false, 1, &line);
     }
-    end_table(out);
+    out.end_table();
 }
 
-pub(super) fn cost(out: &mut String, c: &Comparison) {
+pub(super) fn cost(out: &mut Page, c: &Comparison) {
     let columns = [
         "scheme",
         "h",
@@ -111,6 +111,7 @@ pub(super) fn cost(out: &mut String, c: &Comparison) {
         "rejected",
         "solutions per step",
         "evaluations",
+        "assemblies",
         "factorisations",
         "changes of chart",
         "time / s",
@@ -122,10 +123,10 @@ pub(super) fn cost(out: &mut String, c: &Comparison) {
     };
     let caption = format!(
         "Time is wall-clock time with the audits of energy and momentum, {beside}; alone, where it was \
-         taken, that of the integration and nothing else, the least of some repetitions. An evaluation with \
-         a tangent assembles the model three times where rates are spins."
+         taken, that of the integration and nothing else, the least of some repetitions. An evaluation \
+         assembles the model once, with a tangent three times where rates are spins."
     );
-    table(out, &caption, &columns.map(str::to_owned), 1);
+    out.table(&caption, &columns.map(str::to_owned), 1);
     for (k, row) in c.rows.iter().enumerate() {
         let n = &row.counts;
         let per_step = match n.steps {
@@ -139,33 +140,29 @@ pub(super) fn cost(out: &mut String, c: &Comparison) {
             n.rejected.to_string(),
             per_step,
             n.evaluations.to_string(),
+            row.assemblies.to_string(),
             n.factorisations.to_string(),
             n.chart_changes.to_string(),
             short(row.seconds),
             row.seconds_alone.map_or("–".to_owned(), short),
         ];
-        cells(out, first(&c.rows, k), 1, &line);
+        out.row(first(&c.rows, k), 1, &line);
     }
-    end_table(out);
+    out.end_table();
 }
 
-pub(super) fn failures(out: &mut String, c: &Comparison) {
+pub(super) fn failures(out: &mut Page, c: &Comparison) {
     if c.rows.iter().all(|row| row.failure.is_none()) {
         return;
     }
-    put(out, "<h2>Runs without an end</h2>");
+    out.heading(2, "", "Runs without an end");
     let columns = ["scheme", "h", "reason"].map(str::to_owned);
-    table(out, "", &columns, 3);
+    out.table("", &columns, 3);
     for row in &c.rows {
         if let Some(failure) = &row.failure {
-            let line = format!(
-                "<tr><td class=\"l\">{}</td><td class=\"l\">{}</td><td class=\"reason\">{}</td></tr>",
-                escaped(&row.scheme),
-                step(row),
-                escaped(failure)
-            );
-            put(out, &line);
+            let reason = format!("<span class=\"reason\">{}</span>", escaped(failure));
+            out.row(false, 3, &[escaped(&row.scheme), step(row), reason]);
         }
     }
-    end_table(out);
+    out.end_table();
 }
