@@ -113,6 +113,9 @@ pub struct Counts {
     /// Energies, in dynamics.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "energies")]
     pub energy: Option<EnergyBalance>,
+    /// The largest stable step, where the scheme has a limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stable_step: Option<f64>,
 }
 
 /// What `result.json` tells of the energies; the rest is for a run that goes on.
@@ -140,6 +143,7 @@ impl Counts {
             factorisations: s.factorisations,
             chart_changes: s.chart_changes,
             energy: None,
+            stable_step: None,
         }
     }
 
@@ -154,6 +158,7 @@ impl Counts {
             factorisations: s.factorisations,
             chart_changes: s.chart_changes,
             energy: s.energy,
+            stable_step: s.stable_step,
         }
     }
 }

@@ -202,6 +202,9 @@ pub fn counts(counts: &Counts) -> String {
             energy.now.kinetic, energy.now.stored, energy.work, energy.largest_defect
         );
     }
+    if let Some(stable) = counts.stable_step {
+        let _ = writeln!(out, "stable for steps of at most {stable:.6e} at its start");
+    }
     out
 }
 

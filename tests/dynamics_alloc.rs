@@ -83,8 +83,8 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
 
 /// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
 /// a body on a rigid link, and a ring on the first arm, all under gravity; two bodies whose angles
-/// close a loop beside them. The ring's way, and the coordinate of the loop.
-fn everything(formulation: Formulation) -> (Model, [NodeId; 2]) {
+/// close a loop beside them. Where the base is not driven it is held. The ring's way, and the coordinate of the loop.
+fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
     let mut b = ModelBuilder::new();
     b.formulate(formulation);
     let base = b.node("base", [0.0; 3]).unwrap();
@@ -130,7 +130,10 @@ fn everything(formulation: Formulation) -> (Model, [NodeId; 2]) {
         b.support(base, &[dof]);
     }
     // Several turns, so that driven and free rotations change charts.
-    b.prescribe(base, Dof::RZ, Proportional(3.0));
+    match driven {
+        true => b.prescribe(base, Dof::RZ, Proportional(3.0)),
+        false => b.support(base, &[Dof::RZ]),
+    }
     let q = circle(&mut b);
     (b.build().unwrap(), [ring.way, q])
 }
@@ -142,7 +145,9 @@ fn allocations(
     options: &DynamicOptions,
     formulation: Formulation,
 ) -> (usize, Summary, usize) {
-    let (mut model, [way, q]) = everything(formulation);
+    // Energy is kept where nothing is driven.
+    let driven = !options.scheme.keeps_energy();
+    let (mut model, [way, q]) = everything(formulation, driven);
     let n = model.pattern().dim();
     let mut v = vec![0.0; n];
     let turning = RigidMotion {
@@ -200,9 +205,21 @@ fn twice_as_many_steps_allocate_no_more() {
         Formulation::Updated,
         Formulation::LieGroup,
         Formulation::SpatialSpins,
+        Formulation::MixedSpins,
     ]
     .map(|f| (plain, f));
-    for (options, formulation) in total.into_iter().chain(others) {
+    // One that finds multipliers for what the motion keeps, in every step.
+    let keeping = DynamicOptions {
+        scheme: "em:0.8".parse().unwrap(),
+        ..plain
+    };
+    let keepers = [
+        Formulation::Total,
+        Formulation::Updated,
+        Formulation::LieGroup,
+    ]
+    .map(|f| (keeping, f));
+    for (options, formulation) in total.into_iter().chain(others).chain(keepers) {
         let (few, short, early) = allocations(150, &options, formulation);
         let (many, long, all) = allocations(300, &options, formulation);
         assert_eq!([short.steps, long.steps], [150, 300]);

@@ -73,9 +73,34 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
             let slope = (pair[0] / pair[1]).log2();
             assert!((slope - 2.0).abs() < 0.1, "{method} at {h}: {errors:?}");
         }
+        // ω goes round the same axis: its rate is a cross product with it.
+        let errors: Vec<f64> = (comparison.of(method))
+            .map(|row| {
+                let samples = row.samples[1..].iter();
+                let rate = |t: f64| {
+                    let axis = Vector3::new(3.0, 0.0, 2.0);
+                    let omega = Rotation3::new(axis * t) * Vector3::new(3.0, 0.0, 4.0);
+                    turned * axis.cross(&omega)
+                };
+                let off = samples.map(|s| (s.nodes[0].omega_dot - rate(s.t)).norm_squared());
+                (off.sum::<f64>() / (row.samples.len() - 1) as f64).sqrt()
+            })
+            .collect();
+        for slope in slopes(&errors) {
+            assert!((slope - 2.0).abs() < 0.1, "{method}: {errors:?}");
+        }
+        // The reference knows it as well.
+        for (row, exact) in comparison.of(method).zip(errors) {
+            let found = row.error.unwrap().of(Quantity::AngularAcceleration);
+            let part = ((row.samples.len() - 1) as f64 / row.samples.len() as f64).sqrt();
+            assert!(
+                (found / (exact * part) - 1.0).abs() < 0.01,
+                "{method}: {found:e} {exact:e}"
+            );
+        }
     }
     for orders in &comparison.orders {
-        for quantity in [Quantity::Rotation, Quantity::Velocity] {
+        for quantity in [Quantity::Rotation, Quantity::AngularAcceleration] {
             if let Some(order) = orders.of(quantity) {
                 let name = &orders.scheme;
                 assert!((order.order - 2.0).abs() < 0.1, "{name}: {order:?}");
@@ -184,6 +209,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
         Formulation::Updated,
         Formulation::LieGroup,
         Formulation::SpatialSpins,
+        Formulation::MixedSpins,
     ] {
         let mut job = input::job_in("rod.toml", &file, formulation).unwrap();
         // A step centres the charts, and spins begin.

@@ -126,7 +126,9 @@ fn steps_beyond_the_stable_one_are_refused_with_what_it_is() {
             "{n}: {frequency} {exact}"
         );
         assert!((stable / h - 1.0).abs() < 1e-5, "{n}: {stable} {h}");
-        assert!(run(&mut chain, &q, &explicit(10.0 * h, 0.999 * h)).is_ok());
+        // An accepted step is told the same.
+        let accepted = run(&mut chain, &q, &explicit(10.0 * h, 0.999 * h)).unwrap();
+        assert_eq!(accepted.summary.stable_step, Some(stable));
     }
     // One light mass in a chain sets the step, and is named.
     let mut chain = Chain::new(10, 50.0, 1.0);

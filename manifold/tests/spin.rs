@@ -30,13 +30,17 @@ fn rates_give_the_spins_that_they_come_from() {
         let w = Spin::rates(Spins::Spatial, &theta, &(R * Omega), &(R * Omega_dot));
         assert!((w.theta_dot - s.theta_dot).norm() < 1e-14);
         assert!((w.theta_ddot - s.theta_ddot).norm() < 1e-13);
+        // And with the rate in the body beside the velocity in the frame.
+        let m = Spin::rates(Spins::Mixed, &theta, &(R * Omega), &Omega_dot);
+        assert!((m.theta_dot - s.theta_dot).norm() < 1e-14);
+        assert!((m.theta_ddot - s.theta_ddot).norm() < 1e-13);
     }
 }
 
 #[test]
 fn their_variation_is_their_derivative() {
-    let both = [Spins::Material, Spins::Spatial];
-    let cases = cases().into_iter().flat_map(|case| both.map(|s| (s, case)));
+    let all = [Spins::Material, Spins::Spatial, Spins::Mixed];
+    let cases = cases().into_iter().flat_map(|case| all.map(|s| (s, case)));
     for (spins, [theta, Omega, Omega_dot]) in cases {
         let spin = Spin::rates(spins, &theta, &Omega, &Omega_dot);
         for numbers in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -1.2, 0.8]] {
@@ -83,6 +87,12 @@ fn an_increment_remembers_where_it_is_centred() {
     let new = spatial.rewrite(0.0, &q, &v).unwrap();
     assert!((rotation(&q) * new.v - v).norm() < 1e-14);
     assert!((rotation(&q) * new.B * v - v).norm() < 1e-14 && new.c == Vector3::zeros());
+    // Of mixed ones the velocity turns back, and the rate in the body stays.
+    let mut mixed = Increment::spinning(Spins::Mixed);
+    mixed.rewrite(0.0, &q, &v).unwrap();
+    let new = mixed.rewrite(0.0, &q, &v).unwrap();
+    assert!((rotation(&q) * new.v - v).norm() < 1e-14);
+    assert!(new.B == Matrix3::identity() && new.c == Vector3::zeros());
     // From its memory another one goes on at the same place.
     let memory = Map::<3, 3>::memory(&one);
     let mut other = Increment::spinning(Spins::Material);

@@ -55,6 +55,10 @@ pub(super) struct Arguments {
     /// what becomes of energies and momenta.
     #[arg(long, value_name = "TIMES")]
     long: Option<f64>,
+    /// Runs every scheme once more at every step size with charts of rotations that are kept until
+    /// three quarters of a turn, in place of half a one, to see what changes of chart cost.
+    #[arg(long)]
+    charts: bool,
     /// Says nothing unless something goes wrong.
     #[arg(long, short)]
     quiet: bool,
@@ -94,6 +98,7 @@ impl Arguments {
             threads: self.threads,
             timed: self.timed,
             long: self.long,
+            charts: self.charts,
             residual: self.residual,
         })
     }

@@ -26,7 +26,7 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
             out.push(Figure {
                 name,
                 caption: match name {
-                    "drift.svg" => caption.to_owned(),
+                    "drift.svg" => format!("{caption}{}", stopping(comparison)),
                     _ => format!("{caption}{left_out}"),
                 },
                 svg: graphs(comparison.title.as_deref(), LEVEL, &drawn)?,
@@ -79,6 +79,53 @@ fn label(comparison: &Comparison, scheme: &str) -> String {
     match drawn == all {
         true => scheme.to_owned(),
         false => format!("{scheme} ({drawn} of {all} runs)"),
+    }
+}
+
+/// What the legend of a figure over time calls a scheme: the curve of a run that failed stops before the
+/// others.
+fn lasting(comparison: &Comparison, scheme: &str) -> String {
+    let mut stopped = stopped(comparison);
+    match stopped.any(|row| row.scheme == scheme) {
+        true => format!("{scheme} (stops: failed)"),
+        false => scheme.to_owned(),
+    }
+}
+
+/// Runs of a figure over time that came to no end.
+fn stopped(comparison: &Comparison) -> impl Iterator<Item = &Row> {
+    let [coarsest, finest] = ends(comparison);
+    let short = comparison.rows.iter().filter(move |row| {
+        let coarse = comparison.long.is_empty() && near(row.step, coarsest);
+        coarse || near(row.step, finest)
+    });
+    let all = short.chain(&comparison.long);
+    all.filter(|row| row.failure.is_some())
+}
+
+/// The largest and the smallest step size.
+fn ends(comparison: &Comparison) -> [f64; 2] {
+    let steps = || comparison.rows.iter().map(|row| row.step);
+    [
+        steps().fold(0.0, f64::max),
+        steps().fold(f64::INFINITY, f64::min),
+    ]
+}
+
+/// Which curves over time stop early, and where.
+fn stopping(comparison: &Comparison) -> String {
+    let name = |row: &Row| {
+        let t = row.samples.last().map_or(0.0, |s| s.t);
+        let (scheme, h) = (escaped(&row.scheme), rounded(row.step));
+        format!("{scheme} with h = {h} after t = {}", rounded(t))
+    };
+    let names: Vec<String> = stopped(comparison).map(name).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Curves that stop, as their runs failed: {}.",
+            names.join(", ")
+        ),
     }
 }
 
@@ -238,11 +285,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
     }
     for (name, value) in &kept {
         for finest in [false, true] {
-            let steps = comparison.rows.iter().map(|row| row.step);
-            let step = match finest {
-                false => steps.fold(0.0, f64::max),
-                true => steps.fold(f64::INFINITY, f64::min),
-            };
+            let step = ends(comparison)[usize::from(finest)];
             // A long run, where there is one, shows more than a short one with the same step.
             let rows = match finest || comparison.long.is_empty() {
                 true => &comparison.rows,
@@ -254,7 +297,7 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
                 rows.iter().filter(own).map(move |row| {
                     let change = |j: usize| (value(row, j) - value(row, 0)).abs();
                     let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
-                    Curve::new(scheme.scheme.clone(), points.collect()).colored(k)
+                    Curve::new(lasting(comparison, &scheme.scheme), points.collect()).colored(k)
                 })
             });
             out.push(Graph {

@@ -62,7 +62,7 @@ pub use exact::{Exact, read as read_exact};
 pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
 pub use perform::{compare, looked_at};
 pub use reference::Reference;
-pub use run::{Maker, Watch};
+pub use run::{LATE, Maker, Watch};
 pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::summary;
 pub use write::{FILES, Subject, default_directory, run, run_several};
@@ -91,6 +91,9 @@ pub struct Options {
     /// Every scheme runs once more at the largest step, for so many times the duration, to see what
     /// becomes of energies and momenta.
     pub long: Option<f64>,
+    /// Whether every scheme runs once more at every step size with charts that are kept longer, to see
+    /// what changes of chart cost.
+    pub charts: bool,
     /// Residual over forces that runs are converged to, where it is smaller than that of the model
     /// file: what is left of it is an error of no scheme.
     pub residual: Option<f64>,
@@ -107,6 +110,7 @@ impl Options {
             threads: None,
             timed: false,
             long: None,
+            charts: false,
             residual: None,
         }
     }
@@ -218,6 +222,9 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// The long runs, one per scheme, if they are asked for; they have no errors.
     pub long: Vec<Row>,
+    /// The runs with charts kept until [`LATE`] in place of half a turn, if they are asked for, in the order
+    /// of `rows`.
+    pub late: Vec<Row>,
 }
 
 impl Comparison {

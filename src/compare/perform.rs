@@ -138,15 +138,21 @@ pub(super) fn carry_out(
         None => reference::tasks(&reference, &grid).to_vec(),
     };
     let behind = tasks.len();
-    let own = options.schemes.iter().flat_map(|&contender| {
-        grid.counts.iter().map(move |&steps| Task {
-            name: contender.to_string(),
-            contender,
-            steps,
-            relative,
-        })
-    });
-    tasks.extend(own);
+    for late in [false, true] {
+        if late && !options.charts {
+            continue;
+        }
+        let own = options.schemes.iter().flat_map(|&contender| {
+            grid.counts.iter().map(move |&steps| Task {
+                name: contender.to_string(),
+                contender,
+                steps,
+                relative,
+                late,
+            })
+        });
+        tasks.extend(own);
+    }
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let threads = options.threads.map_or(cores, NonZeroUsize::get);
     let threads = threads.min(tasks.len());
@@ -159,13 +165,15 @@ pub(super) fn carry_out(
             contender,
             steps,
             relative,
+            late: false,
         };
         tasks.extend(options.schemes.iter().map(task));
     }
     let grid_of = |k: usize| long.as_ref().filter(|_| k >= first).unwrap_or(&grid);
     let mut ran = run_all(make, &tasks, &grid_of, threads, watch);
     let lasting = ran.split_off(first);
-    let own = ran.split_off(behind);
+    let mut own = ran.split_off(behind);
+    let late = own.split_off(options.schemes.len() * grid.counts.len());
     let judged = match &options.exact {
         Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
         None if ran.iter().any(|r| r.failure.is_some()) => None,
@@ -173,7 +181,12 @@ pub(super) fn carry_out(
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
     let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
-    let mut complete = !ran.iter().chain(&own).chain(&lasting).any(interrupted);
+    let mut complete = !ran
+        .iter()
+        .chain(&own)
+        .chain(&late)
+        .chain(&lasting)
+        .any(interrupted);
     let mut rows = Vec::with_capacity(own.len());
     for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
         let asked = options.steps[k % options.steps.len()];
@@ -185,6 +198,15 @@ pub(super) fn carry_out(
         }
         rows.push(row);
     }
+    let late = late
+        .into_iter()
+        .zip(&tasks[behind + rows.len()..])
+        .enumerate();
+    let late = late.map(|(k, (ran, task))| {
+        let asked = options.steps[k % options.steps.len()];
+        row(ran, task, asked, &grid, judged.as_ref())
+    });
+    let late = late.collect();
     let kept = judged.as_ref().map(|r| r.kept).unwrap_or_default();
     let lasting = lasting.into_iter().zip(&tasks[first..]).map(|(ran, task)| {
         let row = row(ran, task, options.steps[0], grid_of(first), None);
@@ -213,6 +235,7 @@ pub(super) fn carry_out(
         reference: judged,
         rows,
         long,
+        late,
     }
 }
 

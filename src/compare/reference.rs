@@ -57,6 +57,7 @@ pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
         contender: Contender::Method(Method::from(*scheme)),
         steps: factor * grid.finest(),
         relative: TIGHT,
+        late: false,
     })
 }
 

@@ -11,6 +11,7 @@ use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,
 };
 use pullback_manifold::system::SystemError;
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -43,7 +44,13 @@ pub(super) struct Task {
     pub steps: usize,
     /// Residual relative to the forces, where it is smaller than that of the model file.
     pub relative: f64,
+    /// Whether charts of rotations are kept until [`LATE`].
+    pub late: bool,
 }
+
+/// The length of a rotation vector, in radians, at which charts that are kept change: three quarters of a
+/// turn, as far from half a turn as from the end of the chart.
+pub const LATE: f64 = 1.5 * PI;
 
 /// What one run gave.
 #[derive(Clone, Debug, Default)]
@@ -135,6 +142,9 @@ fn advance(
     ran: &mut Ran,
 ) -> Result<(), Failure> {
     let mut job = make(task.contender.formulation())?;
+    if task.late {
+        job.model.keep_charts_until(LATE);
+    }
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
     };

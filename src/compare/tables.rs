@@ -27,7 +27,7 @@ const AFTER: [&str; 19] = [
     "failure",
 ];
 
-/// The whole of `compare.csv`: a row per run, those that are compared and then the long ones; what is
+/// The whole of `compare.csv`: a row per run, those that are compared, then those with charts that are kept and the long ones; what is
 /// not known is empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let errors = Quantity::ALL.map(|q| format!("error_{}", q.key()));
@@ -38,7 +38,8 @@ pub(super) fn csv(comparison: &Comparison) -> String {
     let mut out = head.join(",") + "\n";
     let compared = comparison.rows.iter().map(|row| ("compared", row));
     let long = comparison.long.iter().map(|row| ("long", row));
-    for (run, row) in compared.chain(long) {
+    let late = comparison.late.iter().map(|row| ("late", row));
+    for (run, row) in compared.chain(late).chain(long) {
         let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
         let c = &row.counts;
         let d = row.drift;

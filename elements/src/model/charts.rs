@@ -63,7 +63,10 @@ impl Model {
             };
             let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
             let psi = take(q);
-            let Some(transition) = RotationVector.transition(&psi) else {
+            let Some(transition) = RotationVector
+                .transition(&psi)
+                .filter(|_| self.is_beyond(&psi))
+            else {
                 continue;
             };
             changed += 1;

@@ -10,7 +10,7 @@ use super::{Attached, Form, Model};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::Point;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
 /// element on the border does not change to and fro.
@@ -59,9 +59,24 @@ pub(super) struct Sheets {
     given: bool,
     /// Whether elements have not yet gone on in the charts chosen for them.
     chosen: bool,
+    /// How far beyond half a turn charts change, in radians.
+    late: f64,
 }
 
 impl Model {
+    /// Keeps the charts of free rotations, and those in which elements see their frames, until a rotation
+    /// vector is `angle` long (radians; taken to the nearest of π, where charts change unless
+    /// this is called, to 7π/4: at 2π they end). What is found without such a delay tells, beside it, what
+    /// changes of chart do to a motion.
+    pub fn keep_charts_until(&mut self, angle: f64) {
+        self.work.sheets.late = angle.clamp(PI, 1.75 * PI) - PI;
+    }
+
+    /// Whether a rotation vector is so long that its chart changes.
+    pub(super) fn is_beyond(&self, psi: &Vector3<f64>) -> bool {
+        psi.norm() > PI + self.work.sheets.late
+    }
+
     /// Which of its nodes each element takes through the complement map (bit k for node k): what
     /// a model remembers of its way besides the coordinates.
     pub fn element_charts(&self) -> Vec<u32> {
@@ -155,8 +170,11 @@ impl Model {
             after,
             now,
             previous,
+            late,
             ..
         } = &mut self.work.sheets;
+        // Where one angle is by so much beyond π, the other is by as much below.
+        let gain = 2.0 * *late + HYSTERESIS;
         let (mut changed, mut stored) = (false, false);
         // A single frame has no neighbour to agree with.
         let several = |e: &&mut Attached| e.frames.count_ones() > 1;
@@ -177,7 +195,7 @@ impl Model {
                 continue;
             }
             let seen = e.switched ^ flipped(e, before, after);
-            let wanted = best(e, seen, after, possible);
+            let wanted = best(e, seen, after, possible, gain);
             changed |= wanted != seen;
             stored |= seen != e.switched;
             (e.switched, e.wanted) = (seen, wanted);
@@ -237,12 +255,12 @@ fn opposite(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
 
 /// The choice by the nodes' rotations alone.
 fn agreement(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
-    best(e, opposite(e, psi), psi, [true; 2])
+    best(e, opposite(e, psi), psi, [true; 2], HYSTERESIS)
 }
 
 /// These nodes switched or all the others, whichever gives the smaller largest angle, among those
-/// that are `possible`.
-fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2]) -> u32 {
+/// that are `possible`; smaller by `gain`.
+fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2], gain: f64) -> u32 {
     if e.frames.count_ones() < 2 {
         return 0;
     }
@@ -256,7 +274,7 @@ fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2]) 
         here = here.max(a);
         there = there.max(b);
     }
-    let other = there < here - HYSTERESIS && possible[1];
+    let other = there < here - gain && possible[1];
     if other || !possible[0] {
         e.frames ^ switched
     } else {

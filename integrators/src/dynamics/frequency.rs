@@ -12,7 +12,8 @@ const MOST: usize = 120;
 /// Relative change of the largest Ritz value, over a few steps, at which it has converged.
 const SETTLED: f64 = 1e-9;
 
-/// Refuses a step beyond the limit of the scheme, from the largest frequency at this state. That
+/// The largest stable step of a scheme that has a limit, and a refusal of steps beyond it, from the largest
+/// frequency at this state. That
 /// frequency is approached from below, to six digits or so; where the motion stiffens the system later on
 /// it is not asked again, and the audit of energies must tell.
 pub(super) fn check_step<Y: System + ?Sized>(
@@ -22,9 +23,9 @@ pub(super) fn check_step<Y: System + ?Sized>(
     scheme: &Scheme,
     step: f64,
     [r, S]: [&mut [f64]; 2],
-) -> Result<(), DynamicsError> {
+) -> Result<Option<f64>, DynamicsError> {
     let Some(limit) = scheme.claims().limit else {
-        return Ok(());
+        return Ok(None);
     };
     let t = state.t;
     let at = Point {
@@ -53,7 +54,7 @@ pub(super) fn check_step<Y: System + ?Sized>(
     let square = found.map_err(|source| massless(system, source))?;
     let frequency = square.max(0.0).sqrt();
     if step * frequency <= limit {
-        return Ok(());
+        return Ok(Some(limit / frequency).filter(|h| h.is_finite()));
     }
     let (K, M) = (diagonal(system, &K), diagonal(system, S));
     let stiffest = (0..K.len()).max_by(|&i, &j| (K[i] / M[i]).total_cmp(&(K[j] / M[j])));

@@ -90,6 +90,13 @@ pub struct Summary {
     pub chart_changes: usize,
     /// Energies, where the system knows them and they were asked for.
     pub energy: Option<EnergyBalance>,
+    /// Where the scheme has a limit, the largest stable step at the state from which the run began or was
+    /// continued.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    pub stable_step: Option<f64>,
     /// Whether the end was reached (an observer may stop earlier).
     pub finished: bool,
 }

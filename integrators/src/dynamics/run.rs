@@ -153,7 +153,9 @@ impl Run<'_> {
         let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
-        check_step(system, solver, &progress.state, scheme, step, [r, S])
+        progress.summary.stable_step =
+            check_step(system, solver, &progress.state, scheme, step, [r, S])?;
+        Ok(())
     }
 
     /// The balance of energies begins with the present state.

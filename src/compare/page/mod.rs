@@ -1,6 +1,7 @@
 //! `compare.html`: one page that needs nothing else, for the screen and for print; and `compare.md`, the
 //! same in Markdown.
 
+mod charts;
 mod kept;
 mod orders;
 mod runs;
@@ -88,6 +89,7 @@ fn section(out: &mut Page, c: &Comparison, figures: &[Figure], command: Option<&
     out.heading(2, "", "Cost");
     runs::cost(out, c);
     kept::drift(out, c);
+    charts::charts(out, c);
     runs::failures(out, c);
 }
 

@@ -1,0 +1,156 @@
+//! What changes of chart cost, as a comparison tells it, after theory.
+#![allow(clippy::unwrap_used)]
+
+use pullback::compare::{Comparison, Options, Quantity, Row, Watch, compare};
+use pullback::input;
+
+/// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
+/// `{interpolation}` that of its rotations.
+const ROD: &str = r#"
+[sections.rod]
+stiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }
+mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }
+[nodes]
+ground = [0, 0, 0]
+tip = [1, 0, 0]
+[[joints]]
+name = "ball"
+type = "spherical"
+master = "ground"
+[[lines]]
+name = "rod"
+from = "ball"
+to = "tip"
+elements = 2
+section = "rod"
+interpolation = "{interpolation}"
+[[supports]]
+node = "ground"
+fix = "all"
+[[initial]]
+line = "rod"
+angular_velocity = {spin}
+about = [0, 0, 0]
+[analysis.dynamic]
+to = 0.6
+step = 0.01
+"#;
+
+/// A free body with three different moments of inertia.
+const BODY: &str = r#"
+[nodes]
+O = [0, 0, 0]
+[[bodies]]
+name = "body"
+node = "O"
+mass = 1
+inertia = [1, 2, 3]
+[[initial]]
+node = "O"
+angular_velocity = [3, 1, 8]
+[analysis.dynamic]
+to = 0.55
+step = 0.01
+"#;
+
+fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
+    let file = input::parse("model.toml", text).unwrap();
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let methods = methods.iter().map(|m| m.parse().unwrap()).collect();
+    let options = Options {
+        charts: true,
+        residual: Some(1e-12),
+        ..Options::new(methods, steps.to_vec())
+    };
+    let comparison = compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap();
+    assert_eq!(comparison.late.len(), comparison.rows.len());
+    for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+        assert!(row.is_regular() && late.is_regular(), "{late:?}");
+        assert_eq!((&row.scheme, row.step), (&late.scheme, late.step));
+    }
+    comparison
+}
+
+fn rod(spin: &str, interpolation: &str) -> String {
+    ROD.replace("{spin}", spin)
+        .replace("{interpolation}", interpolation)
+}
+
+/// Errors of rotations of a scheme, from large to small steps.
+fn errors(rows: &[Row], scheme: &str) -> Vec<f64> {
+    let own = rows.iter().filter(|row| row.scheme == scheme);
+    own.map(|row| row.error.unwrap().of(Quantity::Rotation))
+        .collect()
+}
+
+fn slopes(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
+}
+
+/// About a fixed axis the other chart has the same coordinate less 2π, which no scheme sees.
+#[test]
+fn in_a_plane_a_change_of_chart_costs_nothing() {
+    let comparison = compared(
+        &rod("[0, 0, 8]", "total"),
+        &["newmark", "radau"],
+        &[0.02, 0.01],
+    );
+    for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+        // Past half a turn, and past three quarters or nearly.
+        assert!(row.counts.chart_changes > late.counts.chart_changes);
+        for (a, b) in row.samples.iter().zip(&late.samples) {
+            for (a, b) in a.nodes.iter().zip(&b.nodes) {
+                assert!((a.R - b.R).norm() < 1e-8 && (a.omega - b.omega).norm() < 1e-7);
+            }
+        }
+    }
+}
+
+/// In space the scheme adds in other coordinates: its error is another one, of the same order.
+#[test]
+fn a_body_keeps_its_order_whenever_charts_change() {
+    let steps = [0.01, 0.005, 0.0025];
+    let comparison = compared(BODY, &["newmark", "ul-newmark"], &steps);
+    for rows in [&comparison.rows, &comparison.late] {
+        for scheme in ["newmark", "ul-newmark"] {
+            let errors = errors(rows, scheme);
+            for slope in slopes(&errors) {
+                assert!((slope - 2.0).abs() < 0.1, "{scheme}: {errors:?}");
+            }
+        }
+    }
+    let total = |rows: &[Row]| errors(rows, "newmark")[2];
+    let [early, late] = [total(&comparison.rows), total(&comparison.late)];
+    assert!((early - late).abs() > 1e-2 * late, "{early:e} {late:e}");
+    // Increments are in no such chart.
+    let updated = |rows: &[Row]| errors(rows, "ul-newmark");
+    let [early, late] = [updated(&comparison.rows), updated(&comparison.late)];
+    for (a, b) in early.iter().zip(&late) {
+        assert!((a - b).abs() < 1e-9, "{a:e} {b:e}");
+    }
+}
+
+/// Elements that interpolate total rotation vectors are other ones in the other chart, by the error of
+/// their mesh: what a change does to the motion no step makes smaller. Geodesic ones are the same.
+#[test]
+fn total_rotation_vectors_lose_the_error_of_the_mesh_and_geodesic_elements_nothing() {
+    let steps = [0.004, 0.002, 0.001];
+    let [total, geodesic] = ["total", "geodesic"]
+        .map(|interpolation| compared(&rod("[2, 1, 8]", interpolation), &["newmark"], &steps));
+    for comparison in [&total, &geodesic] {
+        for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+            assert!(row.counts.chart_changes > late.counts.chart_changes);
+        }
+    }
+    let kept = errors(&geodesic.late, "newmark");
+    for slope in slopes(&kept) {
+        assert!((slope - 2.0).abs() < 0.1, "{kept:?}");
+    }
+    let kept = errors(&total.late, "newmark");
+    let least = kept[2];
+    assert!(slopes(&kept)[1].abs() < 0.3, "{kept:?}");
+    assert!(
+        least > 3.0 * errors(&geodesic.late, "newmark")[2],
+        "{kept:?}"
+    );
+}
