@@ -20,11 +20,12 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
     let caption = "The same runs twice: with charts of rotations that change at half a turn, as in all other \
                    tables, and (after the stroke) with charts kept until three quarters of a turn, or for good \
                    where no rotation comes so far. Changes of chart, errors, and the largest defect of the \
-                   balance of energy over the largest energy. Increments are centred anew in every step \
-                   and know of no such change; where total rotation vectors are interpolated in space a \
-                   change is a jump of the forces by the error of the mesh, so that the motions are not \
-                   the same, and the errors of the second, against the reference of the first, have a floor \
-                   that no step makes smaller.";
+                   balance of energy over the largest energy. Of total rotation vectors the scheme adds in \
+                   other coordinates, which is another error of the same order; increments are centred anew \
+                   in every step, which is what their changes are. Elements that interpolate \
+                   total rotation vectors in space are others in the other chart, by the error of the mesh: the two \
+                   motions are not the same, and errors after the stroke, against the reference of the \
+                   first, have a floor that no step makes smaller.";
     let errors = SHOWN.map(|q| q.name().to_owned());
     let columns: Vec<String> = (["scheme", "h", "changes"].map(str::to_owned).into_iter())
         .chain(errors)
