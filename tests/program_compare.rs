@@ -79,6 +79,21 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
         .collect();
     assert!(command.starts_with("pullback compare ") && command.contains(&ASKED.join(" ")));
 
+    // The same tables in Markdown, column by column.
+    let text = read(out.join("compare.md"));
+    let heads: Vec<usize> = (text.lines())
+        .filter(|line| line.starts_with("| :--"))
+        .map(|line| line.matches("--").count())
+        .collect();
+    let tables = document.descendants().filter(|n| n.has_tag_name("table"));
+    let widths: Vec<usize> = tables
+        .map(|table| table.descendants().filter(|n| n.has_tag_name("th")).count())
+        .collect();
+    assert_eq!(heads, widths);
+    let rows = document.descendants().filter(|n| n.has_tag_name("tr"));
+    let lines = text.lines().filter(|line| line.starts_with('|'));
+    assert_eq!(lines.count(), rows.count() + widths.len());
+
     for name in FILES.iter().filter(|name| name.ends_with(".svg")) {
         roxmltree::Document::parse(&read(out.join(name))).unwrap();
     }

@@ -344,3 +344,7 @@ fn iterations(comparison: &Comparison) -> Vec<Graph> {
         level: None,
     }]
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests;
