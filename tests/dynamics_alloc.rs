@@ -225,7 +225,9 @@ fn twice_as_many_steps_allocate_no_more() {
         assert_eq!([short.steps, long.steps], [150, 300]);
         // The second half has what might allocate.
         assert!(long.chart_changes > short.chart_changes, "{long:?}");
-        assert!(all > early, "the ring comes to another element");
+        // On the base that is held it stays on one.
+        let held = options.scheme.keeps_energy();
+        assert!(all > early || held, "the ring comes to another element");
         assert!(long.energy.is_some());
         assert!(few > 0, "the counter counts");
         assert_eq!(few, many, "{short:?} {long:?}");

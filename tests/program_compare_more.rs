@@ -298,7 +298,18 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
         }
         let mut found = files(&model.with_extension("compare"));
         found.sort();
-        assert_eq!(found, expected, "{name}");
+        // Where no error is larger than that of the reference there is none to draw.
+        let above = |row: &Value, (quantity, least): (&String, &Value)| {
+            let error = row["error"][quantity].as_f64();
+            error.is_some_and(|e| e > least.as_f64().unwrap_or(f64::INFINITY))
+        };
+        let least = json["reference"]["error"].as_object().unwrap();
+        let mut all = json["rows"].as_array().unwrap().iter();
+        let drawn = all.any(|row| least.iter().any(|known| above(row, known)));
+        let expected = expected
+            .iter()
+            .filter(|file| drawn || !["convergence.svg", "work.svg"].contains(&file.as_str()));
+        assert!(found.iter().eq(expected), "{name}: {found:?}");
     }
     assert!(seen >= 20, "{seen}");
 }

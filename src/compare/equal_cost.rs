@@ -1,6 +1,6 @@
 //! Errors of schemes that cost the same.
 
-use super::{Quantity, Row, Values};
+use super::{Quantity, Reference, Row, Values};
 use serde::Serialize;
 
 /// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
@@ -12,13 +12,26 @@ pub struct EqualCost {
     pub cost: f64,
     /// Whether it is a time.
     pub seconds: bool,
-    /// Schemes, their errors, and whether these are extrapolated; schemes that came to no end in equal
+    /// Schemes, their errors (not a number where one beside it is below that of the reference), and whether these are extrapolated; schemes that came to no end in equal
     /// steps at two step sizes are missing.
     pub schemes: Vec<(String, Values, bool)>,
 }
 
 /// Finds a cost for all schemes, a time or a number of assemblies, and their errors there.
-pub(super) fn find(schemes: &[String], rows: &[Row], seconds: bool) -> Option<EqualCost> {
+pub(super) fn find(
+    schemes: &[String],
+    rows: &[Row],
+    reference: Option<&Reference>,
+    seconds: bool,
+) -> Option<EqualCost> {
+    // An error below that of the reference is not known.
+    let known = |errors: Values| {
+        Values(Quantity::ALL.map(|q| {
+            let least = reference.map_or(0.0, |r| r.error.of(q));
+            let error = errors.of(q);
+            if error < least { f64::NAN } else { error }
+        }))
+    };
     let cost = |row: &Row| match seconds {
         true => row.seconds_alone,
         false => Some(row.assemblies as f64),
@@ -29,7 +42,7 @@ pub(super) fn find(schemes: &[String], rows: &[Row], seconds: bool) -> Option<Eq
             .iter()
             .filter(|row| row.scheme == *scheme && row.is_regular());
         let mut points: Vec<(f64, Values)> = own
-            .filter_map(|row| Some((cost(row)?.ln(), row.error?)))
+            .filter_map(|row| Some((cost(row)?.ln(), known(row.error?))))
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         if points.len() >= 2 {

@@ -11,7 +11,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let caption = format!(
         "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
          angle of the relative rotation in radians. Where the error is below that of the reference \
-         itself, that stands instead.{}",
+         itself, that stands instead, and – where the reference is not known at all.{}",
         c.times,
         changed_steps(c)
     );
@@ -22,6 +22,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
         let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
         let error = |q| match row.error.map(|e| e.of(q)) {
             None => "–".to_owned(),
+            Some(_) if least(q).is_infinite() => "–".to_owned(),
             Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
             Some(error) => short(error),
         };
@@ -94,7 +95,7 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
             let over = errors.of(q) / equal.schemes[0].1.of(q);
             match (errors.of(q), over) {
                 (e, _) if !e.is_finite() => "–".to_owned(),
-                (e, over) if over.is_finite() => format!("{about}{} ({over:.2})", short(e)),
+                (e, over) if over.is_finite() => format!("{about}{} ({})", short(e), short(over)),
                 (e, _) => format!("{about}{}", short(e)),
             }
         }));
@@ -124,7 +125,8 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
     let caption = format!(
         "Time is wall-clock time with the audits of energy and momentum, {beside}; alone, where it was \
          taken, that of the integration and nothing else, the least of some repetitions. An evaluation \
-         assembles the model once, with a tangent three times where rates are spins."
+         assembles the model once, with a tangent three times where rates are spins. Increments are \
+         centred anew in every step, and each time counts as a change of chart."
     );
     out.table(&caption, &columns.map(str::to_owned), 1);
     for (k, row) in c.rows.iter().enumerate() {
