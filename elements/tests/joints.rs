@@ -7,7 +7,7 @@ mod common;
 use common::{numbers, reference};
 use nalgebra::{DMatrix, SVector, Vector3, Vector6};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{Hung, Joint, Offset, Revolute, Slide, Spherical};
+use pullback_elements::joint::{Chain, Hung, Joint, Offset, Revolute, Slide, Spherical};
 use pullback_manifold::check;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3;
@@ -20,8 +20,8 @@ fn every_joint_obeys_the_laws_of_a_map() {
     check::map(&Hung::new(Spherical)).assert();
     let places = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-        let slide = Slide::new(&places, 1.2).unwrap();
-        check::map(&slide.with_interpolation(interpolation)).assert();
+        let chain = Chain::new(&places, 1.2).unwrap();
+        check::map(&Slide::new(chain, interpolation)).assert();
     }
 }
 

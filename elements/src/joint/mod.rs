@@ -42,15 +42,15 @@ pub use constant_velocity::{ConstantVelocity, constant_velocity};
 pub use cylindrical::{Cylindrical, cylindrical};
 pub use gear::{GearError, gear, rack};
 pub use helical::{Helical, helical};
-pub use nodes::{JointNodes, RevoluteNodes};
+pub use nodes::{JointNodes, RevoluteNodes, SlideNodes, slide, slide_on};
 pub use offset::{Offset, offset, weld};
 pub use on_curve::{Curve, OnCurve, on_curve};
 pub use on_surface::{OnSurface, Surface, on_surface};
 pub use planar::{Planar, planar};
 pub use prismatic::{Prismatic, prismatic};
 pub use revolute::{Revolute, revolute};
-pub use shape::{Quadric, Spline, SplineError};
-pub use slide::{Slide, SlideNodes, slide, slide_on};
+pub use shape::{Between, Chain, Quadric, Spline, SplineError};
+pub use slide::Slide;
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 

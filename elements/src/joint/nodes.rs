@@ -1,8 +1,12 @@
 //! Joints in a model: the frame that hangs on one, and the coordinates that it releases.
 
-use super::{Hung, Joint, Released, SlideNodes, SphericalNodes};
+use super::shape::Chain;
+use super::{Hung, Joint, Released, Slide, SphericalNodes};
+use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
+use nalgebra::Vector3;
 use pullback_manifold::map::Map;
+use pullback_manifold::system::Kind;
 
 /// The nodes that a joint makes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +24,15 @@ pub struct RevoluteNodes {
     pub frame: NodeId,
     /// The angle about the axis: the released coordinate, in radians, any number of turns.
     pub angle: NodeId,
+}
+
+/// The nodes of a slide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlideNodes {
+    /// The frame that runs along the chain.
+    pub frame: NodeId,
+    /// Its way along the chain in the reference configuration: the released coordinate.
+    pub way: NodeId,
 }
 
 impl From<NodeId> for JointNodes {
@@ -112,4 +125,46 @@ impl ModelBuilder {
     {
         self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
     }
+}
+
+/// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,
+/// starting at arc length `origin` of the chain, and the node `name way` of its coordinate. The
+/// elements interpolate total rotation vectors; [`slide_on`] is for others.
+///
+/// # Errors
+/// [`ModelError::Slide`] for a chain that is none or a start outside it; as
+/// [`ModelBuilder::mapped_node`].
+pub fn slide(
+    b: &mut ModelBuilder,
+    name: &str,
+    chain: &[NodeId],
+    origin: f64,
+) -> Result<SlideNodes, ModelError> {
+    slide_on(b, name, chain, origin, Interpolation::Total)
+}
+
+/// As [`slide`], on elements with this interpolation of rotations.
+///
+/// # Errors
+/// As there.
+pub fn slide_on(
+    b: &mut ModelBuilder,
+    name: &str,
+    chain: &[NodeId],
+    origin: f64,
+    interpolation: Interpolation,
+) -> Result<SlideNodes, ModelError> {
+    let places: Vec<Vector3<f64>> = chain.iter().map(|&n| b.place(n)).collect();
+    let along = Chain::new(&places, origin).ok_or_else(|| ModelError::Slide {
+        joint: name.to_owned(),
+        nodes: chain.len(),
+        start: origin,
+    })?;
+    let place = along.start().into();
+    let joint = Slide::new(along, interpolation);
+    let way = b.coordinates(format!("{name} way"), &[Kind::Length])?;
+    let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], way]).collect();
+    let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
+    let frame = b.mapped_node_along(name, place, joint.boxed(), &segments)?;
+    Ok(SlideNodes { frame, way })
 }

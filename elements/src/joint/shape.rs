@@ -1,7 +1,11 @@
-//! Curves and surfaces by data, for joints along them.
+//! Curves and surfaces by data, and what is between the nodes of beams, for joints along them.
 
+mod between;
+mod chain;
 mod quadric;
 mod spline;
 
+pub use between::Between;
+pub use chain::Chain;
 pub use quadric::Quadric;
 pub use spline::{Spline, SplineError};

@@ -1,13 +1,7 @@
 //! The slide: a frame that runs along a chain of two-node beam elements.
 
-mod chain;
-mod nodes;
-
-pub use nodes::{SlideNodes, slide, slide_on};
-
-use super::Sheet;
+use super::shape::{Between, Chain};
 use crate::beam::Interpolation;
-use chain::{between, on};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{Map, Motion};
 use pullback_manifold::scalar::Scalar;
@@ -27,34 +21,31 @@ use std::f64::consts::TAU;
 #[doc = include_str!("../../../docs/images/joints/slide.svg")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slide {
-    /// Reference places of the chain's nodes and their arc lengths.
-    places: Vec<Vector3<f64>>,
-    lengths: Vec<f64>,
-    /// Where u = 0: arc length from the beginning of the chain, and reference place.
-    origin: f64,
-    start: Vector3<f64>,
-    segment: usize,
-    /// The element that takes over next.
-    next: Option<usize>,
-    interpolation: Interpolation,
-    /// Sheets on which the rotation vectors of the two ends are interpolated: those of the beam.
-    sheets: [Sheet; 2],
+    /// The beams' axes in the reference configuration.
+    chain: Chain,
+    turn: Between,
+}
+
+impl Slide {
+    /// A slide along elements that interpolate rotations so.
+    pub fn new(chain: Chain, interpolation: Interpolation) -> Self {
+        let turn = Between::new(interpolation);
+        Self { chain, turn }
+    }
 }
 
 impl Map<13, 6> for Slide {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 13>) -> SVector<S, 6> {
-        let [a, b] = self.shape(q[12]);
         let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
-        let place = |k: usize| self.places[self.segment + k].map(S::constant);
-        let d = (place(0) + three(0)) * a + (place(1) + three(6)) * b - self.start.map(S::constant);
-        let ends = [on(self.sheets[0], &three(3)), on(self.sheets[1], &three(9))];
-        let psi = between(self.interpolation, ends, [a, b]);
+        let [a, b] = self.chain.shape(q[12]);
+        let d = self.chain.way(q[12]) + three(0) * a + three(6) * b;
+        let psi = self.turn.at([three(3), three(9)], [a, b]);
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
     fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
         let psi = self.phi(t, q).fixed_rows::<3>(3).norm();
-        self.room(q[12]).min(TAU - psi)
+        self.chain.room(q[12]).min(TAU - psi)
     }
 
     fn edge(&self) -> &'static str {
@@ -62,27 +53,32 @@ impl Map<13, 6> for Slide {
     }
 
     fn change_charts(&mut self, _t: f64, q: &SVector<f64, 13>) -> ChartChanges {
-        self.hand_over(q)
+        let psi = [3, 9].map(|k| Vector3::new(q[k], q[k + 1], q[k + 2]));
+        let on = self.chain.hand_over(q[12]);
+        // Handed over, it has the nodes of another element than `q`.
+        let residual = self.turn.choose((!on).then_some(psi)) || on;
+        let charts = usize::from(residual);
+        ChartChanges { charts, residual }
     }
 
     fn segment(&self) -> usize {
-        self.segment
+        self.chain.line()
     }
 
     fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
         let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
-        self.leaves(h, from, to)
+        self.chain.leaves(h, from, to)
     }
 
     fn enter(&mut self, segment: usize) {
-        self.next = Some(segment);
+        self.chain.enter(segment as f64);
     }
 
     fn memory(&self) -> Vec<f64> {
-        vec![self.segment as f64]
+        vec![self.chain.line() as f64]
     }
 
     fn recall(&mut self, memory: &[f64]) -> bool {
-        self.remember(memory)
+        matches!(*memory, [line] if self.chain.enter(line))
     }
 }

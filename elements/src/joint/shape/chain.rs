@@ -1,0 +1,168 @@
+//! Straight lines through places, one of which a joint is on at a time.
+
+use nalgebra::Vector3;
+use pullback_manifold::scalar::Scalar;
+
+/// Excursions beyond an end below this part of the chain are rounding errors.
+const GRAIN: f64 = 4e-15;
+/// What is this part of the chain beyond an end of a line may be on its way back.
+const HAIR: f64 = 1e-8;
+
+/// A chain of straight lines, followed by the arc length u from where it is entered. One line is the present
+/// one; another takes over where u leaves it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// The places that the lines connect, and their arc lengths.
+    places: Vec<Vector3<f64>>,
+    lengths: Vec<f64>,
+    /// Where u = 0: arc length from the beginning of the chain, and place.
+    origin: f64,
+    start: Vector3<f64>,
+    line: usize,
+    /// The line that takes over next.
+    next: Option<usize>,
+}
+
+impl Chain {
+    /// A chain through these places, entered at the arc length `origin`; `None` when there are fewer
+    /// than two places, neighbours coincide, or `origin` is outside the chain.
+    pub fn new(places: &[Vector3<f64>], origin: f64) -> Option<Self> {
+        let mut lengths = vec![0.0];
+        for pair in places.windows(2) {
+            let length = (pair[1] - pair[0]).norm();
+            if length.is_nan() || length <= 0.0 {
+                return None;
+            }
+            lengths.push(lengths[lengths.len() - 1] + length);
+        }
+        let end = *lengths.last()?;
+        if places.len() < 2 || !(0.0..=end).contains(&origin) {
+            return None;
+        }
+        let mut chain = Self {
+            places: places.to_vec(),
+            lengths,
+            origin,
+            start: Vector3::zeros(),
+            line: 0,
+            next: None,
+        };
+        chain.line = chain.line_at(0.0);
+        chain.start = chain.way(0.0);
+        Some(chain)
+    }
+
+    /// Where it is entered.
+    pub fn start(&self) -> Vector3<f64> {
+        self.start
+    }
+
+    /// From where it is entered to where u is on the present line.
+    pub fn way<S: Scalar>(&self, u: S) -> Vector3<S> {
+        let [a, b] = self.shape(u);
+        let place = |k: usize| self.places[self.line + k].map(S::constant);
+        place(0) * a + place(1) * b - self.start.map(S::constant)
+    }
+
+    /// The present line, from 0.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    fn line_at(&self, u: f64) -> usize {
+        let after = self.lengths.partition_point(|&s| s <= self.origin + u);
+        after.clamp(1, self.places.len() - 1) - 1
+    }
+
+    /// The weights of the ends of the present line.
+    pub fn shape<S: Scalar>(&self, u: S) -> [S; 2] {
+        let (from, to) = (self.lengths[self.line], self.lengths[self.line + 1]);
+        let b = (u + (self.origin - from)) / (to - from);
+        [S::one() - b, b]
+    }
+
+    /// The way to the nearer end of the chain, and a hair more, so that a joint may rest there.
+    pub fn room(&self, u: f64) -> f64 {
+        let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);
+        s.min(end - s) + 1e-9 * end
+    }
+
+    /// When u first leaves the present line for another one, on the cubic between two states
+    /// (u, u̇) that a step of size h lies between: how long before its end, and for which line. Where
+    /// it does not, the same by the velocity at the end.
+    pub fn leaves(&self, h: f64, [u0, v0]: [f64; 2], [u1, v1]: [f64; 2]) -> Option<(f64, usize)> {
+        let k = self.line;
+        let ends = [self.lengths[k], self.lengths[k + 1]].map(|s| s - self.origin);
+        let after = (k + 2 < self.lengths.len()).then_some(k + 1);
+        let lines = [k.checked_sub(1), after];
+        // u0 + c s + b s² + a s³, s = 0 … 1.
+        let way = u1 - u0;
+        let (a, b) = (h * (v0 + v1) - 2.0 * way, 3.0 * way - h * (2.0 * v0 + v1));
+        let c = h * v0;
+        let u = |s: f64| {
+            if s == 1.0 {
+                u1
+            } else {
+                u0 + s * (c + s * (b + s * a))
+            }
+        };
+        let grain = GRAIN * self.lengths[self.lengths.len() - 1];
+        let mut from = 0.0;
+        for to in turns(a, b, c).into_iter().chain([1.0]) {
+            let up = u(to) > u(from);
+            let (end, sign) = if up { (ends[1], 1.0) } else { (ends[0], -1.0) };
+            let beyond = |s: f64, by: f64| sign * (u(s) - end) > by;
+            if let (true, Some(line)) = (beyond(to, grain), lines[usize::from(up)]) {
+                let (mut inside, mut outside) = (from, to);
+                for _ in 0..f64::MANTISSA_DIGITS {
+                    let middle = 0.5 * (inside + outside);
+                    if beyond(middle, 0.0) {
+                        outside = middle;
+                    } else {
+                        inside = middle;
+                    }
+                }
+                return Some(((1.0 - inside) * h, line));
+            }
+            from = to;
+        }
+        let ahead = usize::from(v1 > 0.0);
+        let beyond = u1 - ends[ahead];
+        let late = if beyond.abs() <= grain {
+            0.0
+        } else {
+            beyond / v1
+        };
+        let line = lines[ahead].filter(|_| v1 != 0.0 && late.is_finite());
+        line.map(|line| (late, line))
+    }
+
+    /// Says which line takes over next; false, and nothing, where there is no such line.
+    pub fn enter(&mut self, line: f64) -> bool {
+        self.next = (0..self.places.len() - 1).find(|k| line == *k as f64);
+        self.next.is_some()
+    }
+
+    /// Goes on to the line that takes over, or behind whose end u is found; whether that is another one.
+    pub fn hand_over(&mut self, u: f64) -> bool {
+        let before = self.line;
+        let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);
+        let inside = (self.lengths[before] - s).max(s - self.lengths[before + 1]) <= HAIR * end;
+        self.line = match self.next.take() {
+            Some(next) => next,
+            None if inside => before,
+            None => self.line_at(u),
+        };
+        self.line != before
+    }
+}
+
+/// The roots in (0, 1) of c + 2 b s + 3 a s², ascending.
+fn turns(a: f64, b: f64, c: f64) -> impl IntoIterator<Item = f64> {
+    let discriminant = b * b - 3.0 * a * c;
+    // NaN where there are none: it is in no range.
+    let sum = -(b + discriminant.sqrt().copysign(b));
+    let (r, s) = (sum / (3.0 * a), c / sum);
+    let within = |s: &f64| 0.0 < *s && *s < 1.0;
+    [r.min(s), r.max(s)].into_iter().filter(move |s| within(s))
+}
