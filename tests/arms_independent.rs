@@ -5,6 +5,9 @@
 //! no shape function, no rotation vector, no chart, no tangent, no joint map.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+mod independent_support;
+
+use independent_support::{assert_published, extrapolated};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use pullback::gallery;
 
@@ -173,14 +176,9 @@ fn compare(case: &str, revolute: bool) {
     let [coarse, fine] = [40, 80].map(|elements| Arm { elements, revolute }.tips());
     let rows = gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap();
     for (k, t) in [1, 2, 3].into_iter().enumerate() {
-        let limit = fine[k] + (fine[k] - coarse[k]) / 3.0;
-        let what = format!("tip at t = {t},");
-        let given: Vec<f64> = (rows.iter().filter(|r| r.quantity.starts_with(&what)))
-            .map(|r| r.published)
-            .collect();
+        let limit = extrapolated(coarse[k].into(), fine[k].into());
         // The gallery has three decimals of it.
-        let off = limit - Vector3::from_column_slice(&given);
-        assert!(off.amax() < 1e-3, "{case}, t = {t}: {limit} for {given:?}");
+        assert_published(&rows, &format!("tip at t = {t},"), &limit, 1e-3);
     }
 }
 

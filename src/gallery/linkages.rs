@@ -17,22 +17,10 @@ pub const FOUR_BAR: Case = Case {
     run: four_bar,
 };
 
-/// The same with a flexible coupler.
-pub const FLEXIBLE_COUPLER: Case = Case {
-    name: "four-bar-flexible",
-    run: flexible_coupler,
-};
-
 /// A slider-crank mechanism of rigid bars.
 pub const SLIDER_CRANK: Case = Case {
     name: "slider-crank",
     run: slider_crank,
-};
-
-/// The same with a flexible rod.
-pub const FLEXIBLE_ROD: Case = Case {
-    name: "slider-crank-flexible",
-    run: flexible_rod,
 };
 
 /// Five parallelograms in a row.
@@ -80,7 +68,7 @@ pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
 }
 
 /// Lengths of crank, coupler, rocker and base, the last from the origin along e1.
-const BARS: [f64; 4] = [1.0, 1.5, 1.941_648_783_894_76, 1.6];
+pub(super) const BARS: [f64; 4] = [1.0, 1.5, 1.941_648_783_894_76, 1.6];
 const MASSES: [f64; 3] = [2.0, 1.0, 1.2];
 
 /// Angles of coupler and rocker from that of the crank: the circles of their ends meet.
@@ -111,13 +99,13 @@ fn four_bar_system(crank: Taylor<f64>) -> [Taylor<f64>; 2] {
 }
 
 /// Largest distance of two watched nodes.
-fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
+pub(super) fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
     let both = run.nodes[a].iter().zip(&run.nodes[b]);
     both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()))
 }
 
 /// Largest change of the total energy over the largest kinetic energy.
-fn energy_error(run: &History) -> f64 {
+pub(super) fn energy_error(run: &History) -> f64 {
     let energy = run.total_energy();
     let drift = energy
         .iter()
@@ -138,7 +126,7 @@ fn halved(
     Ok([coarse, fine])
 }
 
-fn last(run: &History, node: usize) -> NodeState {
+pub(super) fn last(run: &History, node: usize) -> NodeState {
     run.nodes[node][run.nodes[node].len() - 1]
 }
 
@@ -185,65 +173,8 @@ fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     )
 }
 
-fn flexible_coupler(context: &mut Context) -> Result<(), CaseError> {
-    let rigid = context.file(include_str!("../../examples/models/four_bar.toml"))?;
-    let file = context.file(include_str!("../../examples/models/four_bar_flexible.toml"))?;
-    // The coupler of the other file weighs 1; this one weighs its length.
-    let mut stiff = file.clone();
-    let mut alike = rigid.clone();
-    for section in stiff.sections.values_mut() {
-        if let Some(stiffness) = &mut section.stiffness {
-            scale(stiffness, 1e3);
-        }
-    }
-    let l = BARS[1];
-    // Both start at rest.
-    alike.joints[0].rate = None;
-    alike.bodies[1].mass = l;
-    if let Some(crate::input::Tensor::Full(rows)) = &mut alike.bodies[1].inertia {
-        rows.iter_mut().flatten().for_each(|x| *x *= l);
-    }
-    let to = 2.0;
-    let rigid = context.motion(&alike, &["coupler tip"], Run::step(1e-3).to(to))?;
-    let stiff = context.motion(
-        &stiff,
-        &["coupler tip", "rocker tip"],
-        Run::step(1e-3).to(to),
-    )?;
-    let bent = context.motion(
-        &file,
-        &["coupler tip", "rocker tip"],
-        Run::step(1e-3).to(to),
-    )?;
-    let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).place);
-    let source = "independent: the rigid linkage, whose loop closes implicitly";
-    for (k, name) in ["e1", "e2"].into_iter().enumerate() {
-        let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
-        context.compare(what, b[k], a[k], 2e-3, source);
-    }
-    let source = "exact: the loop is closed at all times";
-    context.compare(
-        "largest gap of the loop",
-        gap(&bent, [0, 1]),
-        0.0,
-        1e-13,
-        source,
-    );
-    let source = "theory: generalised-alpha keeps energy but for its damping";
-    let what = "largest relative change of energy";
-    context.compare(what, energy_error(&bent), 0.0, 1e-2, source);
-    Ok(())
-}
-
-/// All stiffnesses of a section times a factor.
-fn scale(stiffness: &mut crate::input::Stiffness, factor: f64) {
-    let crate::input::Stiffness { EA, GA, GJ, EI } = stiffness;
-    let all = [EA, GJ].into_iter().chain(GA).chain(EI);
-    all.for_each(|x| *x *= factor);
-}
-
-const CRANK: f64 = 0.4;
-const ROD: f64 = 1.0;
+pub(super) const CRANK: f64 = 0.4;
+pub(super) const ROD: f64 = 1.0;
 
 fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
     move |angle: Taylor<f64>| {
@@ -294,55 +225,6 @@ fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
     let what = "largest relative change of energy";
     context.compare(what, energy_error(&runs[1]), 0.0, 1e-3, source);
     Ok(())
-}
-
-fn flexible_rod(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!(
-        "../../examples/models/slider_crank_flexible.toml"
-    ))?;
-    let mut stiff = file.clone();
-    for section in stiff.sections.values_mut() {
-        if let Some(stiffness) = &mut section.stiffness {
-            scale(stiffness, 1e3);
-        }
-    }
-    let to = 1.0;
-    let nodes = ["slider", "rod end"];
-    let stiff = context.motion(&stiff, &nodes, Run::step(5e-4).to(to))?;
-    let bent = context.motion(&file, &nodes, Run::step(5e-4).to(to))?;
-    let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
-    let what = "slider at t = 1, rod 1000 times stiffer";
-    let y = 6.0_f64.sin() * CRANK;
-    let way = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
-    context.compare(what, last(&stiff, 0).place.x, way, 1e-5, source);
-    let source = "exact: the loop is closed at all times";
-    context.compare(
-        "largest gap of the loop",
-        gap(&bent, [0, 1]),
-        0.0,
-        1e-13,
-        source,
-    );
-    let source = "theory: what the crank supplies is there, but for the scheme's damping";
-    let off = bent.summary.energy.map_or(f64::NAN, |e| e.largest_defect);
-    let kinetic = bent.audit(|a| a.energies.kinetic);
-    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
-    context.compare(
-        "largest relative energy defect",
-        off / most,
-        0.0,
-        1e-3,
-        source,
-    );
-    let way = |run: &History| run.curve(0, |s| s.place.x);
-    context.figure(
-        "Slider-crank mechanism",
-        ["time t", "slider"],
-        vec![
-            Curve::new("flexible rod", way(&bent)),
-            Curve::new("rod 1000 times stiffer", way(&stiff)),
-        ],
-    )
 }
 
 /// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five

@@ -2,6 +2,7 @@
 
 mod arms;
 mod bend45;
+mod bent;
 mod case;
 mod flights;
 mod helix;
@@ -13,6 +14,7 @@ mod models;
 mod motion;
 mod planar;
 mod spatial;
+mod squeezer;
 mod struck;
 mod swings;
 mod tops;
@@ -54,13 +56,14 @@ pub const CASES: &[Case] = &[
     swings::DOUBLE,
     swings::RUBBER,
     linkages::FOUR_BAR,
-    linkages::FLEXIBLE_COUPLER,
+    bent::COUPLER,
     linkages::SLIDER_CRANK,
-    linkages::FLEXIBLE_ROD,
+    bent::CONNECTING_ROD,
     linkages::PARALLELOGRAMS,
-    mechanisms::SQUEEZER,
+    squeezer::CASE,
     mechanisms::BRICARD,
     mechanisms::MISALIGNED,
+    mechanisms::HARDLY_MISALIGNED,
 ];
 
 /// Runs the cases of the given names (all when there are none) and returns one row per compared
