@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use nalgebra::{SVector, Vector2};
+use nalgebra::{SMatrix, SVector, Vector2};
 use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
 use pullback_manifold::implicit::{Choice, Closed, Implicit, ImplicitError, Solved};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
@@ -237,4 +237,67 @@ impl Map<LINKS, 2> for Implicitly {
         }
         end
     }
+}
+
+const ROWS: usize = 22;
+const COLUMNS: usize = ROWS + 1;
+
+/// Linear equations.
+#[derive(Clone, Copy)]
+struct Linear(SMatrix<f64, ROWS, COLUMNS>);
+
+impl Map<COLUMNS, ROWS> for Linear {
+    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, COLUMNS>) -> SVector<S, ROWS> {
+        SVector::from_fn(|i, _| {
+            let row = x.iter().enumerate().map(|(k, x)| *x * self.0[(i, k)]);
+            row.fold(S::zero(), |sum, x| sum + x)
+        })
+    }
+}
+
+/// Kahan's matrix (1966), whose columns look ever less independent one after the other and are all but
+/// dependent, with a last column that would mend this and looks smaller still. Its equations are mixed by
+/// rotations until all have the same length, which changes no column's length.
+fn kahan() -> Linear {
+    let (c, s) = (0.6, 0.8_f64);
+    let mut J = SMatrix::<f64, ROWS, COLUMNS>::from_fn(|i, j| {
+        let entry = match j.cmp(&i) {
+            _ if j == ROWS => 0.0,
+            std::cmp::Ordering::Less => 0.0,
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Greater => -c,
+        };
+        s.powi(i as i32) * entry * (1.0 - 1e-6 * j as f64)
+    });
+    J[(ROWS - 1, ROWS)] = 0.9 * s.powi(ROWS as i32 - 1);
+    let mean = J.norm_squared() / ROWS as f64;
+    for _ in 1..ROWS {
+        let squares: Vec<f64> = J.row_iter().map(|r| r.norm_squared()).collect();
+        let by = |a: &usize, b: &usize| squares[*a].total_cmp(&squares[*b]);
+        let (i, j) = ((0..ROWS).max_by(by).unwrap(), (0..ROWS).min_by(by).unwrap());
+        let (a, b) = (squares[i] - mean, squares[j] - mean);
+        let d = J.row(i).dot(&J.row(j));
+        // (a + 2 d τ + b τ²) = 0 for the tangent of the angle.
+        let tau = (-d - (d * d - a * b).sqrt()) / b;
+        let (cosine, sine) = (1.0 / tau.hypot(1.0), tau / tau.hypot(1.0));
+        let (first, second) = (J.row(i).into_owned(), J.row(j).into_owned());
+        J.set_row(i, &(first * cosine + second * sine));
+        J.set_row(j, &(second * cosine - first * sine));
+    }
+    Linear(J)
+}
+
+#[test]
+fn where_pivoting_finds_no_good_split_the_tangent_space_is_taken() {
+    let mut closed = Closed::new(kahan().boxed(), about(&[None; COLUMNS], ROWS), 0.0, &[]).unwrap();
+    assert_eq!(closed.freedoms(), 1);
+    assert_eq!(closed.independent(), None);
+    let tangent = closed.condition(0.0, &[0.0]);
+    // The split that pivoting leads to, the last column, and the best one.
+    let mut by = |k: usize| {
+        assert!(closed.switch(0.0, Some(&[k]), &mut [0.0], &mut [0.0], &mut []));
+        closed.condition(0.0, &[0.0])
+    };
+    assert!(by(ROWS) > 1e3 * tangent);
+    assert!(by(0) < 1.001 * tangent);
 }

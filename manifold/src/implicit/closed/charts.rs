@@ -12,6 +12,10 @@ use std::f64::consts::PI;
 
 /// A split whose condition number is larger than that of the tangent space by this factor is not
 /// good.
+///
+/// There is always one that is worse by √(1 + D(X − D)) at most (Gu & Eisenstat 1996, SIAM J. Sci. Comput. 17):
+/// 30 for a hundred unknowns, a tenth of which are free. Pivoting misses it by this much for matrices like
+/// Kahan's only, whose columns look ever less independent one after the other; linkages have none.
 const POOR: f64 = 1e3;
 /// Condition number of preferred coordinates, relative to that of the best ones, up to which they are
 /// taken at the start.
