@@ -1,4 +1,4 @@
-//! What docs/adding_an_element.md shows is the example, all of it.
+//! What docs/adding_an_element.md shows is the example, all of it, and an element of the library.
 
 const PAGE: &str = include_str!("../docs/adding_an_element.md");
 
@@ -10,8 +10,11 @@ fn its_code_is_the_example() {
         .skip(1)
         .map(|part| part.split("\n```").next().unwrap())
         .collect();
-    assert_eq!(blocks.len(), 5);
-    assert_eq!(blocks.join("\n\n"), example.trim());
+    assert_eq!(blocks.len(), 6);
+    assert_eq!(blocks[..5].join("\n\n"), example.trim());
+    let bushing = include_str!("../elements/src/energy/bushing.rs");
+    assert!(bushing.trim().ends_with(blocks[5]));
+    assert!(blocks[5].starts_with("impl ElasticJoint"));
 }
 
 #[test]

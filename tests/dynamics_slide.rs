@@ -10,12 +10,12 @@ use pullback::elements::beam::Section;
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{SlideNodes, slide};
 use pullback::elements::model::{Arc, Axis, Dof, Line, Model, ModelBuilder, Straight};
-use pullback::elements::time::Constant;
+use pullback::elements::time::{Constant, TimeFunction};
 use pullback::integrators::dynamics::{
     DynamicsError, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback::integrators::statics::Cause;
-use pullback::manifold::system::SystemError;
+use pullback::manifold::system::{Evaluation, Point, System, SystemError};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -24,9 +24,16 @@ const RADIUS: f64 = 1.5;
 const FRAC_PI_9: f64 = PI / 9.0;
 const START: f64 = 2.0 * FRAC_PI_9;
 
+const MASS: f64 = 1.3;
+
 /// A heavy point mass that slides along beam elements all of whose nodes are held.
 fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Model, SlideNodes) {
     let mut b = ModelBuilder::new();
+    let bead = bead(&mut b, axis, elements, origin);
+    (b.build().unwrap(), bead)
+}
+
+fn bead(b: &mut ModelBuilder, axis: &dyn Axis, elements: usize, origin: f64) -> SlideNodes {
     let ends =
         [("from", 0.0), ("to", 1.0)].map(|(name, u)| b.node(name, axis.at(u).0.into()).unwrap());
     let line = Line {
@@ -38,12 +45,12 @@ fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Model, SlideNodes) {
     for &node in &nodes {
         b.support(node, &Dof::ALL);
     }
-    let bead = slide(&mut b, "bead", &nodes, origin).unwrap();
-    let mass = PointMass::new(1.3).unwrap();
+    let bead = slide(b, "bead", &nodes, origin).unwrap();
+    let mass = PointMass::new(MASS).unwrap();
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element("mass", mass, &[bead.frame]).unwrap();
     b.element("weight", weight, &[bead.frame]).unwrap();
-    (b.build().unwrap(), bead)
+    bead
 }
 
 /// Three metres with a slope of 3 in 5.
@@ -80,6 +87,44 @@ fn a_mass_on_an_incline_accelerates_uniformly_over_several_elements() {
         });
         assert_eq!(changes, 4, "elements left behind");
     }
+}
+
+#[test]
+fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
+    let along = Vector3::new(0.0, 0.8, -0.6);
+    let mut b = ModelBuilder::new();
+    let bead = bead(&mut b, &incline(), 7, 1.4);
+    let drive = sine(1.1, 2.5, 0.0);
+    b.prescribe_coordinate(bead.way, 0, Box::new(drive));
+    // Something must be unknown.
+    let free = b.node("free", [0.0; 3]).unwrap();
+    heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);
+    let mut model = b.build().unwrap();
+    let mut changes = 0;
+    let options = tight(Scheme::default(), 2.6, 0.013);
+    observed(&mut model, [&[], &[]], &options, &mut |model, step| {
+        let s = &step.progress.state;
+        let at = Point {
+            t: s.t,
+            q: &s.q,
+            v: &s.v,
+            a: &s.a,
+        };
+        let mut r = vec![0.0; s.q.len()];
+        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        let [way, rate, second] = drive.at(s.t);
+        let found = model.node_state(bead.frame);
+        let place = incline().from + along * (1.4 + way);
+        assert!((found.place - place).norm() < 1e-13);
+        assert!((found.velocity - along * rate).norm() < 1e-12);
+        let exact = (along * second + Vector3::z() * G) * MASS;
+        let [force, moment] = model.joint_force(bead.frame).unwrap();
+        assert!((force - exact).norm() < 1e-11, "{force} {exact}");
+        assert!(moment.norm() < 1e-12);
+        changes += step.chart_changes;
+    });
+    // From 1.4 up to 2.5, down to 0.3 and back: two elements on, five back, three on.
+    assert_eq!(changes, 10, "elements left behind");
 }
 
 #[test]

@@ -144,46 +144,111 @@ fn a_puck_on_a_slope_flies_like_a_stone() {
     }
 }
 
-/// A point a metre below a joint with two angles, thrown into a cone of 30°.
-fn conical(joint: &str) -> String {
-    let text = model(joint, "center = [0, 0, -1]", "");
-    // ω² = g/(l cos θ).
-    text.replace("step = 0.001", "step = 0.0005").replace("record_every = 10", "record_every = 20")
-        .replace("quantity = \"position\"\nnode = \"joint\"", "quantity = \"position\"\nnode = \"bob\"")
-        .replace("[[bodies]]", "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0, 0, -1]\n\n[[bodies]]")
-        .replace("node = \"joint\"\nmass = 2.0\ncenter = [0, 0, -1]", "node = \"bob\"\nmass = 2.0")
+/// A bob a metre below a joint with two angles, thrown into a cone of 30°, for these seconds.
+fn conical(joint: &str, bob: &str, seconds: f64) -> String {
+    let rotation = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"bob\"\n";
+    let offset =
+        "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0, 0, -1]";
+    model(joint, bob, rotation)
+        .replace("to = 1.0", &format!("to = {seconds}"))
+        .replace("step = 0.001", "step = 0.0005")
+        .replace(
+            "record_every = 10",
+            &format!("record_every = {}", 20.0 * seconds),
+        )
+        .replace("\nnode = \"joint\"", "\nnode = \"bob\"")
+        .replace("[[bodies]]", &format!("{offset}\n\n[[bodies]]"))
+}
+
+const CONE: f64 = PI / 6.0;
+
+/// Goes round on the cone; the rows with the angles round.
+#[track_caller]
+fn rounds(name: &str, text: &str, omega: f64) -> Vec<(HashMap<String, String>, f64)> {
+    let rows = ran(name, text).into_iter().map(|row| {
+        let turned = omega * number(&row, "t");
+        let (sine, cosine) = CONE.sin_cos();
+        let exact = [sine * turned.cos(), sine * turned.sin(), -cosine];
+        for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+            let found = number(&row, &format!("place.{axis}"));
+            let off = (found - exact).abs();
+            assert!(off < 2e-6, "{name} turned by {turned}: {found} {exact}");
+        }
+        (row, turned)
+    });
+    rows.collect()
 }
 
 #[test]
-fn conical_pendulums_on_two_angles_go_round() {
-    let theta = PI / 6.0;
-    let omega = (G / theta.cos()).sqrt();
-    // Tilted by −θ about e2 the bob is at (sin θ, 0, −cos θ); it moves along e2 with ω sin θ.
-    // Universal joint about e1, then e2: R(α e1) R(β e2) (0, 0, −1) has the rate α̇ cos β along e2.
+fn a_point_on_a_universal_joint_goes_round_a_cone() {
+    // ω² = g/(l cos θ). Tilted by −θ about e2 the bob is at (sin θ, 0, −cos θ); it moves along e2 with
+    // ω sin θ: R(α e1) R(β e2) (0, 0, −1) has the rate α̇ cos β along e2.
+    let omega = (G / CONE.cos()).sqrt();
     let universal = format!(
         "type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = {{ \"angle 1\" \
          = {{ rate = {} }}, \"angle 2\" = {{ value = {} }} }}",
-        omega * theta.tan(),
-        -theta
+        omega * CONE.tan(),
+        -CONE
     );
-    // The tilt of the coupling: (0, −θ) about axes across e3; the rate along e2 comes from the
-    // first component with sin θ/θ.
-    let cases = [("joint_universal", universal)];
-    for (name, joint) in cases {
-        for row in ran(name, &conical(&joint)) {
-            let t = number(&row, "t");
-            let exact = [
-                theta.sin() * (omega * t).cos(),
-                theta.sin() * (omega * t).sin(),
-                -theta.cos(),
-            ];
-            for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
-                let found = number(&row, &format!("place.{axis}"));
-                assert!(
-                    (found - exact).abs() < 2e-6,
-                    "{name} at {t}: {found} {exact}"
-                );
-            }
+    rounds("joint_universal", &conical(&universal, "", 1.0), omega);
+}
+
+#[test]
+fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
+    // As the joint transmits any turn about its shaft from the ground, which does not turn, the angular
+    // velocity is ω (e3 − c) with the body's axis c. Its spin −ω (1 − cos θ) has a momentum of its own:
+    // ω² (I cos θ + J (1 − cos θ)) = m g l, I and J across and along the shaft, at the joint. The moment of
+    // the joint, along e3 + c, has no part in that.
+    let (m, across, along) = (2.0, 0.5, 0.8);
+    let (sine, cosine) = CONE.sin_cos();
+    let omega: f64 = (m * G / ((m + across) * cosine + along * (1.0 - cosine))).sqrt();
+    // The first tilt is about e2, the second about −e1; the bob is at (sin θ, 0, −cos θ).
+    let coupling = format!(
+        "type = \"constant-velocity\"\naxis = [0, 0, 1]\nsecond_axis = [0, 0, 1]\ncoordinates = {{ \
+         \"tilt 1\" = {{ value = {} }}, \"tilt 2\" = {{ rate = {} }} }}",
+        -CONE,
+        -CONE * omega
+    );
+    let body = format!("inertia = [{across}, {across}, {along}]");
+    let rows = rounds("joint_cone", &conical(&coupling, &body, 2.2), omega);
+    for (row, turned) in &rows {
+        // One rotation about an axis across the shaft that goes round with the bob.
+        let exact = [CONE * turned.sin(), -CONE * turned.cos(), 0.0];
+        for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+            let found = number(row, &format!("turn.{axis}"));
+            assert!((found - exact).abs() < 4e-6, "at {turned}: {found} {exact}");
+        }
+    }
+    assert!(rows.last().unwrap().1 > TAU, "a whole turn");
+    assert!(sine * along > 0.1, "a spin that matters");
+}
+
+#[test]
+fn what_is_welded_to_an_arm_turns_with_it() {
+    // On a hinge with a motor: (J + m r²) θ̈ = M, the parts of the body as far away as the weld.
+    let joint = "type = \"revolute\"\naxis = [0, 0, 1]\nmotor = { constant = 3.0 }\n\n[[joints]]\nname = \
+                 \"arm\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0.5, 0, 0]\n\n[[joints]]\nname = \
+                 \"weld\"\ntype = \"weld\"\nmaster = \"arm\"";
+    let turn = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"weld\"\n";
+    let text = model(joint, "inertia = [0.3, 0.4, 0.6]", turn)
+        .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
+    for row in ran("joint_weld", &text) {
+        let t = number(&row, "t");
+        let angle = 0.5 * 3.0 / (0.6 + 2.0 * 0.25) * t * t;
+        let (sine, cosine) = angle.sin_cos();
+        for (column, exact) in [
+            ("place.x", 0.5 * cosine),
+            ("place.y", 0.5 * sine),
+            ("place.z", 0.0),
+            ("turn.x", 0.0),
+            ("turn.y", 0.0),
+            ("turn.z", angle),
+        ] {
+            let found = number(&row, column);
+            assert!(
+                (found - exact).abs() < 1e-9,
+                "{column} at {t}: {found} {exact}"
+            );
         }
     }
 }

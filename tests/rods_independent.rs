@@ -192,12 +192,8 @@ fn compare<C: Carriers>(case: &str, times: [f64; 3], [what, part]: [&str; 2], pl
     let rows = gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap();
     for (k, t) in times.into_iter().enumerate() {
         let limit = extrapolated(coarse[k], fine[k]);
-        assert_published(
-            &rows,
-            &format!("{what} at t = {t},"),
-            &limit[..places],
-            5e-6,
-        );
+        let what = format!("{what} at t = {t}, bent {part}");
+        assert_published(&rows, &what, &limit[..places], 5e-6);
         let middle = format!("middle off the line between the ends at t = {t}");
         assert_published(&rows, &middle, &limit[2..], 5e-6);
     }

@@ -11,8 +11,8 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::energy::{
-    ByEnergy, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring, Reissner,
-    StrainBeam, inside_chart, rate, strain_beam,
+    ByEnergy, ElasticJoint, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring,
+    Reissner, StrainBeam, strain_beam,
 };
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{NodalLoad, Which};
@@ -20,7 +20,6 @@ use pullback_elements::model::frame_along;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::Sine;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3;
 
 fn places() -> [Vector3<f64>; 2] {
     [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)]
@@ -159,43 +158,6 @@ fn a_coordinate_spring() {
     };
     let hand = CoordinateSpring::new(law).unwrap();
     check::same(&Cubic(law).into_element(), &hand).assert();
-}
-
-/// A bushing: ½ y·Ky + ½ ẏ·Dẏ with y = (R₁ᵀ(x₂ − x₁) − u₀, log R₁ᵀR₂), axes global.
-struct ElasticJoint {
-    u0: Vector3<f64>,
-    K: Matrix6<f64>,
-    D: Matrix6<f64>,
-}
-
-impl ElasticJoint {
-    fn relative<S: Scalar>(&self, x: &SVector<S, 12>) -> SVector<S, 6> {
-        let triple = |i: usize| Vector3::new(x[i], x[i + 1], x[i + 2]);
-        let (first, second) = (triple(3), triple(9));
-        let u0 = self.u0.map(S::constant);
-        let u = so3::rotation(&first).tr_mul(&(triple(6) - triple(0) + u0)) - u0;
-        let [first, second] = [first, second].map(|psi| so3::quaternion(&psi));
-        let theta = so3::log_quaternion(&first.conjugate().product(&second));
-        SVector::<S, 6>::new(u.x, u.y, u.z, theta.x, theta.y, theta.z)
-    }
-}
-
-impl Energies<12> for ElasticJoint {
-    const KINETIC: bool = false;
-
-    fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 12>) -> S {
-        let y = self.relative(x);
-        y.dot(&(self.K.map(S::constant) * y)) * 0.5
-    }
-
-    fn dissipation<S: Scalar>(&self, x: &SVector<S, 12>, v: &SVector<S, 12>) -> S {
-        let y_dot = rate(|x| self.relative(x), x, v);
-        y_dot.dot(&(self.D.map(S::constant) * y_dot)) * 0.5
-    }
-
-    fn domain(&self, x: &SVector<f64, 12>) -> Result<(), ElementError> {
-        inside_chart(&self.relative(x).fixed_rows::<3>(3).into_owned())
-    }
 }
 
 #[test]

@@ -26,6 +26,7 @@
 #![allow(non_snake_case)]
 
 mod beam;
+mod bushing;
 mod field;
 mod local;
 mod sampled;
@@ -35,6 +36,7 @@ mod together;
 pub use beam::{
     FrameInertia, GreenLagrange, Reissner, SectionEnergy, StrainBeam, StrainMeasure, strain_beam,
 };
+pub use bushing::ElasticJoint;
 pub use field::Gravity;
 pub use sampled::{Sample, Sampled};
 pub use spring::PolynomialSpring;

@@ -8,8 +8,8 @@ const GRAIN: f64 = 4e-15;
 /// What is this part of the chain beyond an end of a line may be on its way back.
 const HAIR: f64 = 1e-8;
 
-/// A chain of straight lines, followed by the arc length u from where it is entered. One line is the present
-/// one; another takes over where u leaves it.
+/// A chain of straight lines, followed by the arc length u (L) from where it is entered. One line is the
+/// present one; another takes over where u leaves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// The places that the lines connect, and their arc lengths.
