@@ -16,23 +16,83 @@
 mod dynamics_support;
 
 use dynamics_support::*;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
-use pullback::elements::joint::{offset, revolute};
+use pullback::elements::joint::{Joint, Pose, Released, offset, revolute};
 use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Sine;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
     DynamicOptions, Predictor, Progress, Scheme, StepReport, integrate, start,
 };
+use pullback::integrators::statics::Iteration;
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::so3::Quaternion;
 use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
+/// Joints by their maps alone, as a user writes them; those of the examples.
+#[derive(Clone)]
+struct Screw;
+
+impl Joint<7> for Screw {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        let axis = Vector3::new(0.6, 0.0, 0.8);
+        Pose::of(q, 0)
+            .moved(&(axis.map(S::constant) * (q[6] * 0.3)))
+            .turned(&Quaternion::about(&axis, q[6]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
+    }
+}
+
+#[derive(Clone)]
+struct PinInSlot;
+
+impl Joint<8> for PinInSlot {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        let (along, pin) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
+        Pose::of(q, 0)
+            .moved(&(along.map(S::constant) * q[6]))
+            .turned(&Quaternion::about(&pin, q[7]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way"), Released::angle("angle")] }
+    }
+}
+
+#[derive(Clone)]
+struct PointOnCurve;
+
+impl Joint<7> for PointOnCurve {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        let s = q[6];
+        Pose::of(q, 0).moved(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way")] }
+    }
+}
+
+/// Hangs a frame on another one.
+type Hang = fn(&mut ModelBuilder, NodeId) -> NodeId;
+
+const HINGE: Hang = |b, on| revolute(b, "hinge", on, [0.2, 1.0, 0.3]).unwrap().frame;
+const DERIVED: [Hang; 3] = [
+    |b, on| b.attach("screw", on, Screw).unwrap().frame,
+    |b, on| b.attach("slot", on, PinInSlot).unwrap().frame,
+    |b, on| b.attach("curve", on, PointOnCurve).unwrap().frame,
+];
+
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
-/// hinge, on that a second beam with a heavy end: every frame that a joint has as master is free.
-fn thrown_beams() -> Model {
+/// joint, on that a second beam with a heavy end: every frame that a joint has as master is free.
+fn thrown_beams(hang: Hang) -> Model {
     let mut b = ModelBuilder::new();
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
@@ -47,10 +107,10 @@ fn thrown_beams() -> Model {
     let wrist = b.node("wrist", [0.0, 0.5, 0.0]).unwrap();
     beam(&mut b, "first", [carriage, wrist], 2);
     let arm = offset(&mut b, "arm", wrist, [0.4, 0.7, -0.3]).unwrap();
-    let hinge = revolute(&mut b, "hinge", arm, [0.2, 1.0, 0.3]).unwrap();
-    heavy_body(&mut b, "hub", hinge.frame, 1.0, [0.1, 0.0, 0.2]);
+    let frame = hang(&mut b, arm);
+    heavy_body(&mut b, "hub", frame, 1.0, [0.1, 0.0, 0.2]);
     let tip = b.node("tip", [1.4, 0.7, -0.3]).unwrap();
-    beam(&mut b, "second", [hinge.frame, tip], 4);
+    beam(&mut b, "second", [frame, tip], 4);
     heavy_body(&mut b, "end", tip, 2.0, [0.1, 0.1, 0.0]);
     b.build().unwrap()
 }
@@ -117,10 +177,14 @@ impl Modelled for Plain {
 /// Length of an element, axial stiffness, mass per length and step size.
 const DATA: [f64; 4] = [0.25, 1e4, 1.0, 0.05];
 
-/// Largest residuals (N and N m) of the iterations of the first steps, of a composite scheme those of
-/// the first substep.
-fn residuals<Y: Modelled>(mut system: Y, scheme: Scheme, predictor: Predictor) -> Vec<Vec<f64>> {
-    let h = DATA[3];
+/// Largest residuals (N and N m) and corrections (relative to the size of the model, and rad) of the
+/// iterations of the first steps, of a composite scheme those of the first substep.
+fn iterations<Y: Modelled>(
+    mut system: Y,
+    scheme: Scheme,
+    predictor: Predictor,
+    h: f64,
+) -> Vec<Vec<[f64; 2]>> {
     let mut options = tight(scheme, 4.0 * h, h);
     options.newton.predictor = predictor;
     let mut steps = Vec::new();
@@ -128,14 +192,17 @@ fn residuals<Y: Modelled>(mut system: Y, scheme: Scheme, predictor: Predictor) -
         let all = step.residuals;
         // A converged state, which has no correction, ends a substep.
         let end = all.iter().position(|i| i.damping == 0.0).unwrap();
-        steps.push(
-            all[..=end]
-                .iter()
-                .map(|i| i.residual[0].max(i.residual[1]))
-                .collect(),
-        );
+        let both = |i: &Iteration| [i.residual[0].max(i.residual[1]), i.correction];
+        steps.push(all[..=end].iter().map(both).collect());
     });
     steps
+}
+
+/// The residuals of these.
+fn residuals<Y: Modelled>(system: Y, scheme: Scheme, predictor: Predictor) -> Vec<Vec<f64>> {
+    let steps = iterations(system, scheme, predictor, DATA[3]);
+    let first = |step: &Vec<[f64; 2]>| step.iter().map(|i| i[0]).collect();
+    steps.iter().map(first).collect()
 }
 
 /// Whether rₖ₊₁ ≤ C rₖ² down to the round-off of the stresses, in all pairs that have rₖ below
@@ -166,10 +233,10 @@ fn residuals_square_from_one_iteration_to_the_next() {
     for scheme in second_order() {
         for predictor in [Predictor::Velocity, Predictor::Keep] {
             let plain = |factor| Plain {
-                model: thrown_beams(),
+                model: thrown_beams(HINGE),
                 factor,
             };
-            let extrapolated = residuals(thrown_beams(), scheme, predictor);
+            let extrapolated = residuals(thrown_beams(HINGE), scheme, predictor);
             let exact = residuals(plain(1.0), scheme, predictor);
             for (with, without) in extrapolated.iter().zip(&exact) {
                 assert!(quadratic(with), "{}, {predictor:?}: {with:?}", scheme.name);
@@ -186,6 +253,37 @@ fn residuals_square_from_one_iteration_to_the_next() {
                     "{}, {predictor:?}: {wrong:?}",
                     scheme.name
                 );
+            }
+        }
+    }
+}
+
+/// Whether each residual, from the second correction on, is what the correction before it may leave: a node
+/// that moves by c across an element strains it by (c/l)²/2, and round-off.
+fn second_order_left(step: &[[f64; 2]]) -> bool {
+    let [l, EA, ..] = DATA;
+    assert!(
+        step.len() > 3 && step[0][0] > 1.0,
+        "nothing to do: {step:?}"
+    );
+    let mut pairs = step.windows(2).skip(1);
+    pairs.all(|p| p[1][0] <= 0.5 * EA * (p[0][1] / l).powi(2) + 1e-15 * EA / l)
+}
+
+#[test]
+fn corrections_are_squared_with_joints_of_ones_own() {
+    for (k, hang) in DERIVED.into_iter().enumerate() {
+        for predictor in [Predictor::Velocity, Predictor::Keep] {
+            let go = |factor| {
+                let model = thrown_beams(hang);
+                iterations(Plain { model, factor }, Scheme::default(), predictor, 0.02)
+            };
+            let as_is = iterations(thrown_beams(hang), Scheme::default(), predictor, 0.02);
+            for step in as_is.iter().chain(&go(1.0)) {
+                assert!(second_order_left(step), "{k}, {predictor:?}: {step:?}");
+            }
+            for wrong in go(1.01) {
+                assert!(!second_order_left(&wrong), "{k}, {predictor:?}: {wrong:?}");
             }
         }
     }
