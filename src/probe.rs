@@ -187,8 +187,12 @@ impl Probe {
             Component::Norm => out.push(v.norm()),
             Component::Whole => out.push(match &self.target {
                 Target::Joint(node) => {
-                    let rate = usize::from(self.quantity == Quantity::joint_rate);
-                    model.coordinate(*node, 0).map_or(f64::NAN, |x| x[rate])
+                    let rate = match self.quantity {
+                        Quantity::joint_rate => 1,
+                        Quantity::joint_acceleration => 2,
+                        _ => 0,
+                    };
+                    (model.coordinate_motion(*node, 0)).map_or(f64::NAN, |x| x[rate])
                 }
                 _ => answers.whole(self.quantity),
             }),
@@ -227,6 +231,7 @@ impl Probe {
                     Quantity::velocity => state.velocity,
                     Quantity::angular_velocity => state.omega,
                     Quantity::acceleration => state.acceleration,
+                    Quantity::angular_acceleration => state.omega_dot,
                     Quantity::joint_force | Quantity::joint_moment => {
                         let k = usize::from(self.quantity == Quantity::joint_moment);
                         let force = model.joint_force(*node);

@@ -91,6 +91,16 @@ quantity = "angular_velocity"
 node = "arm"
 
 [[probes]]
+name = "alpha"
+quantity = "angular_acceleration"
+node = "arm"
+
+[[probes]]
+name = "bend"
+quantity = "joint_acceleration"
+joint = "hinge"
+
+[[probes]]
 name = "turned"
 quantity = "rotation"
 node = "arm"
@@ -130,6 +140,8 @@ component = "z"
         near(of("v"), v, "velocity");
         near(of("a"), a, "acceleration");
         near(of("omega"), e * rate, "angular velocity");
+        near(of("alpha"), e * slope, "angular acceleration");
+        assert!((number(row, "bend") - slope).abs() < 1e-11 * (1.0 + slope.abs()));
         near(of("turned"), e * theta, "rotation");
         assert!((number(row, "speed") - v.norm()).abs() < 1e-11 * (1.0 + v.norm()));
         assert!((number(row, "up") - a.z).abs() < 1e-11 * (1.0 + a.norm()));

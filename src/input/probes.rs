@@ -157,11 +157,12 @@ impl Quantity {
             | Self::velocity
             | Self::angular_velocity
             | Self::acceleration
+            | Self::angular_acceleration
             | Self::reaction_force
             | Self::reaction_moment => Self::NODE,
             Self::joint_force | Self::joint_moment => Self::FRAME,
             Self::N | Self::M | Self::Gamma | Self::K => Self::ELEMENT,
-            Self::joint_coordinate | Self::joint_rate => Self::JOINT,
+            Self::joint_coordinate | Self::joint_rate | Self::joint_acceleration => Self::JOINT,
             Self::momentum | Self::angular_momentum => Self::SPACE,
             Self::strain_energy
             | Self::kinetic_energy
@@ -180,8 +181,10 @@ impl Quantity {
             Self::velocity => "velocity",
             Self::angular_velocity => "angular_velocity",
             Self::acceleration => "acceleration",
+            Self::angular_acceleration => "angular_acceleration",
             Self::joint_coordinate => "joint_coordinate",
             Self::joint_rate => "joint_rate",
+            Self::joint_acceleration => "joint_acceleration",
             Self::joint_force => "joint_force",
             Self::joint_moment => "joint_moment",
             Self::reaction_force => "reaction_force",
@@ -209,8 +212,10 @@ impl Quantity {
             Self::velocity => "velocity",
             Self::angular_velocity => "angular velocity ω",
             Self::acceleration => "acceleration",
+            Self::angular_acceleration => "angular acceleration ω̇",
             Self::joint_coordinate => "joint coordinate",
             Self::joint_rate => "rate of joint coordinate",
+            Self::joint_acceleration => "acceleration of joint coordinate",
             Self::joint_force => "force in joint",
             Self::joint_moment => "moment in joint",
             Self::reaction_force => "reaction force",
@@ -235,7 +240,9 @@ impl Quantity {
             Self::velocity
                 | Self::angular_velocity
                 | Self::acceleration
+                | Self::angular_acceleration
                 | Self::joint_rate
+                | Self::joint_acceleration
                 | Self::kinetic_energy
                 | Self::total_energy
                 | Self::energy_defect

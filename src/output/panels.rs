@@ -46,9 +46,11 @@ impl Scales {
             // A way or an angle: whatever is less.
             joint_coordinate => length.min(1.0),
             joint_rate => length.min(1.0) / time,
+            joint_acceleration => length.min(1.0) / time / time,
             velocity => length / time,
             angular_velocity => 1.0 / time,
             acceleration => length / time / time,
+            angular_acceleration => 1.0 / time / time,
             joint_force | reaction_force | N => energy / length,
             joint_moment | reaction_moment | M => energy,
             K => 1.0 / length,

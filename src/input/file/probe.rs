@@ -16,7 +16,7 @@ pub struct Probe {
     /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
-    /// Joint, for joint_coordinate and joint_rate, joint_force and joint_moment.
+    /// Joint, for joint_coordinate, joint_rate and joint_acceleration, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Element such as "line:3", for N, M, Gamma and K (the mean over its integration points).
@@ -46,10 +46,14 @@ pub enum Quantity {
     angular_velocity,
     /// Acceleration of a node.
     acceleration,
+    /// Rate of the angular velocity of a node, global components.
+    angular_acceleration,
     /// Angle that a revolute joint has released (radians, any number of turns), or way of a slide.
     joint_coordinate,
     /// Its rate.
     joint_rate,
+    /// The rate of that.
+    joint_acceleration,
     /// Force with which a joint acts on the node that hangs on it.
     joint_force,
     /// Moment with which a joint acts on the node that hangs on it.
