@@ -1,4 +1,5 @@
 //! What the tests that solve cases of the gallery by other means share.
+#![allow(dead_code)]
 
 use pullback::gallery::Comparison;
 
