@@ -203,7 +203,7 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
             let before = solver.state().t;
             let reason = solver.step().map_err(failed(before))?;
             let t = solver.state().t;
-            if !(t > before) {
+            if t.is_nan() || t <= before {
                 return Err((before, "its step makes no headway".to_owned()));
             }
             // Times of interest in this step, seen in its charts.
