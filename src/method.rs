@@ -38,7 +38,7 @@ pub static PREFIXES: [Prefix; 6] = [
         formulation: Formulation::LieGroup,
         about: "Lie group: exponentials of sums of angular velocities and their rates (Brüls, \
                 Cardona & Arnold 2012; with Newmark's coefficients the spin-vector Newmark of Simo & \
-                Vu-Quoc 1988, `svq-newmark`)",
+                Vu-Quoc 1988, svq-newmark)",
         only: None,
     },
     Prefix {
@@ -47,7 +47,7 @@ pub static PREFIXES: [Prefix; 6] = [
         about: "the spin-vector Newmark of Simo & Vu-Quoc 1988, as published: material angular \
                 velocities and their rates of both ends of a step, vectors of different tangent \
                 spaces, are added, which [M04] 3.3 calls inconsistent with the manifold; step by \
-                step the same as `lie-newmark`",
+                step the same as lie-newmark",
         only: Some("newmark"),
     },
     Prefix {
