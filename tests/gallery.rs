@@ -149,8 +149,8 @@ const DYNAMICS: &[Bound] = &[
     ("arm-revolute", "order in the step, driven smoothly", 1, 0.1),
     ("arm-revolute", "order in the mesh, driven smoothly", 1, 0.1),
     ("heavy-top", "fixed point, extrapolated place", 9, 1e-5),
-    ("heavy-top", "fixed point, extrapolated body axis", 9, 1e-5),
-    ("heavy-top", "fixed point, extrapolated body rate", 3, 1e-5),
+    ("heavy-top", "fixed point, body axis", 9, 1e-5),
+    ("heavy-top", "fixed point, body rate", 3, 1e-5),
     ("heavy-top", "fixed point, order", 1, 0.1),
     ("heavy-top", "spherical joint, extrapolated place", 9, 1e-5),
     (

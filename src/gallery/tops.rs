@@ -193,12 +193,18 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
             let place: [f64; 3] = richardson(coarse, fine);
             context.compare_vector(&what, place, x, 1e-5, source);
         }
-        let what = format!("{name}, extrapolated body axis");
-        compare_axes(context, &what, [&b, &c], turned, source);
-        let what = format!("{name}, extrapolated body rate at t = 1 over 150");
-        let rate: [f64; 3] = richardson(body_rate(&b).into(), body_rate(&c).into());
-        let rates = [rate, [-0.8220781016826, 150.0, -5.9232913481173]];
-        let [rate, exact] = rates.map(|r| r.map(|r| r / 150.0));
+        // The attitude turns 24 times: changes of chart at other moments of each step leave more of
+        // its error than can be extrapolated.
+        let mut third = file.clone();
+        if let Analysis::Dynamic(d) = &mut third.analysis {
+            d.scheme = "radau".into();
+        }
+        let third = context.motion(&third, &["top"], Run::step(1e-4))?;
+        let what = format!("{name}, body axis");
+        compare_axes(context, &what, axes(&third), turned, source);
+        let what = format!("{name}, body rate at t = 1 over 150");
+        let exact = Vector3::new(-0.8220781016826, 150.0, -5.9232913481173);
+        let [rate, exact] = [body_rate(&third), exact].map(|r| (r / 150.0).into());
         context.compare_vector(&what, rate, exact, 1e-5, source);
         let order = observed_order(&[&a, &b, &c].map(|h| axis(h, 1.0)));
         context.compare(
@@ -218,22 +224,23 @@ fn body_rate(run: &History) -> Vector3<f64> {
     state.R.transpose() * state.omega
 }
 
-/// Compares the extrapolated axes of the first recorded node at t = 1 with those of a quaternion.
+/// The axes of the first recorded node at t = 1.
+fn axes(run: &History) -> [[f64; 3]; 3] {
+    let R = run.at(0, 1.0).R;
+    [0, 1, 2].map(|k| Vector3::from(R.column(k)).into())
+}
+
+/// Compares the axes of a body at t = 1 with those of a quaternion.
 fn compare_axes(
     context: &mut Context,
     what: &str,
-    runs: [&History; 2],
+    axes: [[f64; 3]; 3],
     exact: Quaternion<f64>,
     source: &str,
 ) {
     let exact = UnitQuaternion::new_normalize(exact);
-    for k in 0..3 {
-        let [coarse, fine] = runs.map(|h| {
-            let axis: Vector3<f64> = h.at(0, 1.0).R.column(k).into();
-            axis.into()
-        });
+    for (k, axis) in axes.into_iter().enumerate() {
         let what = format!("{what} {} at t = 1,", k + 1);
-        let axis: [f64; 3] = richardson(coarse, fine);
         let exact = exact * Vector3::ith(k, 1.0);
         context.compare_vector(&what, axis, exact.into(), 1e-5, source);
     }
@@ -271,7 +278,15 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     let exact = Quaternion::new(0.24270299, 0.11814413, -0.82272015, -0.50026871);
-    compare_axes(context, "extrapolated body axis", [&b, &c], exact, source);
+    let [coarse, fine] = [axes(&b), axes(&c)];
+    let extrapolated = [0, 1, 2].map(|k| richardson(coarse[k], fine[k]));
+    compare_axes(
+        context,
+        "extrapolated body axis",
+        extrapolated,
+        exact,
+        source,
+    );
     let period = richardson([period(&b)], [period(&c)])[0];
     let source = "exact: Jacobi's elliptic functions, R03";
     let what = "extrapolated period";
