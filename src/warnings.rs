@@ -252,10 +252,7 @@ fn has(own: bool, model: &Model, joint: &Joint) -> bool {
 }
 
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
-fn driven<'f>(
-    file: &'f ModelFile,
-    order: usize,
-) -> impl Iterator<Item = (String, Option<&'f Joint>)> {
+fn driven(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
     let off = move |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[order] != 0.0);
     let supports = file.supports.iter().filter(move |s| {
         let driven = s.driven.as_ref();

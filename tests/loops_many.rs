@@ -6,7 +6,7 @@
 mod program_support;
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use program_support::{directory, history, number, program, write};
+use program_support::{command, directory, history, number, program, write};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, Pose, Released, Revolute, offset, revolute};
 use pullback::elements::model::{Dof, ModelBuilder};
@@ -98,8 +98,9 @@ fn a_joint_is_asked_as_often_in_many_loops_as_in_few() {
 }
 
 /// A boom that carries an arm and a strut to it (a loop on the moving boom), while a tie leads from the
-/// arm to the ground (a loop through the joint of the boom).
-fn boom(closure: &str) -> String {
+/// arm to the ground (a loop through the joint of the boom). The joint of the boom stands on the ground, or
+/// on a post there.
+fn boom(base: &str, closure: &str) -> String {
     let joint = |name: &str, kind: &str, master: &str, more: &str| {
         format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
     };
@@ -112,16 +113,17 @@ fn boom(closure: &str) -> String {
              center = [0.5, 0.1, 0.2]\ninertia = [0.1, 0.2, 0.3]\n"
         )
     };
-    let probes = |of: &str| {
+    let probes = |of: &str, kind: &str| {
         ["force", "moment"].map(|what| {
             format!(
-                "[[probes]]\nname = \"{what} {of}\"\nquantity = \"joint_{what}\"\nnode = \"{of}\"\n"
+                "[[probes]]\nname = \"{what} {of}\"\nquantity = \"{kind}_{what}\"\nnode = \"{of}\"\n"
             )
         })
     };
     [
         "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned(),
-        joint("A", "revolute", "ground", "axis = [0, 1, 0]"),
+        link("post", "ground", [0.0, 0.0, 0.0]),
+        joint("A", "revolute", base, "axis = [0, 1, 0]"),
         link("boom tip", "A", [1.0, 0.0, 1.0]),
         joint("B", "revolute", "boom tip", "axis = [0, 1, 0.3]"),
         link("arm tip", "B", [2.0, 0.0, 0.5]),
@@ -145,7 +147,8 @@ fn boom(closure: &str) -> String {
             &format!("child = \"foot\"\n{closure}"),
         ),
         ["A", "B", "S", "D"].map(body).concat(),
-        ["A", "B", "S", "D"].map(|of| probes(of).concat()).concat(),
+        (HOLDING.map(|of| probes(of, "joint").concat())).concat(),
+        probes("ground", "reaction").concat(),
         "[[loads]]\ngravity = [0, 0, -9.81]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
          [output]\nparaview_every = 0\nfigures = false\n"
             .to_owned(),
@@ -153,24 +156,62 @@ fn boom(closure: &str) -> String {
     .concat()
 }
 
+/// Frames whose joints are compared.
+const HOLDING: [&str; 5] = ["post", "A", "B", "S", "D"];
+
 #[test]
 fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
     // Multipliers read no root: forces at the start are the same to rounding.
-    let starts =
-        [("map", ""), ("multipliers", "closure = \"multipliers\"")].map(|(name, closure)| {
-            let out = directory(&format!("boom_{name}"));
-            let ran = program(&[&write(&out, &boom(closure))]);
-            let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-            assert!(ran.status.success(), "{name}: {said}");
-            history(&out.join("model.out")).remove(0)
-        });
-    for of in ["A", "B", "S", "D"] {
-        for what in ["force", "moment"] {
-            for c in ["x", "y", "z"] {
-                let column = format!("{what} {of}.{c}");
+    for base in ["ground", "post"] {
+        let starts =
+            [("map", ""), ("multipliers", "closure = \"multipliers\"")].map(|(name, closure)| {
+                let out = directory(&format!("boom_{base}_{name}"));
+                let ran = program(&[&write(&out, &boom(base, closure))]);
+                let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+                assert!(ran.status.success(), "{name}: {said}");
+                history(&out.join("model.out")).remove(0)
+            });
+        for of in HOLDING.iter().chain(&["ground"]) {
+            for end in ["force", "moment"]
+                .map(|w| ["x", "y", "z"].map(|c| (w, c)))
+                .concat()
+            {
+                let column = format!("{} {of}.{}", end.0, end.1);
                 let [map, other] = [0, 1].map(|k| number(&starts[k], &column));
-                assert!((map - other).abs() < 1e-8, "{column}: {map} {other}");
+                assert!(
+                    (map - other).abs() < 1e-8,
+                    "{base}, {column}: {map} {other}"
+                );
             }
         }
     }
+}
+
+#[test]
+fn a_loop_that_is_locked_is_left_alone() {
+    // Two parallel hinges at a distance, and a body that has nothing to do with them.
+    let text = "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
+        [[joints]]\nname = \"A\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
+        [[joints]]\nname = \"a\"\ntype = \"offset\"\nmaster = \"A\"\nplace = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"foot\"\ntype = \"offset\"\nmaster = \"ground\"\nplace = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"C\"\ntype = \"revolute\"\nmaster = \"a\"\naxis = [0, 1, 0]\n\
+        child = \"foot\"\n\
+        [[joints]]\nname = \"E\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
+        [[bodies]]\nname = \"x\"\nnode = \"E\"\nmass = 1\ninertia = [1, 1, 1]\n\
+        [[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
+        [output]\nparaview_every = 0\nfigures = false\n";
+    let model = write(&directory("locked"), text);
+    let ran = program(&[&model]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    assert!(
+        said.contains("the loop closed by joint C cannot move"),
+        "{said}"
+    );
+    let checked = command("check", &[&model]);
+    assert!(
+        checked.status.success(),
+        "{}",
+        String::from_utf8_lossy(&checked.stdout)
+    );
 }

@@ -112,6 +112,7 @@ impl ModelBuilder {
                 words,
                 map: None,
                 closures: Vec::new(),
+                roots: Vec::new(),
                 element: Some(id.0),
             });
         }

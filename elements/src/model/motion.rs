@@ -127,7 +127,8 @@ impl Model {
             collect(d.masters(), &self.spans, &w.x, &mut q);
             let mut mu = vec![0.0; 6 * report.closures.len()];
             d.map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
-            for (&(frame, child), mu) in report.closures.iter().zip(mu.chunks_exact(6)) {
+            let closures = report.closures.iter().zip(&report.roots);
+            for ((&(frame, child), roots), mu) in closures.zip(mu.chunks_exact(6)) {
                 let R = self.node_state(NodeId(child)).R;
                 let force = R * Vector3::new(mu[0], mu[1], mu[2]);
                 let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
@@ -136,8 +137,10 @@ impl Model {
                     let Some(above) = path.iter().position(|&n| n == node.0) else {
                         continue;
                     };
-                    // Frames that the map reads, and those above, have been handed these forces.
-                    if path[..=above].iter().any(|n| d.masters().contains(n)) {
+                    // The frame at which the map reads this loop's chains to end, and those above,
+                    // have been handed these forces.
+                    let read = |n: &u32| roots.contains(&Some(*n)) && d.masters().contains(n);
+                    if path[..=above].iter().any(read) {
                         continue;
                     }
                     let place = |n: u32| self.node_state(NodeId(n)).place;

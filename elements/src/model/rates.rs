@@ -51,7 +51,15 @@ impl Model {
             let Source::Mapped(d) = &self.nodes[x as usize].source else {
                 continue;
             };
-            let (own, alone) = (d.masters()[..1].to_vec(), d.masters().len() == 1);
+            // A loop that is locked has no coordinates of its own.
+            let own: Vec<u32> = d
+                .masters()
+                .iter()
+                .take(1)
+                .filter(released)
+                .copied()
+                .collect();
+            let alone = d.masters().len() == 1;
             let left = self.fit(q, v, &all, &own, motion)?;
             if alone && left > MISSING {
                 let report = self.reports.iter().find(|r| r.map == Some(x));

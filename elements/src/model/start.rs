@@ -157,6 +157,7 @@ impl Model {
                     ),
                     map: None,
                     closures: Vec::new(),
+                    roots: Vec::new(),
                     element: None,
                 });
             }

@@ -62,7 +62,7 @@ impl Mapped<'_> {
     /// Bᵀ f.
     fn pulled(&self, t: f64, q: &[f64], f: &[f64]) -> Vec<f64> {
         let B = self.tangent(t, q).1;
-        B.chunks_exact(f.len()).map(|b| dot(b, f)).collect()
+        B.chunks_exact(f.len().max(1)).map(|b| dot(b, f)).collect()
     }
 
     fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64]) -> Vec<f64> {
@@ -78,7 +78,7 @@ impl Mapped<'_> {
         let mut out = vec![0.0; self.rows.groups().len()];
         for (out, g) in out.iter_mut().zip(self.rows.groups()) {
             let mut sum = 0.0;
-            for (column, unit) in B.chunks_exact(n).zip(&units) {
+            for (column, unit) in B.chunks_exact(n.max(1)).zip(&units) {
                 let part = &column[g.range.clone()];
                 sum += part.iter().map(|b| (b * unit).powi(2)).sum::<f64>();
             }
@@ -106,7 +106,9 @@ impl Mapped<'_> {
 
     fn compared(&self, matrix: &str, found: &[f64], right: &[f64]) -> Vec<Block> {
         let n = self.map.dims().1;
-        let pairs = found.chunks_exact(n).zip(right.chunks_exact(n));
+        let pairs = found
+            .chunks_exact(n.max(1))
+            .zip(right.chunks_exact(n.max(1)));
         let whole = Layout::single();
         Compared {
             matrix,
@@ -144,7 +146,7 @@ pub fn kinematics(
     // Sizes of what cancels, in units of the rows.
     let magnitudes = columns.magnitudes(q, 0);
     let mut behind = rows.magnitudes(&x, 0);
-    for (column, m) in B.chunks_exact(x.len()).zip(&magnitudes) {
+    for (column, m) in B.chunks_exact(x.len().max(1)).zip(&magnitudes) {
         behind
             .iter_mut()
             .zip(column)
@@ -187,6 +189,10 @@ pub fn kinematics(
     report.defects(&name, at, &both, &allowed.repeat(2));
     motion(report, prefix, of, at, s, &k, &sizes);
 
+    // Without coordinates nothing is pulled back.
+    if q.is_empty() {
+        return;
+    }
     // A covector whose work on one unit of every row is of the size of one.
     let mut f = vec![0.0; x.len()];
     random.fill(&mut f);
@@ -194,7 +200,7 @@ pub fn kinematics(
     let K = of.geometric_stiffness(t, q, &f);
     let pulled = of.pulled(t, q, &f);
     let mut work = vec![0.0; q.len()];
-    for (w, b) in work.iter_mut().zip(B.chunks_exact(f.len())) {
+    for (w, b) in work.iter_mut().zip(B.chunks_exact(f.len().max(1))) {
         *w += b.iter().zip(&f).map(|(b, f)| (b * f).abs()).sum::<f64>();
     }
     for (column, m) in K.chunks_exact(q.len().max(1)).zip(&magnitudes) {
@@ -366,7 +372,7 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
 /// A d for a matrix of n rows.
 fn times(A: &[f64], d: &[f64], n: usize) -> Vec<f64> {
     let mut out = vec![0.0; n];
-    for (column, d) in A.chunks_exact(n).zip(d) {
+    for (column, d) in A.chunks_exact(n.max(1)).zip(d) {
         out.iter_mut().zip(column).for_each(|(o, a)| *o += a * d);
     }
     out

@@ -58,6 +58,8 @@ pub(super) struct Report {
     pub map: Option<u32>,
     /// Closing frame and child of each loop, in the order of the equations.
     pub closures: Vec<(u32, u32)>,
+    /// For each of them the frames at which its chains end.
+    pub roots: Vec<[Option<u32>; 3]>,
     /// The element that enforces it.
     pub element: Option<u32>,
 }
@@ -171,6 +173,7 @@ pub(super) fn close(
             words: format!("joint {}: {} hangs on it", a.name, b.name),
             map: None,
             closures: Vec::new(),
+            roots: Vec::new(),
             element: None,
         });
         let same = Hung::new(Offset {

@@ -143,6 +143,7 @@ fn nothing_follows(
         ),
         map: None,
         closures: Vec::new(),
+        roots: Vec::new(),
         element: None,
     })
 }
@@ -316,6 +317,10 @@ pub(super) fn close_set(
             + &moved,
         map: Some(x),
         closures: chains.iter().map(|c| (c.frame, c.child)).collect(),
+        roots: chains
+            .iter()
+            .map(|c| [c.root, c.ends[0], c.ends[1]])
+            .collect(),
         element: None,
     })
 }
