@@ -141,6 +141,9 @@ fn curves_through_points_and_quadrics_obey_the_laws_of_a_map() {
         }
         check::map(&Hung::new(joint::OnCurve::new(curve))).assert();
     }
+    // At a point its third derivative jumps: the laws are those of one of the pieces.
+    let from_a_point = Spline::through(&points, true, 0.0).unwrap();
+    check::map(&Hung::new(joint::OnCurve::new(from_a_point))).assert();
     let (start, centre, axis) = ([1.0, 0.2, 0.0], [0.1, -0.3, 0.5], [0.3, 0.1, 2.0]);
     for surface in [
         Quadric::plane(start, axis).unwrap(),

@@ -175,6 +175,14 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         0
     }
 
+    /// Where φ is pieced together from several formulas (the cubics of a spline), keeps to the one
+    /// that holds at (t, q), beyond the ends of its piece too; or, for `None`, to none again. The
+    /// conformance kit asks for it: derivatives are compared with differences of one smooth function.
+    /// Nothing to do by default, for a φ that is smooth.
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+        let _ = at;
+    }
+
     /// The largest residual at φ(t, q) of the equations behind the map, each over its size; none for
     /// a map that is a formula.
     fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {

@@ -53,11 +53,16 @@ impl Default for Options {
 /// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
 /// coordinates the model has then is for its next change of charts to say.
 ///
+/// Maps that are pieced together from several formulas keep to the one that holds at each state, beyond
+/// its ends too ([`Map::keep_piece`]): a curve through points is smooth in its third derivative only
+/// between them.
+///
 /// Joints that start at the edge of their domain, such as a slide at the end of its chain, are looked
 /// at a little inside.
 ///
 /// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
 ///
+/// [`Map::keep_piece`]: pullback_manifold::map::Map::keep_piece
 /// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
 pub fn model(model: &mut Model, options: &Options) -> Report {
     let mut report = Report::new("model");
@@ -78,6 +83,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
     let (at_start, memories) = ((options.t, q.as_slice()), model.map_memories());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
+        model.keep_pieces(None);
         let rest = match beside(model, at_start, &memories, *size, &units, &mut random) {
             Ok(rest) => rest,
             Err(error) => {
@@ -85,6 +91,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
                 return report;
             }
         };
+        model.keep_pieces(Some((rest.t, rest.x.as_slice())));
         if k == 0 {
             layout.rate = own_rate(model, &rest, &layout.units()).unwrap_or(1.0);
         }
@@ -113,6 +120,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
     if let Some(state) = last {
         transport::rewriting(&mut report, model, &layout, &state);
     }
+    model.keep_pieces(None);
     report.worst()
 }
 

@@ -193,6 +193,12 @@ pub trait Joint<const D: usize>: Send + Sync {
         CHART_EDGE
     }
 
+    /// Keeps to the formula that holds at (t, q), or to none again, where the pose is pieced together
+    /// from several: see [`Map::keep_piece`]. Nothing to do by default.
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+        let _ = at;
+    }
+
     /// Whether the frame moves along when all masters move like one rigid body: true by default;
     /// false for a joint that is tied to space.
     fn is_objective(&self) -> bool {
@@ -274,6 +280,10 @@ where
 
     fn is_objective(&self) -> bool {
         self.joint.is_objective()
+    }
+
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+        self.joint.keep_piece(at);
     }
 
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {

@@ -17,6 +17,13 @@ pub trait Curve: Send + Sync {
         let _ = s;
         f64::INFINITY
     }
+
+    /// Where the curve is pieced together from several formulas, keeps to the one that holds at s,
+    /// beyond its ends too, or to none again: what [`check`](crate::check) compares derivatives
+    /// with. Nothing to do by default, for a curve with three continuous derivatives.
+    fn keep_piece(&mut self, at: Option<f64>) {
+        let _ = at;
+    }
 }
 
 /// d_s = d_m + R_m x(s) − x(0), Ψ_s of its own: masters (frame, parameter s, rotation).
@@ -25,21 +32,23 @@ pub trait Curve: Send + Sync {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnCurve<C> {
     curve: C,
+    /// x(0), also while the curve keeps to a piece that is elsewhere.
+    start: Vector3<f64>,
 }
 
-impl<C> OnCurve<C> {
+impl<C: Curve> OnCurve<C> {
     /// The joint of a curve.
     pub fn new(curve: C) -> Self {
-        Self { curve }
+        let start = curve.at(0.0);
+        Self { curve, start }
     }
 }
 
 impl<C: Curve> Joint<10> for OnCurve<C> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 10>) -> Pose<S> {
-        let start = self.curve.at(0.0).map(S::constant);
         let carried = Pose::of(q, 0).moved(&self.curve.at(q[6]));
         Pose {
-            d: carried.d - start,
+            d: carried.d - self.start.map(S::constant),
             turn: quaternion(&Vector3::new(q[7], q[8], q[9])),
         }
     }
@@ -50,6 +59,10 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
 
     fn margin(&self, _t: f64, q: &SVector<f64, 10>) -> f64 {
         self.curve.margin(q[6])
+    }
+
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, 10>)>) {
+        self.curve.keep_piece(at.map(|(_, q)| q[6]));
     }
 
     fn edge(&self) -> &'static str {
@@ -68,6 +81,7 @@ pub fn on_curve<C: Curve + Clone + 'static>(
     master: NodeId,
     curve: C,
 ) -> Result<JointNodes, ModelError> {
-    let place = b.place(master) + curve.at(0.0);
-    b.join(name, place.into(), OnCurve { curve }, &[master])
+    let joint = OnCurve::new(curve);
+    let place = b.place(master) + joint.start;
+    b.join(name, place.into(), joint, &[master])
 }

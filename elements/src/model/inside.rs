@@ -45,6 +45,20 @@ impl Model {
         }
     }
 
+    /// Lets every map keep to the formula that holds at a state at rest, or to none again: see
+    /// [`keep_piece`](pullback_manifold::map::Map::keep_piece).
+    pub(crate) fn keep_pieces(&mut self, at: Option<(f64, &[f64])>) {
+        let (v, a) = (&[][..], &[][..]);
+        let known = at.is_none_or(|(t, q)| self.expand(Point { t, q, v, a }).is_ok());
+        for &n in self.dependent.iter().filter(|_| known) {
+            if let Source::Mapped(d) = &mut self.nodes[n as usize].source {
+                let w = &mut self.work;
+                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                d.map.keep_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
+            }
+        }
+    }
+
     /// The margin of a map at a state at rest; none outside of its domain.
     fn room(&mut self, n: u32, t: f64, q: &[f64]) -> Option<f64> {
         let (v, a) = (&[][..], &[][..]);

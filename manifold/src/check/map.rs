@@ -93,6 +93,9 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
     M: Map<D, N> + Clone + 'static,
 {
     let law = |name: &str| format!("{prefix}{name}");
+    let mut one_piece = map.clone();
+    one_piece.keep_piece(Some((t, q)));
+    let map = &one_piece;
     let (v, a) = (random.vector::<D>(), random.vector::<D>());
     let f = random.vector::<N>();
     let vector = |x: &SVector<f64, D>| DVector::from_column_slice(x.as_slice());

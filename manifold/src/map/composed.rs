@@ -68,6 +68,13 @@ where
         self.inner.note().or_else(|| self.outer.note())
     }
 
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+        let between = at.map(|(t, q)| (t, self.inner.phi(t, q)));
+        self.inner.keep_piece(at);
+        self.outer
+            .keep_piece(between.as_ref().map(|(t, x)| (*t, x)));
+    }
+
     fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {
         let inner = self.inner.tangent(t, q);
         let outer = self.outer.tangent(t, &inner.x);

@@ -112,6 +112,11 @@ pub trait Parametrization: Send + Sync {
         0
     }
 
+    /// See [`Map::keep_piece`].
+    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+        let _ = at;
+    }
+
     /// What the map remembers of its way besides the coordinates, where it cannot be found from
     /// them: what a checkpoint has to hold.
     fn memory(&self) -> Vec<f64> {
@@ -231,6 +236,11 @@ where
 
     fn segment(&self) -> usize {
         self.0.segment()
+    }
+
+    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+        let at = at.map(|(t, q)| (t, SVector::from_column_slice(q)));
+        self.0.keep_piece(at.as_ref().map(|(t, q)| (*t, q)));
     }
 
     fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {

@@ -50,6 +50,8 @@ pub struct Spline {
     /// Coefficients of 1, u, u², u³ of each piece, u = s − knot.
     pieces: Vec<[Vector3<f64>; 4]>,
     closed: bool,
+    /// How often round, and the piece, where it keeps to one.
+    kept: Option<(f64, usize)>,
 }
 
 impl Spline {
@@ -91,12 +93,25 @@ impl Spline {
             knots,
             pieces,
             closed,
+            kept: None,
         })
     }
 
     /// First and last parameter.
     fn ends(&self) -> [f64; 2] {
         [self.knots[0], self.knots[self.pieces.len()]]
+    }
+
+    /// How often the curve has gone round at a parameter, and the piece that it is on.
+    fn piece(&self, s: f64) -> (f64, usize) {
+        let [first, last] = self.ends();
+        let turns = match self.closed {
+            true => ((s - first) / (last - first)).floor(),
+            false => 0.0,
+        };
+        let s = s - turns * (last - first);
+        let after = self.knots.partition_point(|knot| *knot <= s);
+        (turns, after.clamp(1, self.pieces.len()) - 1)
     }
 }
 
@@ -131,17 +146,15 @@ fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Option<Matrix3
 
 impl Curve for Spline {
     fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        let (turns, k) = self.kept.unwrap_or_else(|| self.piece(s.re()));
         let [first, last] = self.ends();
-        let turns = match self.closed {
-            true => ((s.re() - first) / (last - first)).floor(),
-            false => 0.0,
-        };
-        let s = s - turns * (last - first);
-        let after = self.knots.partition_point(|knot| *knot <= s.re());
-        let k = after.clamp(1, self.pieces.len()) - 1;
-        let u = s - self.knots[k];
+        let u = s - turns * (last - first) - self.knots[k];
         let [a, b, c, d] = &self.pieces[k];
         Vector3::from_fn(|i, _| ((u * d[i] + c[i]) * u + b[i]) * u + a[i])
+    }
+
+    fn keep_piece(&mut self, at: Option<f64>) {
+        self.kept = at.map(|s| self.piece(s));
     }
 
     fn margin(&self, s: f64) -> f64 {

@@ -219,6 +219,17 @@ impl Parametrization for Closed {
         self.core_mut().recall(memory)
     }
 
+    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+        let core = self.core_mut();
+        let Some((t, q)) = at else {
+            return core.h.keep_piece(None);
+        };
+        // Where nothing can be found, every law that is asked there says so.
+        if core.solve(t, q).is_ok() {
+            core.h.keep_piece(Some((t, &core.work.y)));
+        }
+    }
+
     fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
         let mut core = self.core();
         if core.solve(t, q).is_ok() {
