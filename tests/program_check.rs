@@ -1,8 +1,10 @@
 //! `pullback check`: every model of the gallery passes, and what it prints and returns.
 #![allow(clippy::unwrap_used)]
 
+mod closures_support;
 mod program_support;
 
+use closures_support::{GROUND, RUN, arm, body, hinge};
 use program_support::{MODEL, directory, with, write};
 use pullback::check;
 use std::path::Path;
@@ -162,6 +164,57 @@ fn a_slide_may_start_at_the_end_of_its_chain() {
             let report = check::file(&path, seed).unwrap();
             assert!(report.is_ok(), "{start}\n{}", check::table(&report));
         }
+    }
+}
+
+/// The third derivative of a curve through points jumps at them, where a closed one starts by default.
+#[test]
+fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
+    let directory = directory("program_check_curve");
+    for start in ["closed = true", "start = 1.0198039027185569"] {
+        let model = format!(
+            "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on-curve\"\n\
+             master = \"ground\"\n{start}\n\
+             through = [[-1, 0, 0.2], [0, 0, 0], [1, 0.3, 0], [2, 0, 0.1], [3, 0.5, 0]]\n\n\
+             [[bodies]]\nname = \"b\"\nnode = \"p\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\n\
+             [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
+             [[loads]]\ngravity = [0, 0, -9.81]\n\n[analysis.dynamic]\nto = 0.1\nstep = 0.01\n"
+        );
+        let path = write(&directory, &model);
+        for seed in 0..6 {
+            let report = check::file(&path, seed).unwrap();
+            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
+        }
+    }
+}
+
+/// Where a joint of a loop is driven, what its drive does at a state that is out of balance depends on
+/// which coordinates are free: only with what is out of balance it is the power that stays.
+#[test]
+fn a_driven_joint_of_a_loop_may_have_other_coordinates_beside_it() {
+    let driven = "driven = { sine = { amplitude = 0.5, omega = 3 } }";
+    let five_bar = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", driven),
+        &arm("a", "A", [1.0, 0.0, 0.0]),
+        &hinge("B", "a", ""),
+        &arm("b", "B", [1.8, 1.0, 0.0]),
+        &hinge("E", "b", ""),
+        &arm("e", "E", [1.3, 2.0, 0.0]),
+        &arm("foot", "ground", [0.0, 2.0, 0.0]),
+        &hinge("D", "foot", ""),
+        &arm("d", "D", [1.3, 2.0, 0.0]),
+        &hinge("C", "e", "child = \"d\""),
+        &body("B"),
+        &body("D").replace("mass", "center = [0.5, 0, 0]\nmass"),
+        "[[loads]]\ngravity = [-9.81, 0, 0]\n",
+    ]
+    .concat();
+    let path = write(&directory("program_check_driven"), &five_bar);
+    for seed in 0..60 {
+        let report = check::file(&path, seed).unwrap();
+        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
     }
 }
 

@@ -182,8 +182,17 @@ fn stays(
     report.defects(&law, at, &defects, &allowed);
 }
 
+/// v·r: the power of what is out of balance.
+fn left(snapshot: &Snapshot, s: &State) -> f64 {
+    let parts = snapshot.r.iter().zip(s.v.iter());
+    parts.map(|(r, v)| r * v).sum()
+}
+
 /// Notes that motion and energies stay where a map gives its coordinates another meaning. Coordinates
 /// of before mean nothing to the model afterwards.
+///
+/// Where a joint of a loop is driven, what the drive has to do depends on which coordinates are free,
+/// as these are not in balance: of the power supplied, what is not v·r stays.
 pub(super) fn rewriting(
     report: &mut Report,
     model: &mut Model,
@@ -192,8 +201,13 @@ pub(super) fn rewriting(
 ) {
     let law = "change of coordinates";
     let mut settled = s.clone();
+    let balanced = |model: &mut Model, s: &State| -> Result<(Snapshot, Energies), SystemError> {
+        let (snapshot, mut energies) = spatial(model, s)?;
+        energies.supplied -= left(&snapshot, s);
+        Ok((snapshot, energies))
+    };
     let mut both = || -> Result<[(Snapshot, Energies); 2], SystemError> {
-        let before = spatial(model, &settled)?;
+        let before = balanced(model, &settled)?;
         let State { t, x, v, a } = &mut settled;
         model.change_charts(
             *t,
@@ -201,7 +215,7 @@ pub(super) fn rewriting(
             v.as_mut_slice(),
             &mut [a.as_mut_slice()],
         );
-        Ok([before, spatial(model, &settled)?])
+        Ok([before, balanced(model, &settled)?])
     };
     let pair = match both() {
         Ok(pair) => pair,
@@ -228,13 +242,11 @@ fn power(
     s: &State,
 ) -> Result<(), SystemError> {
     let (now, energies) = spatial(model, s)?;
-    let r = &now.r;
     // What a potential gains by time alone, and what elements do that tell of no energy.
     let h = 1e-4 / layout.rate;
     let gained = (model.strain_energy(s.t + h) - model.strain_energy(s.t - h)) / (2.0 * h);
     let silent = model.silent_power(s.t)?;
-    let left: f64 = r.iter().zip(s.v.iter()).map(|(r, v)| r * v).sum();
-    let gain = energies.supplied - energies.dissipated - left + gained + silent;
+    let gain = energies.supplied - energies.dissipated - left(&now, s) + gained + silent;
     let start = energies.kinetic + energies.stored;
 
     let speeds = layout.coordinates(s.v.as_slice());
