@@ -52,6 +52,9 @@ pub fn start<Y: System + ?Sized>(
 ///
 /// The residual is linear in q̈ and λ, so one linear solution suffices:
 /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
+///
+/// Accelerations that the state has already are corrected, with r and ḧ at these: coordinates without
+/// mass, for which nothing but a step can find them, go on with what they had.
 pub(super) fn accelerate<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -60,15 +63,14 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     [r, S]: [&mut [f64]; 2],
 ) -> Result<(), DynamicsError> {
     let n = state.q.len();
-    state.a.clear();
     state.a.resize(n, 0.0);
     let multipliers = |i: &usize| system.is_multiplier(*i);
     let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
     for &i in &multipliers {
-        (state.q[i], state.v[i]) = (0.0, 0.0);
+        (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
-    solve_mass(system, solver, state, h, [r, S], None)?;
-    state.a.copy_from_slice(r);
+    solve_mass(system, solver, state, h, [&mut *r, S], None)?;
+    state.a.iter_mut().zip(&*r).for_each(|(a, more)| *a += more);
     for &i in &multipliers {
         (state.q[i], state.a[i]) = (r[i], 0.0);
     }

@@ -80,6 +80,10 @@ impl Run<'_> {
         progress: &mut Progress,
         supplied: bool,
     ) -> Result<(), DynamicsError> {
+        // With a drive accelerations jump; along a chain of beams they go on.
+        if supplied {
+            progress.state.a.clear();
+        }
         self.accelerate(system, solver, progress)?;
         let now = self.energies(system, &progress.state, progress.state.t)?;
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {

@@ -125,6 +125,7 @@ impl Run<'_> {
         }
         if progress.summary.steps == 0 {
             // The velocities of the start are meant as they are.
+            progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;
             return self.aim(system, progress);

@@ -2,7 +2,7 @@
 
 use super::{DynamicsError, Kept, State};
 use crate::statics::Iteration;
-use pullback_manifold::system::Energies;
+use pullback_manifold::system::{Energies, Scales};
 
 /// Energies along a run.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -19,6 +19,10 @@ pub struct EnergyBalance {
     pub gross: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
+    /// Most that forces and moments have been, applied ones and reactions, times a length of the model
+    /// and a radian: energies below the last digit of it are rounding errors.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub size: f64,
     /// Steps in a row in which the energy has been absurd.
     #[cfg_attr(feature = "serde", serde(default))]
     pub absurd: usize,
@@ -35,8 +39,11 @@ const ABSURD: f64 = 1e3;
 const BOUNDLESS: f64 = 1e3;
 
 impl EnergyBalance {
-    /// Takes the energies at the end of a step.
-    pub(super) fn book(&mut self, now: &Energies, h: f64) {
+    /// Takes the energies at the end of a step, where the system has these scales.
+    pub(super) fn book(&mut self, now: &Energies, h: f64, scales: &Scales) {
+        let sizes = scales.measures().into_iter().zip(scales.coordinate).take(2);
+        let size = sizes.map(|(force, length)| force * length).sum();
+        self.size = self.size.max(size);
         let drawn = self.now.potential - now.potential;
         let work = drawn + 0.5 * h * (self.now.power() + now.power());
         self.work += work;
@@ -62,6 +69,11 @@ impl EnergyBalance {
             return Err(DynamicsError::Unstable { t, energy, known });
         }
         Ok(())
+    }
+
+    /// Whether the energies are in balance but for rounding errors.
+    pub fn is_rounding(&self) -> bool {
+        self.largest_defect <= f64::EPSILON * self.size
     }
 
     /// Energy that is there without having been supplied.

@@ -137,6 +137,7 @@ impl Run<'_> {
         }
         if fresh {
             progress.summary.chart_changes += changed;
+            progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;
         }
@@ -195,6 +196,7 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Finds the accelerations of the state, from those that it has; see [`accelerate`].
     pub(super) fn accelerate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -385,7 +387,7 @@ impl Run<'_> {
             progress.summary.evaluations += keeper.take_evaluations();
         }
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            balance.book(&now, h);
+            balance.book(&now, h, &system.scales());
             balance.judge(left)?;
         }
         if handed_over {

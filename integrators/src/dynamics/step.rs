@@ -175,7 +175,10 @@ impl Stepper {
                     *first = most;
                 }
             }
-            if first && self.gaps && group.len() == 1 {
+            if first && self.gaps {
+                if group.len() > 1 {
+                    self.by_coordinates(system, step, group.start)?;
+                }
                 let q = &self.stages[group.start].state.q;
                 let [sizes, floor] = &mut self.room;
                 let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
@@ -207,7 +210,9 @@ impl Stepper {
             let correction = self.correct(step, group);
             self.record(residual, ratio, correction, 1.0);
             let start = self.history[earlier].ratio;
-            if !(correction.is_finite() && ratio <= 1e12 * start) {
+            // Residuals of rounding errors may grow from one that was zero by chance.
+            let grows = ratio > 1e12 * start && correction > f64::EPSILON;
+            if !correction.is_finite() || grows || ratio.is_nan() {
                 return Err(Failure::Diverged);
             }
         }
@@ -316,25 +321,32 @@ impl Stepper {
         }
     }
 
+    /// Residual of a stage and its tangent by coordinates: where stages are solved together tangents are
+    /// by their accelerations, and the weight of a stage's own stiffness in them may be zero.
+    fn by_coordinates<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        Attempt { scheme, h, .. }: Attempt<'_>,
+        k: usize,
+    ) -> Result<(), Failure> {
+        let weights = Weights {
+            K: 1.0,
+            C: 1.0 / h,
+            M: scheme.filter()[0] / (h * h),
+        };
+        self.stage(system, k, None, Some(weights))
+    }
+
     /// Whether the residuals of a group are rounding errors only, which no correction can mend.
-    ///
-    /// Tangents of stages that are solved together are by their accelerations, and the weight of a
-    /// stage's own stiffness in them may be zero: they take their own by coordinates.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         step: Attempt<'_>,
         group: &Group,
     ) -> Result<bool, Failure> {
-        let Attempt { scheme, h, .. } = step;
         for (i, k) in group.range().enumerate() {
             if group.len() > 1 {
-                let by_coordinates = Weights {
-                    K: 1.0,
-                    C: 1.0 / h,
-                    M: scheme.filter()[0] / (h * h),
-                };
-                self.stage(system, k, None, Some(by_coordinates))?;
+                self.by_coordinates(system, step, k)?;
             }
             for (c, r) in self.r.iter_mut().enumerate() {
                 *r = self.dq[place(&self.together, group, i, c)];
