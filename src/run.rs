@@ -183,6 +183,7 @@ fn execute(
             warnings.extend(warnings::left_behind(&file));
             warnings.extend(warnings::immobile(&model));
             warnings.extend(warnings::massless(&mut model, &progress));
+            warnings.extend(warnings::drowned(&mut model, &file, &progress));
         }
     }
     let directory = match &checkpoint {

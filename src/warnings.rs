@@ -8,8 +8,9 @@ use crate::probe::Answers;
 use crate::solve::Counts;
 use pullback_elements::element::SectionState;
 use pullback_elements::model::Model;
-use pullback_integrators::dynamics::Progress;
+use pullback_integrators::dynamics::{Progress, State};
 use pullback_integrators::significant;
+use pullback_manifold::system::{Evaluation, Point, System};
 use std::fmt::Write;
 
 /// A change of the number of unstable directions along a path.
@@ -217,7 +218,8 @@ const DOUBTFUL: f64 = 0.1;
 /// What there is to say of the balance of energy of a motion, or of one without any.
 pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     let energy = counts.energy?;
-    if energy.largest_defect <= DOUBTFUL * energy.start.max(energy.work.abs()) {
+    let doubtful = DOUBTFUL * energy.start.max(energy.work.abs());
+    if energy.largest_defect <= doubtful || energy.is_rounding() {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
@@ -355,6 +357,29 @@ pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
             "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
              {x} coordinates free. If it should, see whether axes and places are given with all \
              their digits; if not, weld it"
+        )
+    })
+}
+
+/// Part of the forces on a model that rounding errors of a gap may be.
+const ROUGH: f64 = 1e-3;
+
+/// A word about penalties with which rounding errors of the gap are no small forces.
+pub(crate) fn drowned(model: &mut Model, file: &ModelFile, progress: &Progress) -> Option<String> {
+    let State { t, q, v, .. } = &progress.state;
+    let a = vec![0.0; q.len()];
+    let (at, mut r) = (Point { t: *t, q, v, a: &a }, a.clone());
+    model.evaluate(at, Evaluation::residual(&mut r)).ok()?;
+    let scales = model.scales();
+    let most = ROUGH * scales.measures()[0] / (f64::EPSILON * scales.coordinate[0]);
+    let joints = file.joints.iter();
+    let large = joints.filter(|j| most > 0.0 && j.penalty.is_some_and(|p| p > most));
+    let names: Vec<String> = large.map(|j| j.name.clone()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "penalty of {}: rounding errors of the gap are forces that drown those of the model; \
+             keep it below {most:.0e}",
+            listed(&names)
         )
     })
 }

@@ -162,6 +162,11 @@ fn nonsense_is_refused_where_it_stands() {
         "joint \"C\": closure needs child",
         "add it",
     );
+    let said = refusal(&with("closure = 3")).to_string();
+    assert!(
+        said.contains("one of the words \"map\", \"multipliers\" and \"penalty\""),
+        "{said}"
+    );
     let said = refusal(&with("closure = \"lagrange\"")).to_string();
     assert!(
         said.contains("lagrange") || said.contains("closure"),
@@ -184,6 +189,19 @@ fn nonsense_is_refused_where_it_stands() {
         stderr.contains("Newmark") && stderr.contains("generalised-alpha 0.8"),
         "{stderr}"
     );
+}
+
+#[test]
+fn a_penalty_that_drowns_the_model_gets_a_word() {
+    for (penalty, told) in [("1e7", false), ("1e30", true)] {
+        let text = closed_by(&format!("closure = \"penalty\"\npenalty = {penalty}"));
+        let text = text.replace("to = 0.5", "to = 0.02");
+        let out = directory("closures-drowned");
+        let ran = program(&[&write(&out, &text)]);
+        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+        let word = "penalty of C: rounding errors of the gap";
+        assert_eq!(said.contains(word), told, "{penalty}: {said}");
+    }
 }
 
 #[test]

@@ -188,6 +188,46 @@ fn a_singular_start_is_named() {
     assert!(said.contains("joint C"), "{said}");
 }
 
+/// With its slider driven a slider-crank that is drawn straight closes in two ways: what says nothing
+/// there to first order is the gap along the guide. The gap out of the plane never does.
+#[test]
+fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
+    let joint = |name: &str, kind: &str, master: &str, more: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+    };
+    let hinge = "axis = [0, 0, 1]";
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\n".to_owned(),
+        joint("crank", "revolute", "ground", hinge),
+        joint("pin", "offset", "crank", "place = [0.4, 0, 0]"),
+        joint("rod", "revolute", "pin", hinge),
+        joint("end", "offset", "rod", "place = [1.4, 0, 0]"),
+        joint("guide", "offset", "ground", "place = [1.4, 0, 0]"),
+        joint(
+            "slider",
+            "prismatic",
+            "guide",
+            "axis = [1, 0, 0]\ndriven = { sine = { amplitude = -0.1, omega = 3 } }",
+        ),
+        joint(
+            "wrist",
+            "revolute",
+            "end",
+            &format!("{hinge}\nchild = \"slider\""),
+        ),
+        "[[bodies]]\nname = \"rod\"\nnode = \"rod\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n"
+            .to_owned(),
+        "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned(),
+        "[analysis.dynamic]\nto = 1\nstep = 0.01\n".to_owned(),
+    ]
+    .concat();
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("the gap along e1 at joint wrist says nothing to first order"),
+        "{said}"
+    );
+}
+
 /// The notes of a model file.
 fn notes(text: &str) -> Vec<String> {
     pullback::input::assemble_text("model.toml", text)

@@ -2,9 +2,11 @@
 
 use super::Time;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, IntoDeserializer, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::fmt::{self, Formatter};
 
 /// A joint. It makes a node of its own name that hangs on the master: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
@@ -25,7 +27,11 @@ pub struct Joint {
     pub child: Option<String>,
     /// How the node that hangs on the joint and the `child` are made one: by a `map` (the default),
     /// by Lagrange `multipliers`, or by a `penalty`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "closure",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub closure: Option<Closure>,
     /// Stiffness of a `penalty`: force over the gap; moment over the turn is this times the square
     /// of the size of the model (the diagonal of the box around its nodes).
@@ -71,6 +77,23 @@ pub enum Closure {
     Multipliers,
     /// Stiff springs.
     Penalty,
+}
+
+/// Reads the word for a closure; anything else is told which words there are.
+fn closure<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Closure>, D::Error> {
+    struct Word;
+    impl Visitor<'_> for Word {
+        type Value = Closure;
+
+        fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+            f.write_str("one of the words \"map\", \"multipliers\" and \"penalty\"")
+        }
+
+        fn visit_str<E: Error>(self, word: &str) -> Result<Closure, E> {
+            Closure::deserialize(word.into_deserializer())
+        }
+    }
+    from.deserialize_str(Word).map(Some)
 }
 
 /// A pair of gears, a rack on a pinion: coordinates of two joints in a fixed ratio.

@@ -5,6 +5,7 @@ use super::super::chart::RANK;
 use super::super::names::list;
 use super::core::Core;
 use super::dense::Pivoted;
+use super::start::{ASIDE, aside};
 
 /// Coefficients and components below this are not worth naming.
 const SMALL: f64 = 1e-4;
@@ -84,10 +85,30 @@ impl Core {
         self.dependences_beyond(rank, expected)
     }
 
+    /// Which equations say something a little aside of x, whether they do so at x or not: those of a
+    /// plane mechanism out of its plane do not.
+    fn speak_aside(&mut self) -> Vec<bool> {
+        let (p, X, M, t) = (self.p, self.X, self.M, self.anchor.t);
+        let y = self.work.y.clone();
+        for k in 0..X {
+            self.work.y[p + k] += ASIDE * aside(k) * self.size(k);
+        }
+        self.linearise(t);
+        let speaks = |i: usize| {
+            let least = SMALL * ASIDE * self.about.equations[i].size;
+            (0..X).any(|k| (self.work.J[i + (p + k) * M] * self.size(k)).abs() > least)
+        };
+        let speak = (0..M).map(speaks).collect();
+        self.work.y = y;
+        self.linearise(t);
+        speak
+    }
+
     /// The same of the equations beyond a rank that is given: the weakest of those that are still
     /// independent, where a singular configuration is close.
     pub(super) fn dependences_beyond(&mut self, rank: usize, expected: usize) -> (String, String) {
         let X = self.X;
+        let speak = self.speak_aside();
         self.rank_equations();
         let equations = self.work.equations.clone();
         // Equations that say nothing in this mechanism (out of its plane) are not worth naming.
@@ -116,8 +137,9 @@ impl Core {
             .collect();
         let dependent = if dependent.is_empty() {
             // Its gradient has vanished altogether.
-            let weakest = equations.order[rank.min(self.M - 1)];
-            let name = &self.about.equations[weakest].name;
+            let beyond = &equations.order[rank.min(self.M - 1)..];
+            let weakest = beyond.iter().find(|&&i| speak[i]).unwrap_or(&beyond[0]);
+            let name = &self.about.equations[*weakest].name;
             format!("{name} says nothing to first order")
         } else {
             list(&dependent)

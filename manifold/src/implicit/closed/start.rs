@@ -13,7 +13,12 @@ const ITERATIONS: usize = 200;
 const STAGES: usize = 32;
 /// Distance (relative to sizes) at which the rank is looked at again, to tell a singular
 /// configuration from a mechanism that moves.
-const ASIDE: f64 = 1e-3;
+pub(super) const ASIDE: f64 = 1e-3;
+
+/// Components of a direction that no symmetry distinguishes.
+pub(super) fn aside(k: usize) -> f64 {
+    1.0 + (1.7 * (k + 1) as f64).sin()
+}
 
 impl Core {
     pub(super) fn assemble(
@@ -220,8 +225,8 @@ impl Core {
         }
         let y = self.work.y.clone();
         let sizes = self.sizes.clone();
-        // A direction across the gradients that no symmetry distinguishes.
-        let mut n: Vec<f64> = (0..X).map(|k| 1.0 + (1.7 * (k + 1) as f64).sin()).collect();
+        // A direction across the gradients.
+        let mut n: Vec<f64> = (0..X).map(aside).collect();
         for k in 0..rank {
             let d = self.work.equations.direction(k);
             let along: f64 = n.iter().zip(d).map(|(n, d)| n * d).sum();
