@@ -163,7 +163,7 @@ impl Laws<'_> {
         let mut residual = |s: &State| evaluate(s).map(|f| f.r.as_slice().to_vec());
         tangents(self, &all, &mut residual);
         if symmetric && state.is_static() {
-            all.symmetric(self, Part::K);
+            all.symmetric(self, Part::K, &[]);
         }
         if let Some(r_t) = &f.r_t {
             let size = f.r.norm() + r_t.norm() * (1.0 + state.t.abs());

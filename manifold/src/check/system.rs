@@ -103,13 +103,6 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     };
     let sizes = all.sizes(laws.layout, state);
     tangents(&mut laws, &all, &mut |s| residual(system, s));
-    if system.is_symmetric() {
-        if state.is_static() {
-            all.symmetric(&mut laws, Part::K);
-        } else {
-            all.symmetric(&mut laws, Part::M);
-        }
-    }
 
     // One evaluation with three weights is the weighted sum of three evaluations.
     let w = weights(0.7, -1.3, 2.1);
@@ -130,6 +123,7 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     // Stiff parts that cancel leave their round-off, which nothing here shows but the change of S with
     // the last digits of the coordinates.
     let mut noise = vec![0.0_f64; S.len()];
+    let mut of_parts = [K, C, M].map(|values| vec![0.0_f64; values.len()]);
     for sample in 1..=SAMPLES {
         let mut beside = state.clone();
         for (i, (x, unit)) in beside.x.iter_mut().zip(laws.layout.units()).enumerate() {
@@ -141,10 +135,17 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
             continue;
         };
         for k in 0..S.len() {
-            let part = |i: usize, w: f64| (w * (parts[i][k] - all.values[i][k])).abs();
-            let parts = part(0, w.K) + part(1, w.C) + part(2, w.M);
+            let part = |i: usize| (parts[i][k] - all.values[i][k]).abs();
+            for (i, noise) in of_parts.iter_mut().enumerate() {
+                noise[k] = noise[k].max(NOISE * part(i));
+            }
+            let parts = w.K.abs() * part(0) + w.C.abs() * part(1) + w.M.abs() * part(2);
             noise[k] = noise[k].max((there[k] - S[k]).abs() + parts);
         }
+    }
+    if system.is_symmetric() {
+        let part = if state.is_static() { Part::K } else { Part::M };
+        all.symmetric(&mut laws, part, &of_parts[part as usize]);
     }
     let allowed = by_row(&size).into_iter().zip(by_row(&noise));
     let allowed: Vec<f64> = allowed.map(|(s, n)| 1e-12 * s + NOISE * n).collect();

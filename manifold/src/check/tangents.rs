@@ -114,8 +114,9 @@ impl Tangents<'_> {
         }
     }
 
-    /// Notes whether a tangent is symmetric.
-    pub(super) fn symmetric(&self, laws: &mut Laws<'_>, part: Part) {
+    /// Notes whether a tangent is symmetric, but for what its values lose to rounding: `noise` in the
+    /// pattern, none if it is empty.
+    pub(super) fn symmetric(&self, laws: &mut Laws<'_>, part: Part, noise: &[f64]) {
         let values = &self.values[part as usize];
         let units = laws.layout.units();
         let ones: Vec<f64> = units.iter().map(|u| 1.0 / u).collect();
@@ -132,10 +133,15 @@ impl Tangents<'_> {
                 let (rows_i, rows_j) = (self.pattern.unknowns(i), self.pattern.unknowns(j));
                 for (c, J) in rows_j.clone().enumerate() {
                     for (r, I) in rows_i.clone().enumerate() {
-                        let a = values[range.start + r + c * rows_i.len()];
-                        let b = values[mirror + c + r * rows_j.len()];
-                        let gap = (a - b).abs() * units[I] * units[J];
-                        let allowed = SYMMETRIC * (rows[I] * rows[J]).sqrt();
+                        let at = [
+                            range.start + r + c * rows_i.len(),
+                            mirror + c + r * rows_j.len(),
+                        ];
+                        let [a, b] = at.map(|k| values[k]);
+                        let lost: f64 = at.iter().filter_map(|k| noise.get(*k)).sum();
+                        let unit = units[I] * units[J];
+                        let gap = (a - b).abs() * unit;
+                        let allowed = SYMMETRIC * (rows[I] * rows[J]).sqrt() + lost * unit;
                         let strain = if gap == 0.0 { 0.0 } else { gap / allowed };
                         if strain > 1.0 || strain.is_nan() {
                             entries.push((I, J, a, b));
