@@ -22,7 +22,7 @@ impl ModelBuilder {
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };
-        let forces = self.enforce_closings(length)?;
+        let (forces, enforced) = self.enforce_closings(length)?;
         if self.nodes.is_empty() {
             return Err(ModelError::Empty);
         }
@@ -36,6 +36,7 @@ impl ModelBuilder {
         };
         let held = loops::Held(&self.prescribed);
         let mut reports = loops::close(&mut self.nodes, &self.closings, &held, &wishes, length)?;
+        let places = loops::places(&self.nodes, &enforced, &held, &wishes, length);
         self.keep_one_free(&reports)?;
         reports.extend(forces);
         let Self {
@@ -169,7 +170,7 @@ impl ModelBuilder {
         let values: Vec<(usize, f64)> = (starts.into_iter())
             .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
             .collect();
-        model.assemble_enforced(&values)?;
+        model.assemble_enforced(&values, &places)?;
         Ok(model)
     }
 }

@@ -74,13 +74,16 @@ impl ModelBuilder {
     }
 
     /// Adds the elements of all closings that no map makes, in a model of this size; what there is
-    /// to say about each.
-    pub(super) fn enforce_closings(&mut self, length: f64) -> Result<Vec<Report>, ModelError> {
-        let (maps, forces) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
-        let forces: Vec<Closing> = forces;
+    /// to say about each, and these closings.
+    pub(super) fn enforce_closings(
+        &mut self,
+        length: f64,
+    ) -> Result<(Vec<Report>, Vec<Closing>), ModelError> {
+        let (maps, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
+        let closings: Vec<Closing> = closings;
         self.closings = maps;
         let mut reports = Vec::new();
-        for Closing { frame, child, by } in forces {
+        for &Closing { frame, child, by } in &closings {
             let name = self.node_name(frame).to_owned();
             let h = Coincide {
                 apart: self.place(frame) - self.place(child),
@@ -109,13 +112,10 @@ impl ModelBuilder {
             };
             let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
             reports.push(Report {
-                words,
-                map: None,
-                closures: Vec::new(),
-                roots: Vec::new(),
                 element: Some(id.0),
+                ..Report::say(words)
             });
         }
-        Ok(reports)
+        Ok((reports, closings))
     }
 }

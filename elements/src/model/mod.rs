@@ -131,6 +131,24 @@ impl Node {
         }
     }
 
+    /// A node of the same kind that follows in the same way.
+    fn duplicate(&self) -> Self {
+        let source = match &self.source {
+            Source::Own => Source::Own,
+            Source::Mapped(d) => Source::Mapped(Box::new(Dependence::new(
+                d.map.duplicate(),
+                d.segments.clone(),
+                d.direct,
+            ))),
+        };
+        Self {
+            name: self.name.clone(),
+            kinds: self.kinds.clone(),
+            source,
+            ..*self
+        }
+    }
+
     fn range(&self) -> Range<usize> {
         self.first..self.first + self.dim
     }

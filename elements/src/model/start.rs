@@ -5,7 +5,7 @@
 
 use super::enforced::Equations;
 use super::loops::Report;
-use super::{Model, ModelError};
+use super::{Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{System, SystemError};
 
@@ -124,21 +124,21 @@ impl Model {
     ///
     /// Of the values (unknown, value) that coordinates should start with as many are kept as the
     /// model closes with, in their order, as by the maps of loops; what becomes of the others is
-    /// said in the report.
-    pub(super) fn assemble_enforced(&mut self, values: &[(usize, f64)]) -> Result<(), ModelError> {
+    /// said in the report. `places` is where the coordinates of loops would start that maps close.
+    pub(super) fn assemble_enforced(
+        &mut self,
+        values: &[(usize, f64)],
+        places: &[(u32, usize, f64)],
+    ) -> Result<(), ModelError> {
         let n = self.coordinates.len();
         self.initial = vec![0.0; n];
         if self.enforced.is_empty() {
             return Ok(());
         }
-        let mut q = vec![0.0; n];
-        let closed = self.close_up(0.0, &mut q, &[], CLOSED);
-        if values.is_empty() {
-            closed?;
-        } else {
-            let drawn = closed.is_ok().then_some(q);
-            q = self.with_values(drawn.as_deref(), values)?;
-        }
+        let mut q = match self.as_by_maps(values, places) {
+            Some(q) => q,
+            None => self.by_corrections(values)?,
+        };
         self.change_charts(0.0, &mut q, &mut [], &mut []);
         self.leave_out_redundant(&q)?;
         self.report_moved(&q, values);
@@ -146,20 +146,52 @@ impl Model {
         Ok(())
     }
 
+    /// The start that the maps of all loops have, if they have all that should have a value.
+    fn as_by_maps(
+        &mut self,
+        values: &[(usize, f64)],
+        places: &[(u32, usize, f64)],
+    ) -> Option<Vec<f64>> {
+        let mut q = vec![0.0; self.coordinates.len()];
+        let mut found = Vec::new();
+        for &(node, k, x) in places {
+            let u = self.unknown_at(NodeId(node), k)?;
+            q[u] = x;
+            found.push(u);
+        }
+        if places.is_empty() || values.iter().any(|(u, _)| !found.contains(u)) {
+            return None;
+        }
+        let mut kept = Vec::new();
+        for &(u, x) in values {
+            if (q[u] - x).abs() <= FITS * self.unit(u) {
+                q[u] = x;
+                kept.push(u);
+            }
+        }
+        self.with_kept(q, kept).ok()
+    }
+
+    /// The start that the smallest corrections lead to from the configuration as it is drawn.
+    fn by_corrections(&mut self, values: &[(usize, f64)]) -> Result<Vec<f64>, ModelError> {
+        let mut q = vec![0.0; self.coordinates.len()];
+        self.start_element_charts(0.0, &q);
+        let closed = self.close_up(0.0, &mut q, &[], CLOSED);
+        if values.is_empty() {
+            return closed.map(|_| q);
+        }
+        let drawn = closed.is_ok().then_some(q);
+        self.with_values(drawn.as_deref(), values)
+    }
+
     /// Says of unknowns that they do not start with the values they should have.
     fn report_moved(&mut self, q: &[f64], values: &[(usize, f64)]) {
         for &(u, value) in values {
             if (q[u] - value).abs() > FITS * self.unit(u) {
                 let (name, x) = (self.name(u), q[u]);
-                self.reports.push(Report {
-                    words: format!(
-                        "{name} starts at {x:.6}: the loop is not found to close with its value"
-                    ),
-                    map: None,
-                    closures: Vec::new(),
-                    roots: Vec::new(),
-                    element: None,
-                });
+                self.reports.push(Report::say(format!(
+                    "{name} starts at {x:.6}: the loop is not found to close with its value"
+                )));
             }
         }
     }
@@ -183,14 +215,22 @@ impl Model {
                 }
             }
         }
-        let mut q = match (found, drawn) {
+        let q = match (found, drawn) {
             (Some(q), _) => q,
             (None, Some(drawn)) => drawn.to_vec(),
             (None, None) => vec![0.0; self.coordinates.len()],
         };
+        self.with_kept(q, kept.into_iter().map(|(u, _)| u).collect())
+    }
+
+    /// Closes a configuration that is closed to some digits; as many of the unknowns in `kept` stay as
+    /// can, in their order.
+    fn with_kept(&mut self, mut q: Vec<f64>, kept: Vec<usize>) -> Result<Vec<f64>, ModelError> {
+        // Attempts to come to other values have left the charts elsewhere.
+        self.start_element_charts(0.0, &q);
         // Values that fit to some digits only give way to those before them.
         let mut held = Vec::new();
-        for (u, _) in kept {
+        for u in kept {
             held.push(u);
             let mut trial = q.clone();
             match self.close_up(0.0, &mut trial, &held, CLOSED) {

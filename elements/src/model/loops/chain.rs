@@ -1,7 +1,8 @@
 //! The two chains of joints that a loop is made of.
 
+use super::link::Read;
 use super::set::{self, Inputs};
-use super::tree::{Read, Tree};
+use super::tree::Tree;
 use super::{Closing, Held};
 use crate::model::{Form, ModelError, Node, Source};
 use pullback_manifold::map::Parametrization;

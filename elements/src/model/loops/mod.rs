@@ -12,7 +12,10 @@
 //!
 //! Loops that share a joint coordinate are solved together.
 
+#![allow(non_snake_case)]
+
 mod chain;
+mod link;
 mod set;
 mod tree;
 
@@ -62,6 +65,19 @@ pub(super) struct Report {
     pub roots: Vec<[Option<u32>; 3]>,
     /// The element that enforces it.
     pub element: Option<u32>,
+}
+
+impl Report {
+    /// Words, and nothing else.
+    pub(super) fn say(words: String) -> Self {
+        Self {
+            words,
+            map: None,
+            closures: Vec::new(),
+            roots: Vec::new(),
+            element: None,
+        }
+    }
 }
 
 impl ModelBuilder {
@@ -169,13 +185,8 @@ pub(super) fn close(
                 gap: apart.norm(),
             });
         }
-        reports.push(Report {
-            words: format!("joint {}: {} hangs on it", a.name, b.name),
-            map: None,
-            closures: Vec::new(),
-            roots: Vec::new(),
-            element: None,
-        });
+        let words = format!("joint {}: {} hangs on it", a.name, b.name);
+        reports.push(Report::say(words));
         let same = Hung::new(Offset {
             c: Vector3::zeros(),
         });
@@ -186,6 +197,70 @@ pub(super) fn close(
         reports.push(close_set(nodes, &set, held, wishes, length)?);
     }
     Ok(reports)
+}
+
+/// Where the coordinates of loops would start if maps closed them: node, number and value of each.
+/// Nothing of loops that no map can close, over beams or bodies that fly.
+pub(super) fn places(
+    nodes: &[Node],
+    closings: &[Closing],
+    held: &Held<'_>,
+    wishes: &Wishes<'_>,
+    length: f64,
+) -> Vec<(u32, usize, f64)> {
+    let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
+    let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
+    let mut copies: Vec<Node> = nodes.iter().map(Node::duplicate).collect();
+    if close(&mut copies, &closings, held, wishes, length).is_err() {
+        return Vec::new();
+    }
+    let mut known = HashMap::new();
+    let mut places = Vec::new();
+    for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
+        if copies[n as usize].is_own() {
+            continue;
+        }
+        let Some(x) = value(&copies, n, held, &mut known) else {
+            return Vec::new();
+        };
+        places.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
+    }
+    places
+}
+
+/// The coordinates of a node at t = 0 with everything free as it is drawn; none outside of the domain
+/// of a map.
+fn value(
+    nodes: &[Node],
+    n: u32,
+    held: &Held<'_>,
+    known: &mut HashMap<u32, Vec<f64>>,
+) -> Option<Vec<f64>> {
+    if let Some(found) = known.get(&n) {
+        return Some(found.clone());
+    }
+    let node = &nodes[n as usize];
+    let mut x = vec![0.0; node.dim];
+    match &node.source {
+        Source::Own => {
+            for (k, x) in x.iter_mut().enumerate() {
+                *x = held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
+            }
+        }
+        Source::Mapped(d) => {
+            let mut q = Vec::new();
+            for &m in d.masters() {
+                q.extend(value(nodes, m, held, known)?);
+            }
+            let mut B = vec![0.0; node.dim * q.len()];
+            if d.map.margin(0.0, &q) <= 0.0 {
+                return None;
+            }
+            d.map.tangent(0.0, &q, &mut x, &mut B);
+        }
+    }
+    known.insert(n, x.clone());
+    Some(x)
 }
 
 /// Free coordinates of loops that share some, and the numbers of these loops.

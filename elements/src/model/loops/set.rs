@@ -1,7 +1,8 @@
 //! A set of loops that share coordinates: what follows from what, and its equations.
 
 use super::chain::{self, Chain, coordinates};
-use super::tree::{Coincide, Part, Read, Tree};
+use super::link::Read;
+use super::tree::{Coincide, Part, Tree};
 use super::{APART, EQUATIONS, Held, Report, Wishes};
 use crate::model::builder::NodeId;
 use crate::model::dependence::Dependence;
@@ -137,15 +138,9 @@ fn nothing_follows(
             });
         }
     }
-    Ok(Report {
-        words: format!(
-            "{joints}: nothing can move between the frames, which are one as drawn; redundant"
-        ),
-        map: None,
-        closures: Vec::new(),
-        roots: Vec::new(),
-        element: None,
-    })
+    Ok(Report::say(format!(
+        "{joints}: nothing can move between the frames, which are one as drawn; redundant"
+    )))
 }
 
 /// What there is to say about values that coordinates should have and that do not fit together.

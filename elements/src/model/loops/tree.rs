@@ -6,6 +6,7 @@
     reason = "orders of derivatives and matrices in slices are read by their indices"
 )]
 
+use super::link::{Link, Read, add_product};
 use crate::joint::Pose;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
@@ -31,37 +32,6 @@ impl Map<12, 6> for Coincide {
         let turn = turn.v * S::constant(2.0_f64.copysign(turn.w.re()));
         SVector::<S, 6>::new(gap.x, gap.y, gap.z, turn.x, turn.y, turn.z)
     }
-}
-
-/// Where a link of a chain reads its coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Read {
-    /// From the inputs of the tree, from this one on.
-    Input(usize),
-    /// From nowhere: they are zero and stay so.
-    Nothing,
-    /// From another link, made before.
-    Link(usize),
-}
-
-/// One map along a chain, with what it gives.
-struct Link {
-    map: Box<dyn Parametrization>,
-    /// Where the coordinates come from, and how many there.
-    reads: Vec<(Read, usize)>,
-    /// The inputs that it depends on, ascending, and for each read the places of those of its source
-    /// among them.
-    columns: Vec<usize>,
-    places: Vec<Vec<usize>>,
-    n: usize,
-    d: usize,
-    /// Coordinates and their rates, values and theirs.
-    q: [Vec<f64>; 3],
-    x: [Vec<f64>; 3],
-    /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs in `columns`.
-    own: [Vec<f64>; 3],
-    all: [Vec<f64>; 3],
-    r: Vec<f64>,
 }
 
 /// A tree of maps from common inputs; the values are those of its last links, the closures.
@@ -138,74 +108,6 @@ impl Tree {
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// What stands before the second factor of a product of operators of two orders.
-const BINOMIAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
-
-impl Link {
-    /// Collects the coordinates, up to the given order of their derivatives.
-    fn gather(&mut self, before: &[Self], y: [&[f64]; 3], orders: usize) {
-        for k in 0..orders {
-            let mut at = 0;
-            for &(read, len) in &self.reads {
-                let to = &mut self.q[k][at..at + len];
-                match read {
-                    Read::Input(first) => to.copy_from_slice(&y[k][first..first + len]),
-                    Read::Nothing => to.fill(0.0),
-                    Read::Link(j) => to.copy_from_slice(&before[j].x[k]),
-                }
-                at += len;
-            }
-        }
-    }
-
-    /// Operators with respect to the inputs, by the chain rule.
-    fn chain(&mut self, before: &[Self], orders: usize) {
-        let n = self.n;
-        for k in 0..orders {
-            let out = &mut self.all[k];
-            out.fill(0.0);
-            let mut column = 0;
-            for (&(read, len), places) in self.reads.iter().zip(&self.places) {
-                match read {
-                    Read::Nothing => {}
-                    Read::Input(_) => {
-                        let from = self.own[k][column * n..(column + len) * n].chunks_exact(n);
-                        for (&place, B) in places.iter().zip(from) {
-                            let out = &mut out[place * n..(place + 1) * n];
-                            out.iter_mut().zip(B).for_each(|(o, b)| *o += b);
-                        }
-                    }
-                    Read::Link(j) => {
-                        for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
-                            let outer = &self.own[k - inner][column * n..(column + len) * n];
-                            let from = before[j].all[inner].chunks_exact(len);
-                            for (&place, B) in places.iter().zip(from) {
-                                let out = &mut out[place * n..(place + 1) * n];
-                                add_product([n, len], factor, outer, B, out);
-                            }
-                        }
-                    }
-                }
-                column += len;
-            }
-        }
-    }
-}
-
-/// out += factor A B, with A n×len.
-fn add_product([n, len]: [usize; 2], factor: f64, A: &[f64], B: &[f64], out: &mut [f64]) {
-    for (out, B) in out.chunks_exact_mut(n).zip(B.chunks_exact(len)) {
-        for (A, b) in A.chunks_exact(n).zip(B) {
-            let b = factor * b;
-            if b != 0.0 {
-                for (o, a) in out.iter_mut().zip(A) {
-                    *o += a * b;
-                }
-            }
-        }
     }
 }
 

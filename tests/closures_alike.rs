@@ -1,0 +1,119 @@
+//! Loops that multipliers close start where the maps of these loops start, and loops in which nothing
+//! can move rest by every scheme.
+#![allow(clippy::unwrap_used)]
+
+mod closures_support;
+mod program_support;
+
+use closures_support::{CLOSURES, GROUND, RUN, angle, arm, body, hinge, joint, rows, start};
+use program_support::{number, results};
+use std::path::Path;
+
+/// Cranks of 1 at A and √1.1 at D, bars of √1.64 and √1.25: with A at −0.71 D cannot be at 2.771,
+/// where the tips of the cranks are further apart than the bars reach.
+fn five_bar(closure: &str) -> String {
+    [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", "value = -0.71"),
+        &arm("a", "A", [1.0, 0.0, 0.0]),
+        &hinge("B", "a", ""),
+        &arm("b", "B", [1.8, 1.0, 0.0]),
+        &hinge("E", "b", ""),
+        &arm("e", "E", [1.3, 2.0, 0.0]),
+        &arm("foot", "ground", [0.0, 2.0, 0.0]),
+        &hinge("D", "foot", "value = 2.771"),
+        &arm("d", "D", [1.3, 2.0, 0.0]),
+        &hinge("C", "e", &format!("child = \"d\"\n{closure}")),
+        &body("B"),
+        &body("D"),
+    ]
+    .concat()
+}
+
+/// A boom that is driven far, and a loop with balls on it.
+fn boom(closure: &str) -> String {
+    [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", "driven = { constant = 2.5 }"),
+        &arm("tip", "A", [1.0, 1.0, 0.0]),
+        &joint("B", "revolute", "tip", "axis = [0.3, 0, 1]\nvalue = 0.3"),
+        &arm("arm", "B", [0.5, 2.0, 0.0]),
+        &arm("mid", "A", [0.0, 0.5, 0.0]),
+        &hinge("K", "mid", ""),
+        &arm("knee", "K", [-0.5, 1.0, 0.0]),
+        &joint("S", "spherical", "knee", ""),
+        &arm("strut", "S", [0.5, 2.0, 0.0]),
+        &joint(
+            "c",
+            "spherical",
+            "strut",
+            &format!("child = \"arm\"\n{closure}"),
+        ),
+        &body("A"),
+        &body("B"),
+        &body("K"),
+        &body("S"),
+    ]
+    .concat()
+}
+
+#[test]
+fn values_that_cannot_all_be_are_kept_as_by_the_map() {
+    let (by_map, _) = start(&five_bar(CLOSURES[0]));
+    for closure in &CLOSURES[1..] {
+        let (places, notes) = start(&five_bar(closure));
+        assert_eq!(places["A angle"][0], -0.71);
+        for name in ["A angle", "B angle", "E angle", "D angle"] {
+            let apart = (places[name][0] - by_map[name][0]).abs();
+            assert!(apart < 1e-9, "{closure}: {name} {apart:e}");
+        }
+        assert!(
+            notes.iter().any(|n| n.starts_with("D angle starts at ")),
+            "{notes:?}"
+        );
+    }
+}
+
+#[test]
+fn a_value_is_kept_far_from_where_the_loop_is_drawn() {
+    for closure in CLOSURES {
+        let (places, notes) = start(&boom(closure));
+        let off = (places["B angle"][0] - 0.3).abs();
+        assert!(off < 1e-14, "{closure}: {off:e}");
+        assert!(!notes.iter().any(|n| n.contains("starts at")), "{notes:?}");
+    }
+}
+
+/// A triangle of bars with hinges: nothing moves, and it carries a weight.
+#[test]
+fn a_triangle_of_bars_carries_its_weight_by_every_scheme() {
+    for (k, scheme) in ["\"radau\"", "\"bathe\"", "{ generalised-alpha = 0.8 }"]
+        .iter()
+        .enumerate()
+    {
+        let text = [
+            GROUND,
+            &hinge("A", "ground", ""),
+            &arm("a", "A", [1.0, 1.0, 0.0]),
+            &arm("foot", "ground", [0.1, 2.0, 0.0]),
+            &hinge("D", "foot", ""),
+            &arm("d", "D", [1.0, 1.0, 0.0]),
+            &hinge("C", "a", &format!("child = \"d\"\n{}", CLOSURES[1])),
+            &body("A").replace("mass", "center = [0.5, 0.4, 0]\nmass"),
+            &body("D").replace("mass", "center = [0.5, 0, 0]\nmass"),
+            &angle("A"),
+            "[[loads]]\ngravity = [-9.81, 0, 0]\n",
+            &format!("[analysis.dynamic]\nto = 0.1\nstep = 0.0025\nscheme = {scheme}\n"),
+        ]
+        .concat();
+        let name = format!("closures-triangle-{k}");
+        let (_, rows) = rows(&name, &text);
+        let moved = rows.iter().map(|r| number(r, "A").abs());
+        assert!(moved.fold(0.0, f64::max) < 1e-14, "{scheme}");
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let warnings = results(&out.join("model.out"))["warnings"].to_string();
+        assert!(!warnings.contains("energy"), "{scheme}: {warnings}");
+    }
+}
