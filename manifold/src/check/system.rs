@@ -1,10 +1,11 @@
 //! The laws of a system: the assembled tangent, taken out of its pattern, is that of its residual.
 
+use super::block::difference;
 use super::forces::{FIRST, Laws, State};
 use super::layout::Layout;
 use super::report::Report;
 use super::sample::Random;
-use super::tangents::{Part, Tangents, tangents};
+use super::tangents::{CONFIRMED, Part, Tangents, tangents};
 use crate::sparse::BlockPattern;
 use crate::system::{Evaluation, Point, System, Weights};
 use nalgebra::DMatrix;
@@ -183,15 +184,21 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
         .map(|(rate, size)| size + rate * (1.0 + state.t.abs()))
         .collect();
     let first = FIRST.min(0.5 * next);
+    let mut at = |t: f64| residual(system, &State { t, ..state.clone() });
     laws.report
         .slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
-            let t = state.t + e;
-            let later = State { t, ..state.clone() };
-            let there = residual(system, &later).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+            let there = at(state.t + e).unwrap_or_else(|| vec![f64::NAN; r.len()]);
             let parts = there.iter().zip(r).zip(rate);
             let left: Vec<f64> = parts.map(|((a, b), rate)| a - b - rate * e).collect();
             layout.forces(&left)
         });
+    laws.report.second_opinion(|| {
+        let right = difference(1e-2 * first, |e| at(state.t + e))?;
+        let gaps: Vec<f64> = right.iter().zip(rate).map(|(a, b)| a - b).collect();
+        let strains = layout.forces(&gaps).into_iter().zip(&sizes);
+        let worst = strains.map(|(gap, size)| gap / size).fold(0.0, f64::max);
+        Some((worst, CONFIRMED))
+    });
 }
 
 fn point(s: &State) -> Point<'_> {
