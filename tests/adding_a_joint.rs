@@ -1,4 +1,4 @@
-//! What docs/adding_a_joint.md shows is the example, all of it; and the example's model file runs.
+//! What docs/adding_a_joint.md shows is the example, all of it; .ci/run runs the example's model file.
 #![allow(clippy::unwrap_used)]
 
 const PAGE: &str = include_str!("../docs/adding_a_joint.md");

@@ -10,12 +10,14 @@ use dynamics_support::*;
 use loops_support::*;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
 use pullback::elements::beam::Section;
-use pullback::elements::model::{Line, ModelBuilder, Straight};
+use pullback::elements::model::{Line, Model, ModelBuilder, NodeId, Straight};
+use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::manifold::check;
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Kind;
+use std::ops::ControlFlow;
 
 // A chain of five bars -------------------------------------------------------------------------
 
@@ -163,15 +165,8 @@ impl Implicit<4, 4> for Parallelogram {
     }
 }
 
-#[test]
-fn a_redundant_crank_is_named_and_carried_along() {
-    let start = -1.0_f64;
-    let guess = [start, start, start, 0.0];
-    let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
-    assert_eq!(map.redundant().len(), 1, "{:?}", map.redundant());
-    let error = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 0.95 }, 0.0, guess).unwrap_err();
-    assert!(error.to_string().contains("pin"), "{error}");
-    // The plate only translates: a pendulum, (Σ m/3 + m_p) θ̈ = −g (Σ m/2 + m_p) cos θ.
+/// The plate on its cranks, under their weights.
+fn carried(map: Solved<Parallelogram, 1, 4, 4>) -> (Model, NodeId) {
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
     let q = b.coordinates("q", &[Kind::Angle]).unwrap();
@@ -187,10 +182,27 @@ fn a_redundant_crank_is_named_and_carried_along() {
         .mapped_coordinates("turn", &[Kind::Angle], turn, &[x])
         .unwrap();
     bar(&mut b, first, [1.0, 0.0, 0.0], turn, 2.0, 4.0);
-    let model = b.build().unwrap();
+    (b.build().unwrap(), x)
+}
+
+/// Angle and rate of the cranks at a time: as the plate only translates, a pendulum,
+/// (Σ m/3 + m_p) θ̈ = −g (Σ m/2 + m_p) cos θ.
+fn pendulum(start: Vector2<f64>, to: f64) -> Vector2<f64> {
     let ode = |_: f64, z: &Vector2<f64>| Vector2::new(z[1], -G * z[0].cos() * 7.0 / 6.0);
+    integrate_ode(&ode, start, to, 4000)
+}
+
+#[test]
+fn a_redundant_crank_is_named_and_carried_along() {
+    let start = -1.0_f64;
+    let guess = [start, start, start, 0.0];
+    let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
+    assert_eq!(map.redundant().len(), 1, "{:?}", map.redundant());
+    let error = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 0.95 }, 0.0, guess).unwrap_err();
+    assert!(error.to_string().contains("pin"), "{error}");
+    let (model, x) = carried(map);
     let to = 1.0;
-    let z = integrate_ode(&ode, Vector2::new(start, 0.0), to, 4000);
+    let z = pendulum(Vector2::new(start, 0.0), to);
     let exact = [z[0], z[0], z[0], 0.0, z[1], z[1], z[1], 0.0];
     let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
     let run = run(model, x, &[0.0], &h, [to, 1e-3]);
@@ -253,14 +265,34 @@ fn a_beam_is_carried_by_a_loop() {
 
 #[test]
 fn a_singular_configuration_ends_the_run_with_names() {
-    // The parallelogram cannot pass its flat position: there the plate may turn.
-    let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, [0.3, 0.3, 0.3, 0.0]);
-    let map = map.unwrap().with_independent(0.0, [0]).unwrap();
-    let words = map
-        .trouble(0.0, &SVector::<f64, 1>::new(-map.reference()[0]))
-        .unwrap();
-    assert!(
-        words.contains("singular") && words.contains("pin"),
-        "{words}"
-    );
+    // Flat, the plate may turn: a run passes there as a parallelogram, or ends with the names.
+    let (from, to) = (-0.5, 0.5);
+    for rate in [6.0, 8.0, 10.0, 20.0] {
+        let guess = [from, from, from, 0.0];
+        let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
+        let (mut model, x) = carried(map.with_independent(0.0, [0]).unwrap());
+        let mut progress = Progress::new(start(&model, 0.0, &[0.0], &[rate]).unwrap());
+        let options = tight(Scheme::default(), 1.0, 1e-3);
+        let mut at = from;
+        let ended = integrate(&mut model, &mut progress, &options, &mut |model, step| {
+            let state = &step.progress.state;
+            configure(model, state);
+            let x: [f64; 4] = std::array::from_fn(|k| model.coordinate(x, k).unwrap()[0]);
+            at = pendulum(Vector2::new(from, rate), state.t)[0];
+            assert!(gap(&x, &[at, at, at, 0.0]) < 1e-4, "{x:?} for {at}");
+            if at < to {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        });
+        println!("{rate}: ends at {at}, {ended:?}");
+        if let Err(error) = ended {
+            let said = error.to_string();
+            assert!(at.abs() < 0.1, "ends at {at}: {said}");
+            assert!(said.contains("singular") && said.contains("pin"), "{said}");
+        } else {
+            assert!(at >= to);
+        }
+    }
 }

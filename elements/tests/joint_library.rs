@@ -235,8 +235,12 @@ fn a_joint_that_forgets_a_coordinate_is_told_so() {
     );
 }
 
-/// What has no size of its own: lists, what several joints share, the way to make nodes.
+/// What has no size of its own: lists, what several joints share, the way to make nodes, and what joints are
+/// led along.
 const SHARED: [&str; 4] = ["mod", "nodes", "axes", "shape"];
+/// What joints are led along: data that a curve or a surface is made of, and for the slide, the one exception,
+/// the beams below it: which of them it is on, and how they interpolate rotations. Nothing else may go there.
+const LED_ALONG: [&str; 4] = ["between", "chain", "quadric", "spline"];
 /// Closed forms of derivatives that the map gives as well, slower: a joint works without them.
 const OPTIONAL: &str = "closed.rs";
 
@@ -262,6 +266,9 @@ fn every_joint_is_data_and_a_map_in_under_sixty_lines() {
     let entries = std::fs::read_dir(&directory).unwrap();
     let stem = |p: PathBuf| p.file_stem().unwrap().to_str().unwrap().to_owned();
     let mut joints: BTreeSet<String> = entries.map(|e| stem(e.unwrap().path())).collect();
+    let shapes = std::fs::read_dir(directory.join("shape")).unwrap();
+    let shapes: BTreeSet<String> = shapes.map(|e| stem(e.unwrap().path())).collect();
+    assert_eq!(shapes, LED_ALONG.map(str::to_owned).into());
     joints.retain(|name| !SHARED.contains(&name.as_str()));
     assert_eq!(joints.len(), 13);
     for name in joints {

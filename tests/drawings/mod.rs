@@ -136,6 +136,28 @@ fn axis(
     move |place| a + (b - a) * (place - p) / (q - p)
 }
 
+/// Least and largest value of each line in the first panel of a run's drawing.
+pub fn extremes(text: &str) -> Vec<[f64; 2]> {
+    let document = Document::parse(text).unwrap();
+    let width = document.root_element().attribute("viewBox").unwrap();
+    // Panels stand two in a row.
+    assert!(numbers(width)[2] == 8320.0);
+    let first = |n: &Node<'_, '_>, name| numbers(n.attribute(name).unwrap())[0] < 4160.0;
+    let up = axis(&document, "y", |n| {
+        n.attribute("text-anchor") == Some("end") && numbers(n.attribute("x").unwrap())[0] < 4160.0
+    });
+    let lines = document
+        .descendants()
+        .filter(|n| n.has_tag_name("polyline"));
+    let lines = lines.filter(|n| first(n, "points"));
+    let lines = lines.map(|n| numbers(n.attribute("points").unwrap()));
+    let curves = lines.filter(|points| points.len() > 2 * 50);
+    let heights = curves.map(|points| points.chunks(2).map(|p| up(p[1])).collect::<Vec<_>>());
+    heights
+        .map(|y| [f64::min, f64::max].map(|end| y.iter().copied().fold(y[0], end)))
+        .collect()
+}
+
 /// The curves that are lines; the frame has five points, ticks and the legend two.
 fn curves(document: &Document<'_>) -> Vec<Curve> {
     let across = axis(document, "x", |n| {
