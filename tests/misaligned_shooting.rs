@@ -148,6 +148,9 @@ fn the_numbers_of_the_misaligned_axis() {
     };
     let names = ["four-bar-misaligned".to_owned()];
     let rows = gallery::run(&names, None, &mut |_| {}).unwrap();
+    for row in &rows {
+        assert!(row.passed(), "{row:?}");
+    }
     for angle in [0.6, 0.9, 1.2, 1.8, 3.6, 7.2] {
         let (y, C) = at(-angle);
         let d: [f64; 3] = (C - Vector3::new(0.24, 0.12, 0.0)).into();
@@ -162,7 +165,7 @@ fn the_numbers_of_the_misaligned_axis() {
     let [a, b, c] = angles.map(|angle| at(angle).1.z);
     let largest = (b - (c - a).powi(2) / (8.0 * (a - 2.0 * b + c))).abs();
     println!("{turned:.12} {largest:.12}");
-    assert_published(&rows, "largest deflection", &[largest], 1e-9);
+    assert_published(&rows, "largest deflection", &[largest], 1e-10);
     // Beyond the flat place the parallelogram is in equilibrium, too, but not on this path.
     let mut guess = Unknowns::zeros();
     (guess[6], guess[7]) = (1.8, -1.8);
