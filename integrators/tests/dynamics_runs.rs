@@ -188,8 +188,8 @@ fn parameters_and_options_are_refused_with_their_range() {
         "Newmark's gamma = 0.4 is outside its range [0.500000, 1.000000]",
     );
     says(
-        Scheme::newmark(0.2, 0.5),
-        "Newmark's beta (at least gamma/2) = 0.2",
+        Scheme::newmark(0.0, 0.5),
+        "Newmark's beta = 0.0 is outside its range [0.010000, 1.000000]",
     );
     says(
         Scheme::hht(-0.4),

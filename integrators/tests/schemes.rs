@@ -32,6 +32,20 @@ fn words_make_schemes_and_schemes_say_their_words() {
     let alpha_f = by_radius.coefficients().unwrap().alpha_f;
     assert!((alpha_f - 1.0 / 9.0).abs() < 1e-15);
     assert!("hht:0.5".parse::<Scheme>().is_ok());
+    assert_eq!(by_radius.to_string(), "hht:0.8");
+    // Hughes 1987, table 9.1.1: √12 with linear acceleration, √6 after Fox & Goodwin; 1/√(γ/2 − β).
+    for (beta, gamma, limit) in [
+        (1.0 / 6.0, 0.5, Some(12.0_f64.sqrt())),
+        (1.0 / 12.0, 0.5, Some(6.0_f64.sqrt())),
+        (0.25, 0.6, Some(20.0_f64.sqrt())),
+        (0.25, 0.5, None),
+        (0.3, 0.6, None),
+    ] {
+        let claimed = Scheme::newmark(beta, gamma).unwrap().claims().limit;
+        let gap = claimed.zip(limit).map(|(a, b)| (a - b).abs());
+        assert_eq!(claimed.is_some(), limit.is_some(), "{beta} {gamma}");
+        assert!(gap.is_none_or(|gap| gap < 1e-12), "{claimed:?} {limit:?}");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ pub(super) const NEWMARK: Family = Family {
     word: "newmark",
     long: "newmark",
     usage: "newmark (the trapezoidal rule), or newmark:BETA:GAMMA with gamma in [1/2, 1], beta in \
-            [gamma/2, 1]",
+            [1/100, 1], stable at every step from gamma/2 on",
     stability: None,
     make: |numbers| match *numbers {
         [] => Some(Ok(Scheme::trapezoidal())),
@@ -31,7 +31,12 @@ pub(super) const HHT: Family = Family {
                 rho,
                 [0.5, 1.0],
             )
-            .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0))),
+            .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0)))
+            // It keeps the word that it was asked for by.
+            .map(|scheme| Scheme {
+                arguments: [Some(rho), None],
+                ..scheme
+            }),
         ),
         [alpha] => Some(Scheme::hht(alpha)),
         _ => None,
@@ -89,21 +94,23 @@ impl Scheme {
     }
 
     /// Newmark(β, γ): α_m = α_f = 0, a = q̈ (Newmark 1959). β = 1/4, γ = 1/2 is the trapezoidal
-    /// rule; of order 2 for γ = 1/2 only.
+    /// rule; of order 2 for γ = 1/2 only. With β < γ/2 it is stable up to Ω = (γ/2 − β)^(−1/2) (Hughes, *The
+    /// Finite Element Method*, 9.1): β = 1/6 is linear acceleration, β = 1/12 Fox & Goodwin's method.
     ///
     /// # Errors
-    /// [`DynamicsError::Parameter`] unless γ ≥ 1/2 and β ≥ γ/2 (unconditionally stable), both at
-    /// most 1.
+    /// [`DynamicsError::Parameter`] unless 1/2 ≤ γ ≤ 1 and 1/100 ≤ β ≤ 1.
     pub fn newmark(beta: f64, gamma: f64) -> Result<Self, DynamicsError> {
         within("Newmark's gamma", gamma, [0.5, 1.0])?;
-        let name = "Newmark's beta (at least gamma/2)";
-        within(name, beta, [gamma / 2.0, 1.0])?;
+        within("Newmark's beta", beta, [0.01, 1.0])?;
         if [beta, gamma] == [0.25, 0.5] {
             return Ok(Self::trapezoidal());
         }
         let arguments = [Some(beta), Some(gamma)];
         let numbers = [0.0, 0.0, beta, gamma];
-        Ok(Self::newmark_form("Newmark", "newmark", arguments, numbers))
+        let mut scheme = Self::newmark_form("Newmark", "newmark", arguments, numbers);
+        let lacking = 0.5 * gamma - beta;
+        scheme.claims.limit = (lacking > 0.0).then(|| lacking.sqrt().recip());
+        Ok(scheme)
     }
 
     /// HHT(α) (Hilber, Hughes & Taylor 1977): α_m = 0, α_f = −α, γ = ½ − α, β = (1−α)²/4; the
