@@ -6,7 +6,7 @@
 use super::gather::collect;
 use super::local::Local;
 use super::start::start;
-use super::{Attached, Model, ModelError, Source};
+use super::{Attached, Form, Model, ModelError, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Kind, Point, SystemError};
@@ -41,6 +41,12 @@ impl Model {
     /// Whether elements enforce equations on the coordinates: multipliers, penalties.
     pub fn is_enforced(&self) -> bool {
         !self.enforced.is_empty()
+    }
+
+    /// Whether multipliers are among the unknowns, which makes the equations of motion
+    /// differential-algebraic ones of index 3.
+    pub fn has_multipliers(&self) -> bool {
+        self.nodes.iter().any(|n| n.form == Form::Multipliers)
     }
 
     /// The coordinates from which an analysis starts where nothing else is said: zero, the model as

@@ -15,6 +15,9 @@ impl Scheme {
     /// ```
     ///
     /// Of order 2 and L-stable; with γ = 2 − √2 both substeps have the same tangent for constant K.
+    /// With multipliers accelerations are of order 1: the differences of a given q(t) leave q̇ₙ
+    /// off by e = −(1−γ) h²/6 q⃛ at the ends of steps, the trapezoidal rule then q̇_γ by −γ² h²/6 q⃛ − e,
+    /// and of these errors q̈ₙ₊₁ has the differences, −h/2 q⃛ at γ = 1/2 say.
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] unless 0.01 ≤ γ ≤ 0.99.
@@ -37,6 +40,7 @@ impl Scheme {
         };
         Self {
             arguments: [Some(gamma), None],
+            held: Some([2, 2, 1]),
             ..Self::table(
                 "Bathe",
                 "bathe",

@@ -106,6 +106,7 @@ pub struct Scheme {
     stages: [Stage; STAGES],
     count: usize,
     keeps: bool,
+    held: Option<[usize; 3]>,
 }
 
 impl Default for Scheme {
@@ -178,6 +179,7 @@ impl Scheme {
             stages: all,
             count,
             keeps: false,
+            held: None,
         }
     }
 
@@ -194,6 +196,12 @@ impl Scheme {
     /// Order of accuracy.
     pub fn order(&self) -> usize {
         self.claims.order
+    }
+
+    /// Orders of accuracy of places, velocities and accelerations where multipliers hold equations
+    /// between the coordinates (index 3), which some schemes differentiate with a loss.
+    pub fn orders_with_multipliers(&self) -> [usize; 3] {
+        self.held.unwrap_or([self.order(); 3])
     }
 
     /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
