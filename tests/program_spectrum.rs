@@ -79,6 +79,20 @@ fn files_say_what_theory_says() {
 }
 
 #[test]
+fn a_range_without_files_is_noted() {
+    for (arguments, noted) in [(&["--from", "1"][..], true), (&[], false)] {
+        let output = spectrum(&[&["--schemes", "newmark"], arguments].concat());
+        assert!(output.status.success());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            said.contains("--from and --to are for files"),
+            noted,
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn what_it_refuses() {
     for (arguments, text) in [
         (
@@ -88,6 +102,18 @@ fn what_it_refuses() {
         (
             &["--schemes", "gaa"],
             "scheme `gaa`: no scheme is called so; there are",
+        ),
+        (
+            &["--schemes", "newmark,lie-ga:0.8"],
+            "no difference to a linear vibration: leave the prefix out, `ga:0.8`",
+        ),
+        (
+            &["--schemes", "diffsol-bdf"],
+            "`diffsol-bdf` is a general solver",
+        ),
+        (
+            &["--schemes", "newmark,bathe,newmark:0.25:0.5"],
+            "scheme `newmark` is asked for twice",
         ),
         (&["--from", "-1"], "Ω from -1 to 1000 is no range"),
         (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),

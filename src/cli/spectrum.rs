@@ -4,6 +4,10 @@ use super::{REFUSED, print};
 use crate::spectrum::{self, SpectrumError};
 use std::path::PathBuf;
 
+/// Ω of the files unless others are named.
+const FROM: f64 = 0.01;
+const TO: f64 = 1000.0;
+
 /// What a command line asks of spectra.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -11,11 +15,11 @@ pub(super) struct Arguments {
     /// all there are.
     #[arg(long, value_delimiter = ',', default_value = spectrum::SCHEMES)]
     schemes: Vec<String>,
-    /// Smallest Ω of the files.
-    #[arg(long, default_value_t = 0.01, allow_hyphen_values = true)]
+    /// Smallest Ω of the files that --out asks for; the table has places of its own.
+    #[arg(long, default_value_t = FROM, allow_hyphen_values = true)]
     from: f64,
     /// Largest Ω of the files.
-    #[arg(long, default_value_t = 1000.0, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = TO, allow_hyphen_values = true)]
     to: f64,
     /// Directory of the files.
     #[arg(long)]
@@ -29,6 +33,11 @@ pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
         let table = spectrum::table(&all)?;
         if let Some(directory) = &asked.out {
             spectrum::write(&all, Some(command), directory)?;
+        }
+        if asked.out.is_none() && [asked.from, asked.to] != [FROM, TO] {
+            eprintln!(
+                "note: --from and --to are for files, which --out asks for; the table has places of its own"
+            );
         }
         Ok(table)
     };

@@ -10,6 +10,8 @@ mod figures;
 
 pub use figures::figures;
 
+use crate::general;
+use crate::method::PREFIXES;
 use crate::output::{Directory, OutputError};
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use pullback_integrators::spectrum::{
@@ -48,6 +50,31 @@ pub enum SpectrumError {
         from: f64,
         /// Largest.
         to: f64,
+    },
+    /// A formulation of rotations, which a vibration has none of.
+    #[error(
+        "scheme `{word}`: formulations of rotations make no difference to a linear vibration: leave the prefix \
+         out, `{scheme}`"
+    )]
+    Prefix {
+        /// What was asked for.
+        word: String,
+        /// The scheme without its prefix.
+        scheme: String,
+    },
+    /// A general solver.
+    #[error(
+        "`{word}` is a general solver, which chooses its own steps: it has no spectrum over Ω = ω h"
+    )]
+    Solver {
+        /// What was asked for.
+        word: String,
+    },
+    /// A scheme twice.
+    #[error("scheme `{name}` is asked for twice: name it once")]
+    Twice {
+        /// Its name.
+        name: String,
     },
     /// Files cannot be written.
     #[error("{0}")]
@@ -180,11 +207,32 @@ pub fn all(
         return Err(SpectrumError::Range { from, to });
     }
     let Omegas = grid(from, to, 161);
-    let spectrum = |word: &String| {
-        let scheme: Scheme = word.parse()?;
-        Ok((scheme, run(&scheme, &Omegas)?))
-    };
-    words.iter().map(spectrum).collect()
+    let schemes = words.iter().map(|word| asked(word));
+    let schemes = schemes.collect::<Result<Vec<_>, _>>()?;
+    for (k, scheme) in schemes.iter().enumerate() {
+        if schemes[..k].contains(scheme) {
+            let name = scheme.to_string();
+            return Err(SpectrumError::Twice { name });
+        }
+    }
+    let spectrum = |scheme: Scheme| Ok((scheme, run(&scheme, &Omegas)?));
+    schemes.into_iter().map(spectrum).collect()
+}
+
+/// The scheme of a word; words that only `compare` has a use for are refused with the reason.
+fn asked(word: &str) -> Result<Scheme, SpectrumError> {
+    let word = word.trim();
+    if word.starts_with(general::PREFIX) {
+        let word = word.to_owned();
+        return Err(SpectrumError::Solver { word });
+    }
+    match PREFIXES[1..].iter().find_map(|p| word.strip_prefix(p.word)) {
+        Some(scheme) => Err(SpectrumError::Prefix {
+            word: word.to_owned(),
+            scheme: scheme.to_owned(),
+        }),
+        None => Ok(word.parse()?),
+    }
 }
 
 /// The table for a terminal: each scheme at few Ω.

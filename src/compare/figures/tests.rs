@@ -136,3 +136,26 @@ fn curves_that_stop_say_so() {
     comparison.rows[finest.unwrap()].failure = Some("it failed".to_owned());
     assert!(stopping(&comparison).contains("newmark with h = 0.025 after"));
 }
+
+/// There are seven colours: with more curves marks tell them apart.
+#[test]
+fn lines_of_one_colour_have_marks() {
+    let line = |k: usize| {
+        let points = (0..50).map(|i| (f64::from(i), (k + 1) as f64));
+        Curve::new(k.to_string(), points.collect()).colored(k)
+    };
+    let circles = |count: usize| {
+        let graph = Graph {
+            description: [String::new(), String::new()],
+            division: [Division::Linear; 2],
+            curves: (0..count).map(line).collect(),
+            marked: false,
+            slopes: Vec::new(),
+            level: None,
+        };
+        let svg = graphs(None, LEVEL, &[graph]).unwrap();
+        svg.matches("<circle").count()
+    };
+    assert_eq!(circles(7), 0);
+    assert!(circles(8) > 5, "{}", circles(8));
+}

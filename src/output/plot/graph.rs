@@ -10,7 +10,8 @@ use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, ShapeStyle, WHITE};
 
-/// Curves over the same axes, marked at their points.
+/// Curves over the same axes, marked at their points, or at some of them where there are more curves than
+/// colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     /// Descriptions of the horizontal and the vertical axis.
@@ -69,7 +70,7 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
             if !seen.contains(&color) {
                 seen.push(color);
                 let alike = |c: &Curve| c.scattered && c.color == Some(color);
-                let marked = graph.marked || graph.curves.iter().any(alike);
+                let marked = graph.marked || graph.is_crowded() || graph.curves.iter().any(alike);
                 out.push((color, (curve.label.clone(), curve_mark(color, marked))));
             }
         }
@@ -81,6 +82,18 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
     }
     out
 }
+
+impl Graph {
+    /// Whether colours come again, so that lines without marks could not be told apart.
+    fn is_crowded(&self) -> bool {
+        let mut curves = self.curves.iter().enumerate();
+        let again = curves.any(|(place, curve)| curve.color.unwrap_or(place) >= PALETTE.len());
+        again && self.curves.iter().all(|curve| !curve.scattered)
+    }
+}
+
+/// Marks on a curve whose points are too many to be marked.
+const MARKS: usize = 9;
 
 fn curve_mark(color: usize, marked: bool) -> Mark {
     let rgb = PALETTE[color % PALETTE.len()];
@@ -136,12 +149,19 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         let [(from, y), (to, _)] = [x[0], x[1]].map(|x| frame.at(x, level));
         broken(area, [from, to], y)?;
     }
+    let crowded = graph.is_crowded();
     for (place, (curve, points)) in graph.curves.iter().zip(&curves).enumerate() {
         let color = curve.color.unwrap_or(place);
         let rgb = PALETTE[color % PALETTE.len()];
         let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
-        if graph.marked || curve.scattered {
-            for &p in &points {
+        // Marks of neighbours stand beside each other.
+        let apart = match graph.marked || curve.scattered {
+            true => 1,
+            false => points.len().div_ceil(MARKS).max(1),
+        };
+        if graph.marked || curve.scattered || crowded {
+            let first = color * apart / (MARKS - 2) % apart;
+            for &p in points.iter().skip(first).step_by(apart) {
                 axes::marker(area, p, rgb, color)?;
             }
         }
