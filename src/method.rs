@@ -112,7 +112,7 @@ impl Method {
         );
         if spins && scheme.stages().len() > 1 {
             return Err(refuse(
-                "spins are added up by schemes with one stage (newmark, hht, wbz, ga); for this \
+                "spins are added up by schemes with one stage (newmark, hht, wbz, ga, em, central-difference); for this \
                  scheme take it without prefix, or with `ul-`"
                     .to_owned(),
             ));
@@ -131,6 +131,13 @@ impl Method {
             Formulation::MixedSpins => 1,
             _ => self.scheme.order(),
         }
+    }
+
+    /// The orders of places, velocities and accelerations in this formulation where multipliers hold
+    /// equations.
+    pub fn orders_with_multipliers(&self) -> [usize; 3] {
+        let most = self.order();
+        self.scheme.orders_with_multipliers().map(|p| p.min(most))
     }
 
     /// What the formulation is, and from where.

@@ -44,7 +44,12 @@ fn trend(comparison: &Comparison, method: &str) -> f64 {
 #[test]
 fn all_keep_their_order_and_sums_of_spins_keep_the_energy_of_the_top() {
     let subjects = [
-        subject("top", TOP, &[("to = 1.5", "to = 0.5")], &[2e-3, 1e-3, 5e-4]),
+        subject(
+            "top",
+            TOP,
+            &[("to = 1.5", "to = 0.5")],
+            &[1e-3, 5e-4, 2.5e-4],
+        ),
         subject(
             "elbow",
             ELBOW,
@@ -252,18 +257,26 @@ fn made_anew(command: &str, directory: &str) -> String {
     read(out.join(name).join("compare.md"))
 }
 
-/// The errors of the two largest steps on the top, from a run of them alone: their reference is four times
+/// The command of a rigid body.
+fn command_of(name: &str) -> &'static str {
+    let end = format!("--out {name}");
+    let found = commands().into_iter().find(|c| c.ends_with(&end));
+    found.unwrap_or_else(|| panic!("no command of {name}"))
+}
+
+/// The errors of the two largest steps, from a run of them alone: their reference is four times
 /// coarser, which is nothing beside these errors.
-#[test]
-fn errors_of_the_top_are_those_on_the_page() {
-    let [top, ..] = commands()[..] else {
-        panic!("no command");
-    };
-    let short = top
-        .replace("--steps 4x,2x,1x,0.5x --long 10", "--steps 4x,2x")
+fn errors_are_those_on_the_page(name: &str, steps: [&str; 2]) {
+    let command = command_of(name);
+    let short = command
+        .replace(
+            &format!("--steps {} --long 10", steps[0]),
+            &format!("--steps {}", steps[1]),
+        )
         .replace(" --timed --charts", "");
-    assert!(short.len() + 20 < top.len(), "{short}");
-    let (found, printed) = (made_anew(&short, "formulations_top"), results("top"));
+    assert!(short.len() + 20 < command.len(), "{short}");
+    let found = made_anew(&short, &format!("formulations_{name}"));
+    let printed = results(name);
     let heading = "Errors";
     let tables = [&found, &printed].map(|text| table(text, heading));
     assert_eq!(tables[0].len(), 2 + 2 * 5);
@@ -271,9 +284,30 @@ fn errors_of_the_top_are_those_on_the_page() {
 }
 
 #[test]
+fn errors_of_the_top_are_those_on_the_page() {
+    errors_are_those_on_the_page("top", ["4x,2x,1x,0.5x", "4x,2x"]);
+}
+
+#[test]
+fn errors_of_the_free_body_are_those_on_the_page() {
+    errors_are_those_on_the_page("free_body", ["2x,1x,0.5x,0.25x", "2x,1x"]);
+}
+
+#[test]
 #[ignore = "minutes; .ci/run makes it"]
 fn all_tables_of_the_top_are_those_on_the_page() {
-    let (found, printed) = (made_anew(commands()[0], "formulations_all"), results("top"));
+    all_tables_are_those_on_the_page("top");
+}
+
+#[test]
+#[ignore = "minutes; .ci/run makes it"]
+fn all_tables_of_the_free_body_are_those_on_the_page() {
+    all_tables_are_those_on_the_page("free_body");
+}
+
+fn all_tables_are_those_on_the_page(name: &str) {
+    let found = made_anew(command_of(name), &format!("formulations_all_{name}"));
+    let printed = results(name);
     for (heading, keys) in [
         ("Orders of convergence", 2),
         ("Errors", 3),

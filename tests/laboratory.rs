@@ -195,6 +195,29 @@ fn residuals_of_loops_are_tabulated() {
 }
 
 #[test]
+fn momenta_that_are_zero_in_a_plane_are_no_merit() {
+    // The pendulum swings about e2: its momentum has no component there, its angular momentum no other one.
+    let file = until(model("pendulum.toml"), 0.5);
+    let comparison = compared(&file, &options(&["newmark", "em"], &[0.02, 0.01])).unwrap();
+    let zero = [[false, true, false], [true, false, true]];
+    assert_eq!(comparison.zero_momenta, zero);
+    let kept = comparison.reference.as_ref().unwrap().kept;
+    assert!(kept.momentum[1] && kept.angular_momentum[0]);
+    for row in &comparison.rows {
+        assert_eq!(
+            (row.drift.momentum, row.drift.angular_momentum),
+            (None, None)
+        );
+        assert!(row.drift.energy.is_some());
+    }
+    // A free body in space has no such component.
+    let file = until(model("free_body.toml"), 0.1);
+    let comparison = compared(&file, &options(&["newmark"], &[0.004, 0.002])).unwrap();
+    assert_eq!(comparison.zero_momenta, [[true; 3], [false; 3]]);
+    assert!(comparison.rows[0].drift.angular_momentum.is_some());
+}
+
+#[test]
 fn every_model_in_motion_can_be_compared() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
     let mut names: Vec<String> = std::fs::read_dir(directory)

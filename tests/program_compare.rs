@@ -104,6 +104,11 @@ fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
     assert_eq!(json["complete"], true);
     let rows = json["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 6);
+    // A line per run and common time, of three step sizes and two schemes, and the head.
+    let drift = read(out.join("drift.csv"));
+    let times = json["times"].as_u64().unwrap() as usize;
+    assert_eq!(drift.lines().count(), 1 + 6 * (times + 1));
+    assert!(drift.lines().all(|line| line.split(',').count() == 13));
     // What the tables say is the same.
     let heads: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     let column = heads.iter().position(|h| *h == "error_position").unwrap();
@@ -205,12 +210,36 @@ fn refusals_name_what_is_wrong() {
         ("newmark", "11,0.05", "11 is larger than the duration 10"),
         ("newmark", "0.1", "two step sizes"),
         ("newmark", "0.1,x", "x"),
+        ("newmark", "0.1,0.05s", "'0.05s'"),
+        ("newmark", "0.1,0.05s", "such as 0.01, or a multiple"),
+        ("newmark", "10,0.05", "step size 10 makes one step"),
+        (
+            "lie-bathe",
+            "0.1,0.05",
+            "newmark, hht, wbz, ga, em, central-difference",
+        ),
     ] {
         let output = compare(&model, &["--schemes", schemes, "--steps", steps]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(word), "{said:?} lacks {word:?}");
     }
+    for (arguments, word) in [
+        (["--threads", "0"], "1 or more"),
+        (["--reference", "lie-ga:0.8"], "leave its prefix out"),
+        (["--reference", "gaa"], "no scheme is called so"),
+    ] {
+        let output = compare(&model, &[&ASKED[..], &arguments].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+    // A name that is neither a file nor a model has the nearest one beside it.
+    let output = compare(Path::new("pendulm"), &ASKED);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let all = ["no file `pendulm`", "did you mean `pendulum`?", "heavy_top"];
+    assert!(all.iter().all(|word| said.contains(word)), "{said}");
     let statics = example(&directory, "cantilever.toml");
     let output = compare(&statics, &ASKED);
     assert_eq!(output.status.code(), Some(2));
@@ -257,6 +286,19 @@ fn models_of_the_gallery_need_no_file() {
     let mut names = FILES.map(str::to_owned);
     names.sort();
     assert_eq!(files(&directory.join("pendulum.compare")), names);
+    // A directory of results does not hide the model whose name it has.
+    let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q --out pendulum";
+    for _ in 0..2 {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
+        let output = program
+            .current_dir(&directory)
+            .args(asked.split(' '))
+            .output();
+        let output = output.unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+    }
+    assert_eq!(files(&directory.join("pendulum")), names);
 }
 
 /// A formulation that a model does not take makes rows with the reason, as whatever else fails.
@@ -265,7 +307,8 @@ fn formulations_that_a_model_does_not_take_are_rows() {
     let directory = directory("program_compare_formulations");
     let model = example(&directory, "pendulum.toml");
     let schemes = "newmark,hht:-0.1,ga:0.8,lie-ga:0.8";
-    let output = compare(&model, &["--schemes", schemes, "--steps", "0.1,0.05"]);
+    let asked = ["--schemes", schemes, "--steps", "0.1,0.05", "--charts"];
+    let output = compare(&model, &asked);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let table = read(directory.join("model.compare/compare.csv"));
@@ -276,7 +319,22 @@ fn formulations_that_a_model_does_not_take_are_rows() {
     );
     let without =
         |row: &str| row.starts_with("compared,lie-ga:0.8,") && row.contains("without the prefix");
-    assert!(rows.clone().count() == 2 && rows.all(without), "{table}");
+    assert!(rows.by_ref().take(2).all(without), "{table}");
+    // It is said once, and what never began stands in no other table, legend or caption with a time.
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(said.matches("lie-ga:0.8: ").count(), 1, "{said}");
+    let page = read(directory.join("model.compare/compare.md"));
+    let lines = page
+        .lines()
+        .filter(|line| line.starts_with("| lie-ga:0.8 |"));
+    let lines: Vec<&str> = lines.collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[1].starts_with("| lie-ga:0.8 | all | "), "{lines:?}");
+    assert!(page.contains("lie-ga:0.8 (no run came to its end)"));
+    assert!(!page.contains("after t =") && !page.contains("0.00e0"));
+    let legends = read(directory.join("model.compare/drift.svg"));
+    assert!(legends.contains("ga:0.8") && !legends.contains("lie-ga:0.8"));
+    assert!(page.contains("No run changes a chart"));
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! `pullback compare`.
 
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
-use crate::compare::{self, CompareError, Options, Subject, Watch};
+use crate::compare::{self, CompareError, Contender, Options, Subject, Watch};
 use crate::gallery;
-use crate::input::{Analysis, Registry};
+use crate::input::{Analysis, Registry, closest};
 use crate::terminal::{Interrupt, Progress};
+use pullback_elements::model::Formulation;
+use pullback_integrators::dynamics::Scheme;
 use std::ffi::OsString;
-use std::num::{NonZeroUsize, ParseFloatError};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -43,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     out: Option<PathBuf>,
     /// Runs at a time; as many as there are cores by default. Results do not depend on it.
-    #[arg(long)]
+    #[arg(long, value_parser = threads)]
     threads: Option<NonZeroUsize>,
     /// Makes each run again, alone on the machine, to take its time.
     #[arg(long)]
@@ -72,13 +74,36 @@ enum Size {
 }
 
 impl FromStr for Size {
-    type Err = ParseFloatError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
-        match text.strip_suffix('x') {
+    fn from_str(text: &str) -> Result<Self, String> {
+        let read = match text.trim().strip_suffix('x') {
             Some(factor) => factor.parse().map(Self::Multiple),
-            None => text.parse().map(Self::Own),
+            None => text.trim().parse().map(Self::Own),
+        };
+        read.map_err(|_| {
+            "it is no step size: give a number, such as 0.01, or a multiple of the model's own step, such as 2x"
+                .to_owned()
+        })
+    }
+}
+
+/// Runs at a time, from the command line.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "give a whole number of runs at a time, 1 or more".to_owned())
+}
+
+/// The scheme of the reference, which has neither a formulation of its own nor a tolerance.
+fn reference(word: &str) -> Result<Scheme, CompareError> {
+    let contender: Contender = word.parse()?;
+    match contender {
+        Contender::Method(method) if method.formulation() == Formulation::Total => {
+            Ok(method.scheme())
         }
+        other => Err(CompareError::ReferenceForm {
+            name: other.to_string(),
+        }),
     }
 }
 
@@ -93,7 +118,7 @@ impl Arguments {
         Ok(Options {
             schemes: schemes.collect::<Result<_, _>>()?,
             steps: self.steps.iter().map(size).collect(),
-            reference: self.reference.as_deref().map(str::parse).transpose()?,
+            reference: self.reference.as_deref().map(reference).transpose()?,
             exact: None,
             threads: self.threads,
             timed: self.timed,
@@ -112,7 +137,18 @@ impl Arguments {
         let model = path.display().to_string();
         // Every run has a model of its own, of the file as it is now.
         let file = match gallery::model(path) {
-            Some(text) if !path.exists() => registry.assemble_text(&model, text)?.file,
+            Some(text) if !path.is_file() => registry.assemble_text(&model, text)?.file,
+            None if !path.exists()
+                && path.components().count() == 1
+                && path.extension().is_none() =>
+            {
+                let names = || gallery::MODELS.iter().map(|(name, _)| *name);
+                return Err(CompareError::NoModel {
+                    near: closest(&model, names()),
+                    known: names().collect::<Vec<_>>().join(", "),
+                    name: model,
+                });
+            }
             _ => registry.load(path)?.file,
         };
         let Analysis::Dynamic(analysis) = &file.analysis else {
@@ -212,6 +248,12 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
             );
             return FAILED;
         }
+    }
+    for comparison in comparisons.iter().filter(|c| !c.is_known()) {
+        let model = &comparison.model;
+        let why = compare::unknown(comparison).unwrap_or_default();
+        eprintln!("error: {model}: {why}\nresults are in {kept}");
+        return FAILED;
     }
     for comparison in &comparisons {
         let failures = comparison.rows.iter().map(|row| row.failure.as_deref());

@@ -1,5 +1,6 @@
 //! What is compared: schemes of the library, each in a formulation, and general solvers.
 
+use super::Values;
 use crate::general::{self, General};
 use crate::method::Method;
 use pullback_elements::model::Formulation;
@@ -42,6 +43,16 @@ impl Contender {
         match self {
             Self::Method(method) => Some(method.order()),
             Self::General(_) => None,
+        }
+    }
+
+    /// The same of each quantity, on a model with multipliers or without.
+    pub fn orders(&self, multipliers: bool) -> Option<Values<usize>> {
+        match (self, multipliers) {
+            (Self::Method(method), true) => {
+                Some(Values::of_levels(method.orders_with_multipliers()))
+            }
+            _ => Some(Values::of_levels([self.order()?; 3])),
         }
     }
 }

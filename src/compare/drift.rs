@@ -1,6 +1,6 @@
 //! What becomes of energies and momenta along a run.
 
-use super::sample::Sample;
+use super::sample::{Pose, Sample};
 use nalgebra::Vector3;
 use pullback_integrators::dynamics::EnergyBalance;
 use serde::Serialize;
@@ -14,6 +14,48 @@ pub struct Kept {
     pub momentum: [bool; 3],
     /// Components of the angular momentum about the origin.
     pub angular_momentum: [bool; 3],
+}
+
+/// Components of the linear and of the angular momentum, as those of [`Kept`].
+pub type Components = [[bool; 3]; 2];
+
+impl Kept {
+    /// The same without these components of momenta.
+    pub(super) fn without(self, left_out: Components) -> Self {
+        let rest = |kept: [bool; 3], out: [bool; 3]| [0, 1, 2].map(|i| kept[i] && !out[i]);
+        Self {
+            momentum: rest(self.momentum, left_out[0]),
+            angular_momentum: rest(self.angular_momentum, left_out[1]),
+            ..self
+        }
+    }
+}
+
+/// A momentum over what the motion could have, below which it is zero.
+const NOTHING: f64 = 1e-12;
+
+/// Components of momenta that are zero all along all of these runs: to keep them is nothing that a scheme does.
+pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Components {
+    let samples = || runs.clone().flatten();
+    let largest = |value: &dyn Fn(&Sample) -> f64| samples().map(value).fold(0.0, f64::max);
+    let fastest = |speed: &dyn Fn(&Pose) -> f64| {
+        largest(&|s| s.nodes.iter().map(|n| speed(n)).fold(0.0, f64::max))
+    };
+    let energy = largest(&|s| s.gross_energy);
+    let speeds = [
+        fastest(&|n| n.velocity.norm()),
+        fastest(&|n| n.omega.norm()),
+    ];
+    [0, 1].map(|k| {
+        // What moves with this speed and this energy has a momentum of about their quotient.
+        let could = if speeds[k] > 0.0 {
+            energy / speeds[k]
+        } else {
+            0.0
+        };
+        let size = largest(&|s| s.momenta[k].norm()).max(could);
+        [0, 1, 2].map(|i| largest(&|s| s.momenta[k][i].abs()) <= NOTHING * size)
+    })
 }
 
 /// The largest changes since the start, at the common times, of what the motion keeps, and the

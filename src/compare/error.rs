@@ -49,6 +49,34 @@ pub enum CompareError {
         /// Its name.
         name: String,
     },
+    /// A reference in a formulation of its own, or of a general solver.
+    #[error(
+        "the reference is of a scheme in total rotation vectors, which `{name}` is not: leave its prefix out, or \
+         take `radau`, say"
+    )]
+    ReferenceForm {
+        /// The word.
+        name: String,
+    },
+    /// Neither a file nor a model of the gallery.
+    #[error(
+        "there is no file `{name}`, and no model of the gallery is called so{}; the gallery has {known}",
+        near.as_ref().map_or(String::new(), |near| format!(": did you mean `{near}`?"))
+    )]
+    NoModel {
+        /// What was asked for.
+        name: String,
+        /// The nearest name.
+        near: Option<String>,
+        /// All names.
+        known: String,
+    },
+    /// A step that is the whole motion.
+    #[error("step size {value} makes one step of the whole motion: take smaller ones")]
+    OneStep {
+        /// Its value.
+        value: f64,
+    },
     /// Fewer than two step sizes.
     #[error("an order takes two step sizes at least, {found} given: name them from large to small")]
     FewSteps {

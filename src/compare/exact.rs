@@ -55,7 +55,7 @@ impl Exact {
             scheme: self.name.clone(),
             steps: [0.0; 3],
             order: Values([f64::NAN; QUANTITIES]),
-            extrapolated: [false; QUANTITIES],
+            extrapolated: Values([false; QUANTITIES]),
             error,
             kept: kept_by(&samples),
             evaluations: 0,

@@ -65,9 +65,11 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
 /// One curve per scheme in its colour; a point per row for which there is one.
 fn curves(comparison: &Comparison, point: &dyn Fn(&Row) -> Option<(f64, f64)>) -> Vec<Curve> {
     let schemes = comparison.orders.iter().enumerate();
-    let curve = schemes.map(|(k, scheme)| {
-        let points = comparison.of(&scheme.scheme).filter_map(point);
-        Curve::new(label(comparison, &scheme.scheme), points.collect()).colored(k)
+    let curve = schemes.filter_map(|(k, scheme)| {
+        let points: Vec<_> = comparison.of(&scheme.scheme).filter_map(point).collect();
+        // What has nothing to show has no entry in the legend.
+        (!points.is_empty())
+            .then(|| Curve::new(label(comparison, &scheme.scheme), points).colored(k))
     });
     curve.collect()
 }
@@ -100,7 +102,7 @@ fn stopped(comparison: &Comparison) -> impl Iterator<Item = &Row> {
         coarse || near(row.step, finest)
     });
     let all = short.chain(&comparison.long);
-    all.filter(|row| row.failure.is_some())
+    all.filter(|row| row.failure.is_some() && row.samples.len() > 1)
 }
 
 /// The largest and the smallest step size.
@@ -131,16 +133,22 @@ fn stopping(comparison: &Comparison) -> String {
 
 /// Which runs are not drawn, and why.
 fn left_out(comparison: &Comparison) -> String {
-    let out = comparison.rows.iter().filter(|row| !row.is_regular());
-    let name = |row: &Row| {
-        let why = match row.failure {
-            Some(_) => "it came to no end",
-            None => "its steps were halved",
-        };
-        let scheme = escaped(&row.scheme);
-        format!("{scheme} with h = {} ({why})", rounded(row.step))
-    };
-    let names: Vec<String> = out.map(name).collect();
+    let mut names: Vec<String> = Vec::new();
+    for scheme in &comparison.orders {
+        let word = escaped(&scheme.scheme);
+        let rows: Vec<&Row> = comparison.of(&scheme.scheme).collect();
+        if rows.len() > 1 && rows.iter().all(|row| row.failure.is_some()) {
+            names.push(format!("{word} (no run came to its end)"));
+            continue;
+        }
+        for row in rows.iter().filter(|row| !row.is_regular()) {
+            let why = match row.failure {
+                Some(_) => "it came to no end",
+                None => "its steps were halved",
+            };
+            names.push(format!("{word} with h = {} ({why})", rounded(row.step)));
+        }
+    }
     match names.is_empty() {
         true => String::new(),
         false => format!(" Left out: {}.", names.join(", ")),
@@ -180,8 +188,9 @@ fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
     (level > FAR * least).then_some(level)
 }
 
-fn slopes(comparison: &Comparison) -> Vec<f64> {
-    let mut slopes: Vec<usize> = comparison.orders.iter().filter_map(|o| o.theory).collect();
+fn slopes(comparison: &Comparison, quantity: Quantity) -> Vec<f64> {
+    let orders = comparison.orders.iter().filter_map(|o| o.theory);
+    let mut slopes: Vec<usize> = orders.map(|o| o.of(quantity)).collect();
     slopes.sort_unstable();
     slopes.dedup();
     slopes.into_iter().rev().map(|p| p as f64).collect()
@@ -196,7 +205,7 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
         division: [Division::Logarithmic; 2],
         curves: curves(comparison, &|row| Some((row.step, error(row, quantity)?))),
         marked: true,
-        slopes: slopes(comparison),
+        slopes: slopes(comparison, quantity),
         level: level(comparison, quantity),
     };
     shown(comparison).into_iter().map(graph).collect()
@@ -239,7 +248,7 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
 
 fn drift(comparison: &Comparison) -> Vec<Graph> {
     let keeps = comparison.reference.as_ref().map(|r| r.kept);
-    let keeps = keeps.unwrap_or_default();
+    let keeps = keeps.unwrap_or_default().without(comparison.zero_momenta);
     let mut out = Vec::new();
     let momentum = |k: usize, i: usize| move |row: &Row, j: usize| row.samples[j].momenta[k][i];
     let mut kept: Vec<(String, Box<Kept>)> = Vec::new();
@@ -294,7 +303,8 @@ fn drift(comparison: &Comparison) -> Vec<Graph> {
             let schemes = comparison.orders.iter().enumerate();
             let curves = schemes.flat_map(|(k, scheme)| {
                 let own = move |r: &&Row| r.scheme == scheme.scheme && near(r.step, step);
-                rows.iter().filter(own).map(move |row| {
+                let drawn = rows.iter().filter(own).filter(|row| row.samples.len() > 1);
+                drawn.map(move |row| {
                     let change = |j: usize| (value(row, j) - value(row, 0)).abs();
                     let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
                     Curve::new(lasting(comparison, &scheme.scheme), points.collect()).colored(k)

@@ -4,6 +4,8 @@ use super::CompareError;
 
 /// Common times at most: enough to see a motion, and little to keep.
 const MOST_TIMES: usize = 128;
+/// Common times that are enough where step sizes need no rounding for them.
+const ENOUGH_TIMES: usize = 10;
 /// Common times below which step sizes are rounded by more than a little.
 const FEW_TIMES: usize = 4;
 /// By how much numbers of steps are rounded up, as a part of them.
@@ -26,8 +28,8 @@ pub(super) struct Grid {
 impl Grid {
     /// Checks step sizes, from large to small.
     ///
-    /// A step size becomes the number of equal steps that are at most so large; for the sake of
-    /// common times these numbers are rounded up a little, or more where there would be too few.
+    /// A step size becomes the number of equal steps that are at most so large. Where these have too
+    /// few common times they are rounded up a little, or more where there would still be too few.
     pub fn new(to: f64, steps: &[f64]) -> Result<Self, CompareError> {
         for &value in steps {
             if !(value > 0.0 && value.is_finite()) {
@@ -53,6 +55,9 @@ impl Grid {
         }
         let count = |h: &f64| (to / h - 1e-6).ceil().max(1.0) as usize;
         let counts: Vec<usize> = steps.iter().map(count).collect();
+        if counts[0] < 2 {
+            return Err(CompareError::OneStep { value: steps[0] });
+        }
         for (k, pair) in counts.windows(2).enumerate() {
             if pair[0] >= pair[1] {
                 let ([before, after], count) = ([steps[k], steps[k + 1]], pair[0]);
@@ -75,17 +80,21 @@ impl Grid {
             let times = (from..=to).rev();
             times.map(|m| (m, rounded(m))).find(|(_, n)| close(n, part))
         };
-        let few = most(FEW_TIMES, MOST_TIMES, LITTLE);
-        let found = few.or_else(|| most(1, 2 * FEW_TIMES, MUCH));
+        let found = most(ENOUGH_TIMES, MOST_TIMES, 0.0)
+            .or_else(|| most(FEW_TIMES, MOST_TIMES, LITTLE))
+            .or_else(|| most(1, 2 * FEW_TIMES, MUCH));
         let (times, counts) = found.unwrap_or((1, counts));
         Ok(Self { to, counts, times })
     }
 
-    /// The largest step over so many times the duration (1 or more), or a little longer.
+    /// The largest step over so many times the duration (1 or more), or a little longer where the steps
+    /// have too few divisors for common times.
     pub fn longer(&self, factor: f64) -> Self {
         let count = self.counts.first().copied().unwrap_or(1);
-        let steps = (count as f64 * factor).ceil() as usize;
-        let times = steps.clamp(1, MOST_TIMES);
+        let steps = ((count as f64 * factor).ceil() as usize).max(1);
+        let exact = (ENOUGH_TIMES..=MOST_TIMES).rev();
+        let times = exact.into_iter().find(|m| steps.is_multiple_of(*m));
+        let times = times.unwrap_or(steps.min(MOST_TIMES));
         let steps = steps.next_multiple_of(times);
         Self {
             to: self.step(count) * steps as f64,
@@ -133,6 +142,12 @@ mod tests {
             (&[10, 20, 40][..], 10)
         );
         assert_eq!((grid.time(5), grid.time(10)), (0.5, 1.0));
+        // Steps that meet are what was asked for.
+        let grid = Grid::new(4.0, &[0.04, 0.02, 0.01]).unwrap();
+        assert_eq!(
+            (grid.counts.as_slice(), grid.times),
+            (&[100, 200, 400][..], 100)
+        );
         // 187.5 steps make 188, and 94 common times cost three in a thousand of the others.
         let grid = Grid::new(1.5, &[0.008, 0.004, 0.002]).unwrap();
         assert_eq!(
@@ -147,7 +162,7 @@ mod tests {
     #[test]
     fn a_longer_run_has_the_largest_step() {
         let long = Grid::new(1.0, &[0.1, 0.05]).unwrap().longer(20.0);
-        assert_eq!((long.counts[0], long.times), (256, 128));
-        assert!((long.step(256) - 0.1).abs() < 1e-15 && (long.to - 25.6).abs() < 1e-12);
+        assert_eq!((long.counts[0], long.times), (200, 100));
+        assert!((long.step(200) - 0.1).abs() < 1e-15 && (long.to - 20.0).abs() < 1e-12);
     }
 }

@@ -46,6 +46,7 @@ mod exact;
 mod figures;
 mod grid;
 mod order;
+mod over_time;
 mod page;
 mod perform;
 mod reference;
@@ -55,7 +56,7 @@ mod tables;
 mod write;
 
 pub use contender::Contender;
-pub use drift::{Drift, Kept};
+pub use drift::{Components, Drift, Kept};
 pub use equal_cost::EqualCost;
 pub use error::CompareError;
 pub use exact::{Exact, read as read_exact};
@@ -64,7 +65,7 @@ pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub use run::{LATE, Maker, Watch};
 pub use sample::{Pose, Quantity, Sample, Values};
-pub use tables::summary;
+pub use tables::{summary, unknown};
 pub use write::{FILES, Subject, default_directory, run, run_several};
 
 use crate::solve::Counts;
@@ -130,8 +131,11 @@ pub struct Row {
     /// What it did.
     pub counts: Counts,
     /// How often it assembled the model: once per evaluation, and three times for a tangent where rates
-    /// are spins.
+    /// are spins. What comes before the first step is apart.
     pub assemblies: usize,
+    /// How often it assembled the model to find what the scheme has to know before its first step: what
+    /// the motion keeps, or the largest frequency.
+    pub searching: usize,
     /// Root mean square errors against the reference.
     pub error: Option<Values>,
     /// Drift of what the motion keeps, and the balance of energy.
@@ -165,23 +169,43 @@ pub struct SchemeOrders {
     /// What its formulation of rotations is.
     pub formulation: &'static str,
     /// Its order in theory; none for a general solver, of which h is a tolerance.
-    pub theory: Option<usize>,
-    /// The order observed in each quantity, where one can be, in the order of [`Quantity::ALL`].
-    pub observed: [Option<Order>; sample::QUANTITIES],
+    pub theory: Option<Values<usize>>,
+    /// The order observed in each quantity, where one can be.
+    pub observed: Values<Option<Order>>,
+}
+
+/// What an observed slope is beside the order in theory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slope {
+    /// The order of theory, as far as can be seen: three step sizes at least on a line whose slope is
+    /// within [`NEAR`] of it.
+    Theory,
+    /// Three step sizes at least on a line that is steeper: at these steps the leading term of the
+    /// error is smaller than the next one.
+    Above,
+    /// No order that anybody sees.
+    Doubtful,
 }
 
 impl SchemeOrders {
     /// The order observed in a quantity.
     pub fn of(&self, quantity: Quantity) -> Option<Order> {
-        self.observed[quantity as usize]
+        self.observed.of(quantity)
     }
 
-    /// Whether what is observed in a quantity is the order of theory as far as can be seen: three
-    /// step sizes at least on a line whose slope is within [`NEAR`] of it.
+    /// What is observed in a quantity beside theory.
+    pub fn slope(&self, quantity: Quantity) -> Option<Slope> {
+        let (observed, theory) = (self.of(quantity)?, self.theory?.of(quantity) as f64);
+        Some(match observed.order - theory {
+            off if observed.points < 3 || off < -NEAR => Slope::Doubtful,
+            off if off > NEAR => Slope::Above,
+            _ => Slope::Theory,
+        })
+    }
+
+    /// Whether what is observed in a quantity is the order of theory ([`Slope::Theory`]).
     pub fn is_asymptotic(&self, quantity: Quantity) -> bool {
-        let (observed, theory) = (self.of(quantity), self.theory);
-        (observed.zip(theory))
-            .is_some_and(|(o, p)| o.points >= 3 && (o.order - p as f64).abs() <= NEAR)
+        self.slope(quantity) == Some(Slope::Theory)
     }
 }
 
@@ -206,12 +230,16 @@ pub struct Comparison {
     pub unknowns: usize,
     /// Whether a loop is closed by multipliers or a penalty.
     pub enforced: bool,
+    /// Whether multipliers are among the unknowns: some schemes then have other orders.
+    pub multipliers: bool,
     /// Runs at a time.
     pub threads: usize,
     /// The reference.
     pub reference: Option<Reference>,
     /// Why there is none, if there is none.
     pub reference_failure: Option<String>,
+    /// Components of momenta that are zero in all runs; no drift is told of them.
+    pub zero_momenta: Components,
     /// Observed orders of the schemes.
     pub orders: Vec<SchemeOrders>,
     /// Errors at equal numbers of assemblies.
@@ -228,6 +256,12 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// Whether there is a reference, and it knows any quantity.
+    pub fn is_known(&self) -> bool {
+        let knows = |r: &Reference| Quantity::ALL.into_iter().any(|q| r.knows(q));
+        self.reference.as_ref().is_some_and(knows)
+    }
+
     /// The rows of a scheme.
     pub fn of<'a>(&'a self, scheme: &'a str) -> impl Iterator<Item = &'a Row> + 'a {
         self.rows.iter().filter(move |row| row.scheme == scheme)

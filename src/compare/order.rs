@@ -2,7 +2,7 @@
 
 use super::Contender;
 use super::sample::QUANTITIES;
-use super::{Quantity, Reference, Row, SchemeOrders};
+use super::{Quantity, Reference, Row, SchemeOrders, Values};
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -83,6 +83,7 @@ fn student(freedom: usize) -> Option<f64> {
 /// The observed orders of all schemes.
 pub(super) fn orders(
     schemes: &[Contender],
+    multipliers: bool,
     rows: &[Row],
     reference: Option<&Reference>,
 ) -> Vec<SchemeOrders> {
@@ -100,11 +101,11 @@ pub(super) fn orders(
         let name = method.to_string();
         SchemeOrders {
             formulation: method.about(),
-            theory: method.order(),
+            theory: method.orders(multipliers),
             // Where h is a tolerance, a slope over it is no order.
             observed: match method.order() {
-                Some(_) => Quantity::ALL.map(|quantity| observed(&name, quantity)),
-                None => [None; QUANTITIES],
+                Some(_) => Values(Quantity::ALL.map(|quantity| observed(&name, quantity))),
+                None => Values([None; QUANTITIES]),
             },
             scheme: name,
         }

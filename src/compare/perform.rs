@@ -3,8 +3,8 @@
 use super::grid::Grid;
 use super::order::orders;
 use super::run::{self, Failure, Maker, Ran, Task, Watch, dynamic, side_by_side};
-use super::{CompareError, Comparison, Contender, Drift, Options, Reference, Row};
-use super::{equal_cost, reference, sample};
+use super::{CompareError, Comparison, Contender, Drift, Kept, Options, Reference, Row};
+use super::{drift, equal_cost, reference, sample};
 use crate::solve::{Counts, begin};
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
@@ -18,6 +18,7 @@ pub(super) struct Prepared {
     unknowns: usize,
     nodes: usize,
     enforced: bool,
+    multipliers: bool,
     title: Option<String>,
 }
 
@@ -82,6 +83,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         unknowns,
         nodes: job.model.frames().count(),
         enforced,
+        multipliers: job.model.has_multipliers(),
         title: job.title,
     })
 }
@@ -130,6 +132,7 @@ pub(super) fn carry_out(
         unknowns,
         nodes,
         enforced,
+        multipliers,
         title,
     } = prepared;
     let relative = options.residual.unwrap_or(f64::INFINITY);
@@ -177,7 +180,7 @@ pub(super) fn carry_out(
     let judged = match &options.exact {
         Some(exact) => Some(exact.reference(&grid.all_times(), nodes)),
         None if ran.iter().any(|r| r.failure.is_some()) => None,
-        None => reference::judge(&reference, &grid, &ran),
+        None => reference::judge(&reference, multipliers, &grid, &ran),
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
     let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
@@ -187,10 +190,16 @@ pub(super) fn carry_out(
         .chain(&late)
         .chain(&lasting)
         .any(interrupted);
+    let zero_momenta = drift::zeros({
+        let own = own.iter().chain(&late).chain(&lasting);
+        own.chain(&ran).map(|ran| &ran.samples[..])
+    });
+    let kept = judged.as_ref().map(|r| r.kept).unwrap_or_default();
+    let kept = kept.without(zero_momenta);
     let mut rows = Vec::with_capacity(own.len());
     for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
         let asked = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, asked, &grid, judged.as_ref());
+        let mut row = row(ran, task, asked, &grid, judged.as_ref(), kept);
         if options.timed && complete && row.failure.is_none() {
             let time = run::clock(make, task, &grid, watch);
             row.seconds_alone = time.map(|t| t.as_secs_f64());
@@ -204,17 +213,13 @@ pub(super) fn carry_out(
         .enumerate();
     let late = late.map(|(k, (ran, task))| {
         let asked = options.steps[k % options.steps.len()];
-        row(ran, task, asked, &grid, judged.as_ref())
+        row(ran, task, asked, &grid, judged.as_ref(), kept)
     });
     let late = late.collect();
-    let kept = judged.as_ref().map(|r| r.kept).unwrap_or_default();
-    let lasting = lasting.into_iter().zip(&tasks[first..]).map(|(ran, task)| {
-        let row = row(ran, task, options.steps[0], grid_of(first), None);
-        Row {
-            drift: Drift::of(&row.samples, kept, row.counts.energy),
-            ..row
-        }
-    });
+    let lasting = lasting
+        .into_iter()
+        .zip(&tasks[first..])
+        .map(|(ran, task)| row(ran, task, options.steps[0], grid_of(first), None, kept));
     let long = lasting.collect();
     let names: Vec<String> = options.schemes.iter().map(Contender::to_string).collect();
     Comparison {
@@ -227,12 +232,14 @@ pub(super) fn carry_out(
         times: grid.times,
         unknowns,
         enforced,
+        multipliers,
         threads,
-        orders: orders(&options.schemes, &rows, judged.as_ref()),
+        orders: orders(&options.schemes, multipliers, &rows, judged.as_ref()),
         reference_failure: failure.map(|f| format!("{reference}: {f}")),
         equal_cost: equal_cost::find(&names, &rows, judged.as_ref(), false),
         equal_time: equal_cost::find(&names, &rows, judged.as_ref(), true),
         reference: judged,
+        zero_momenta,
         rows,
         long,
         late,
@@ -263,9 +270,15 @@ fn run_all<'g>(
     ran.into_iter().map(|(_, ran)| ran).collect()
 }
 
-fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Reference>) -> Row {
+fn row(
+    ran: Ran,
+    task: &Task,
+    asked: f64,
+    grid: &Grid,
+    reference: Option<&Reference>,
+    kept: Kept,
+) -> Row {
     let reference = reference.filter(|_| ran.failure.is_none());
-    let kept = reference.map(|r| r.kept).unwrap_or_default();
     let counts = Counts::of_motion(&ran.summary);
     Row {
         scheme: task.name.clone(),
@@ -275,6 +288,7 @@ fn row(ran: Ran, task: &Task, asked: f64, grid: &Grid, reference: Option<&Refere
         drift: Drift::of(&ran.samples, kept, counts.energy),
         counts,
         assemblies: ran.assemblies,
+        searching: ran.searching,
         error: reference.map(|r| sample::distances(&ran.samples, &r.samples)),
         seconds: ran.time.as_secs_f64(),
         seconds_alone: None,

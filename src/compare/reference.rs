@@ -1,6 +1,7 @@
 //! The reference solution, and how far it can be trusted.
 
 use super::Contender;
+use super::Quantity;
 use super::drift::{Kept, drift};
 use super::grid::Grid;
 use super::order::NEAR;
@@ -26,7 +27,9 @@ const STEADY: f64 = 1e-3;
 /// step compared. Where log₂ |A − B|/|B − C| is close to p for a quantity, Richardson's extrapolation
 /// C + (C − B)/(2ᵖ − 1) is the reference and twice its distance from the one of A and B the estimate of its
 /// error: an upper bound where extrapolations fall to two thirds with every halving of the step. Where it is not, C is the reference, with the
-/// error that the observed order leaves, |B − C| or more.
+/// error that the observed order leaves, |B − C| or more; where that order is not positive, the runs do
+/// not come closer, there is none, and its error is infinite. The order p in theory is that of each
+/// quantity ([`Contender::orders`]).
 #[derive(Clone, Debug, Serialize)]
 pub struct Reference {
     /// The scheme.
@@ -36,7 +39,7 @@ pub struct Reference {
     /// Observed order of the three runs.
     pub order: Values,
     /// Whether a quantity is extrapolated.
-    pub extrapolated: [bool; QUANTITIES],
+    pub extrapolated: Values<bool>,
     /// Estimate of the error of each quantity, root mean square.
     pub error: Values,
     /// What the motion keeps.
@@ -48,6 +51,13 @@ pub struct Reference {
     /// The solution at the common times.
     #[serde(skip)]
     pub samples: Vec<Sample>,
+}
+
+impl Reference {
+    /// Whether a quantity is known.
+    pub fn knows(&self, quantity: Quantity) -> bool {
+        self.error.of(quantity).is_finite()
+    }
 }
 
 /// The three runs of a reference.
@@ -62,9 +72,14 @@ pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
 }
 
 /// Judges three runs that have come to their ends.
-pub(super) fn judge(scheme: &Scheme, grid: &Grid, runs: &[Ran]) -> Option<Reference> {
+pub(super) fn judge(
+    scheme: &Scheme,
+    multipliers: bool,
+    grid: &Grid,
+    runs: &[Ran],
+) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
-    let theory = scheme.order();
+    let theory = Contender::Method(Method::from(*scheme)).orders(multipliers)?;
     let (first, second) = (
         distances(&a.samples, &b.samples),
         distances(&b.samples, &c.samples),
@@ -84,7 +99,7 @@ pub(super) fn judge(scheme: &Scheme, grid: &Grid, runs: &[Ran]) -> Option<Refere
             continue;
         }
         order[k] = (first.0[k] / second.0[k]).log2();
-        extrapolated[k] = (order[k] - theory as f64).abs() <= NEAR;
+        extrapolated[k] = (order[k] - theory.0[k] as f64).abs() <= NEAR;
         error[k] = if extrapolated[k] {
             2.0 * between.0[k]
         } else if order[k] > 0.0 {
@@ -99,7 +114,7 @@ pub(super) fn judge(scheme: &Scheme, grid: &Grid, runs: &[Ran]) -> Option<Refere
         scheme: scheme.to_string(),
         steps: REFINED.map(|factor| grid.step(factor * grid.finest())),
         order: Values(order),
-        extrapolated,
+        extrapolated: Values(extrapolated),
         error,
         kept: kept(&bc, &c.samples, [&ab, &bc]),
         evaluations: runs.iter().map(|r| r.summary.evaluations).sum(),

@@ -58,8 +58,10 @@ pub(super) struct Ran {
     /// The common times that it reached.
     pub samples: Vec<Sample>,
     pub summary: Summary,
-    /// How often the model was assembled on the way.
+    /// How often the model was assembled on the way, without what comes before the first step.
     pub assemblies: usize,
+    /// How often it was assembled to find what a scheme has to know before it steps.
+    pub searching: usize,
     /// Why it did not come to its end.
     pub failure: Option<Failure>,
     /// Wall-clock time of the integration.
@@ -159,9 +161,27 @@ fn advance(
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let before = model.assemblies();
     let clock = Instant::now();
+    let mut searches = 0;
     for k in 0..=grid.times {
         let to = if k == 0 { 0.0 } else { grid.time(k) };
         let part = DynamicOptions { to, ..options };
+        // Every part begins with a search for what the scheme has to know (symmetries, the largest
+        // frequency), which a run in one part makes once: an empty part tells what it takes.
+        let here = DynamicOptions {
+            to: progress.state.t,
+            ..options
+        };
+        if k == 0 {
+            integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+        }
+        let asked = model.assemblies();
+        integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+        let searching = model.assemblies() - asked;
+        if k == 0 {
+            ran.searching = searching;
+        }
+        // The empty part, its twin at the start, and the part itself.
+        searches += searching * if k == 0 { 3 } else { 2 };
         let mut stopped = false;
         let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
             let flow = (watch.flow)();
@@ -169,7 +189,7 @@ fn advance(
             flow
         });
         ran.summary = progress.summary;
-        ran.assemblies = model.assemblies() - before;
+        ran.assemblies = (model.assemblies() - before).saturating_sub(searches);
         ran.time = clock.elapsed();
         integrated?;
         if stopped {

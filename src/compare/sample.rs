@@ -67,16 +67,31 @@ impl Quantity {
 
 /// A value per [`Quantity`]; what is not known is not a number, and null in JSON.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Values(pub [f64; QUANTITIES]);
+pub struct Values<T = f64>(pub [T; QUANTITIES]);
 
-impl Values {
+impl<T: Copy> Values<T> {
     /// That of a quantity.
-    pub fn of(&self, quantity: Quantity) -> f64 {
+    pub fn of(&self, quantity: Quantity) -> T {
         self.0[quantity as usize]
+    }
+
+    /// What is the same of places and rotations, of velocities, and of accelerations. The energy is as
+    /// the places: what equations between coordinates leave of velocities is across these
+    /// equations, where momenta have no part.
+    pub fn of_levels([place, velocity, acceleration]: [T; 3]) -> Self {
+        Self([
+            place,
+            place,
+            velocity,
+            velocity,
+            acceleration,
+            acceleration,
+            place,
+        ])
     }
 }
 
-impl Serialize for Values {
+impl<T: Copy + Serialize> Serialize for Values<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for quantity in Quantity::ALL {
@@ -238,28 +253,29 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
 }
 
 /// Richardson's extrapolation of two runs of an order p, the second with half the step of the
-/// first: b + (b − a)/(2ᵖ − 1); for rotations this part of the relative rotation further.
-pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: usize) -> Vec<Sample> {
-    let parts = (order as f64).exp2() - 1.0;
-    let towards = |a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts;
+/// first: b + (b − a)/(2ᵖ − 1); for rotations this part of the relative rotation further. Momenta have
+/// the order of velocities.
+pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> Vec<Sample> {
+    let parts = order.0.map(|p| (p as f64).exp2() - 1.0);
+    let towards = |k: usize, a: &Vector3<f64>, b: &Vector3<f64>| b + (b - a) / parts[k];
     let node = |(a, b): (&Pose, &Pose)| {
         let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
         Pose {
-            place: towards(&a.place, &b.place),
-            R: b.R * so3::rotation(&(relative / parts)),
-            velocity: towards(&a.velocity, &b.velocity),
-            omega: towards(&a.omega, &b.omega),
-            acceleration: towards(&a.acceleration, &b.acceleration),
-            omega_dot: towards(&a.omega_dot, &b.omega_dot),
+            place: towards(0, &a.place, &b.place),
+            R: b.R * so3::rotation(&(relative / parts[1])),
+            velocity: towards(2, &a.velocity, &b.velocity),
+            omega: towards(3, &a.omega, &b.omega),
+            acceleration: towards(4, &a.acceleration, &b.acceleration),
+            omega_dot: towards(5, &a.omega_dot, &b.omega_dot),
         }
     };
     let samples = a.iter().zip(b).map(|(a, b)| Sample {
         t: b.t,
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: b.energy + (b.energy - a.energy) / parts,
+        energy: b.energy + (b.energy - a.energy) / parts[Quantity::Energy as usize],
         gross_energy: b.gross_energy,
         defect: b.defect,
-        momenta: [0, 1].map(|k| towards(&a.momenta[k], &b.momenta[k])),
+        momenta: [0, 1].map(|k| towards(2, &a.momenta[k], &b.momenta[k])),
         violation: b.violation,
     });
     samples.collect()

@@ -1,11 +1,12 @@
 //! `compare.csv`, and the tables of the page.
 
-use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders};
+use super::ABOVE_REFERENCE;
+use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders, Slope, Values};
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
 const BEFORE: [&str; 5] = ["run", "scheme", "step_asked", "step", "status"];
-const AFTER: [&str; 19] = [
+const AFTER: [&str; 20] = [
     "energy_drift",
     "momentum_drift",
     "angular_momentum_drift",
@@ -18,6 +19,7 @@ const AFTER: [&str; 19] = [
     "iterations",
     "evaluations",
     "assemblies",
+    "assemblies_before",
     "factorisations",
     "chart_changes",
     "seconds",
@@ -67,6 +69,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
             c.iterations,
             c.evaluations,
             row.assemblies,
+            row.searching,
             c.factorisations,
             c.chart_changes,
         ];
@@ -89,6 +92,21 @@ fn quoted(text: &str) -> String {
     }
     let line = text.lines().map(str::trim).collect::<Vec<_>>().join(" | ");
     format!("\"{}\"", line.replace('"', "\"\""))
+}
+
+/// Runs that failed, those of a scheme that did so for the same reason together.
+pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&Row>, &str)> {
+    let mut out: Vec<(Vec<&Row>, &str)> = Vec::new();
+    for row in &comparison.rows {
+        let Some(reason) = row.failure.as_deref() else {
+            continue;
+        };
+        match out.last_mut() {
+            Some((rows, said)) if rows[0].scheme == row.scheme && *said == reason => rows.push(row),
+            _ => out.push((vec![row], reason)),
+        }
+    }
+    out
 }
 
 /// How a run ended, in a word.
@@ -116,31 +134,91 @@ pub fn summary(comparison: &Comparison) -> String {
             theory(scheme.theory)
         );
         for quantity in Quantity::ALL {
-            let doubt = if scheme.is_asymptotic(quantity) {
-                ""
-            } else {
-                "?"
+            let mark = match scheme.slope(quantity) {
+                Some(Slope::Doubtful) => "?",
+                Some(Slope::Above) => "+",
+                _ => "",
             };
-            let text = |o: Order| format!("{}{doubt} ({})", order(&o), o.points);
+            let text = |o: Order| format!("{}{mark} ({})", order(&o), o.points);
             let text = scheme.of(quantity).map_or("-".to_owned(), text);
             let _ = write!(out, "  {text:>18}");
         }
     }
-    let doubtful = |o: &SchemeOrders, q| o.of(q).is_some() && !o.is_asymptotic(q);
-    let mut all = comparison.orders.iter();
-    if all.any(|o| Quantity::ALL.into_iter().any(|q| doubtful(o, q))) {
+    let any = |found: &dyn Fn(&SchemeOrders, Quantity) -> bool| {
+        let mut all = comparison.orders.iter();
+        all.any(|o| Quantity::ALL.into_iter().any(|q| found(o, q)))
+    };
+    if any(&|o, q| o.slope(q) == Some(Slope::Doubtful)) {
         let _ = write!(
             out,
-            "\n? no order: fewer than three steps on a line, or its slope more than {NEAR} from theory"
+            "\n? no order: fewer than three steps on a line, or its slope more than {NEAR} below theory"
         );
     }
-    let failed = comparison.rows.iter().filter(|row| row.failure.is_some());
-    for row in failed {
-        let reason = row.failure.as_deref().unwrap_or_default();
+    if any(&|o, q| o.slope(q) == Some(Slope::Above)) {
+        let _ = write!(
+            out,
+            "\n+ above theory by more than {NEAR}: at these steps the leading term of the error is \
+             smaller than the next one"
+        );
+    }
+    let measured = |row: &Row, q| row.error.is_some_and(|e| e.of(q).is_finite());
+    let known = |q| {
+        let knows = comparison.reference.as_ref().is_some_and(|r| r.knows(q));
+        knows && comparison.rows.iter().any(|row| measured(row, q))
+    };
+    if let Some(why) = unknown(comparison) {
+        let _ = write!(out, "\n- {why}");
+    }
+    if any(&|o, q| o.theory.is_some() && o.of(q).is_none() && known(q)) {
+        let _ = write!(
+            out,
+            "\n- no slope: fewer than two errors are more than {ABOVE_REFERENCE} times that of the \
+             reference"
+        );
+    }
+    for (failed, reason) in failures(comparison) {
+        let scheme = &failed[0].scheme;
         let reason = reason.lines().next().unwrap_or_default();
-        let _ = write!(out, "\n{} with h = {}: {reason}", row.scheme, row.step);
+        let _ = match failed.len() > 1 && failed.len() == comparison.of(scheme).count() {
+            true => write!(out, "\n{scheme}: {reason}"),
+            false => {
+                let steps: Vec<String> = failed.iter().map(|row| row.step.to_string()).collect();
+                write!(out, "\n{scheme} with h = {}: {reason}", steps.join(", "))
+            }
+        };
     }
     out
+}
+
+/// Why quantities have no reference, in a line, where there are such.
+pub fn unknown(comparison: &Comparison) -> Option<String> {
+    let reference = comparison.reference.as_ref()?;
+    let all = Quantity::ALL.into_iter();
+    let missing: Vec<Quantity> = all.filter(|q| !reference.knows(*q)).collect();
+    if missing.is_empty() {
+        return None;
+    }
+    let of = match missing.len() {
+        n if n == Quantity::ALL.len() => "any quantity".to_owned(),
+        _ => {
+            let names: Vec<&str> = missing.iter().map(|q| q.name()).collect();
+            names.join(", ")
+        }
+    };
+    let orders = missing
+        .iter()
+        .map(|q| format!("{:.2}", reference.order.of(*q)));
+    let orders: Vec<String> = orders.collect();
+    let other = match reference.scheme.as_str() {
+        "radau" => "bathe",
+        _ => "radau",
+    };
+    Some(format!(
+        "no reference for {of}: with smaller steps the three runs of {} do not come closer to each \
+         other (observed orders {}); take smaller steps, or --reference {other}",
+        reference.scheme,
+        orders.join(", ").replace('-', "−")
+    ))
 }
 
 /// A number of three digits, as a page shows it.
@@ -162,9 +240,20 @@ pub(super) fn short(x: f64) -> String {
     .replace("-", "−")
 }
 
-/// An order in theory, where there is one.
-pub(super) fn theory(order: Option<usize>) -> String {
-    order.map_or("-".to_owned(), |order| order.to_string())
+/// An order in theory, where there is one: 3/2/1 where that of velocities and accelerations is
+/// another one.
+pub(super) fn theory(orders: Option<Values<usize>>) -> String {
+    use Quantity::{Acceleration, Position, Velocity};
+    let Some(orders) = orders else {
+        return "-".to_owned();
+    };
+    let mut parts = [Position, Velocity, Acceleration]
+        .map(|q| orders.of(q).to_string())
+        .to_vec();
+    if parts.iter().all(|p| *p == parts[0]) {
+        parts.truncate(1);
+    }
+    parts.join("/")
 }
 
 /// An order with its confidence.

@@ -3,7 +3,7 @@
 use super::figures::{Figure, figures};
 use super::page::{Format, page};
 use super::perform::{carry_out, prepare};
-use super::{CompareError, Comparison, Maker, Options, Watch, tables};
+use super::{CompareError, Comparison, Maker, Options, Watch, over_time, tables};
 use crate::output::{Directory, OutputError};
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,10 @@ const PAGE: &str = "compare.html";
 const TEXT: &str = "compare.md";
 
 /// Names of all files that a comparison may write.
-pub const FILES: [&str; 8] = [
+pub const FILES: [&str; 9] = [
     NAME,
     "compare.csv",
+    "drift.csv",
     PAGE,
     TEXT,
     "convergence.svg",
@@ -31,7 +32,7 @@ pub fn default_directory(model: &Path) -> PathBuf {
     model.with_extension("compare")
 }
 
-/// Compares schemes and writes `compare.json`, `compare.csv`, the figures, `compare.html`, which needs
+/// Compares schemes and writes `compare.json`, `compare.csv`, `drift.csv`, the figures, `compare.html`, which needs
 /// no other file, and the same in Markdown, `compare.md`. `command` is the command line that asks for it.
 ///
 /// A comparison that is stopped keeps what has been found, marked incomplete.
@@ -123,6 +124,7 @@ fn drawn(comparison: &Comparison) -> Result<Vec<Figure>, OutputError> {
 /// Writes all files; `compare.json`, which says whether it is complete, comes last.
 fn write(comparison: &Comparison, directory: &mut Directory) -> Result<(), OutputError> {
     directory.write("compare.csv", &tables::csv(comparison))?;
+    directory.write("drift.csv", &over_time::csv(comparison))?;
     let figures = drawn(comparison)?;
     for figure in &figures {
         directory.write(figure.name, &figure.svg)?;

@@ -32,6 +32,8 @@ pub use registry::{BoxedError, Registry, Site};
 pub use schema::schema;
 pub use settings::{DynamicPlan, Plan};
 
+pub(crate) use suggest::closest;
+
 use locate::Locator;
 use pullback_elements::model::{Formulation, Model};
 use std::ops::Range;

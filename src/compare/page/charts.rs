@@ -1,6 +1,6 @@
 //! The table of what changes of chart cost.
 
-use super::{Page, escaped, first, step};
+use super::{Page, begun, escaped, first, step};
 use crate::compare::tables::short;
 use crate::compare::{Comparison, Quantity, Row};
 
@@ -26,13 +26,27 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
                    total rotation vectors in space are others in the other chart, by the error of the mesh: the two \
                    motions are not the same, and errors after the stroke, against the reference of the \
                    first, have a floor that no step makes smaller.";
+    let changes = |row: &Row| row.counts.chart_changes;
+    if c.rows.iter().chain(&c.late).all(|row| changes(row) == 0) {
+        out.paragraph(
+            "",
+            "No run changes a chart: there is nothing that it could cost.",
+        );
+        return;
+    }
     let errors = SHOWN.map(|q| q.name().to_owned());
     let columns: Vec<String> = (["scheme", "h", "changes"].map(str::to_owned).into_iter())
         .chain(errors)
         .chain(["balance of energy, relative".to_owned()])
         .collect();
     out.table(caption, &columns, 1);
-    for (k, (row, late)) in c.rows.iter().zip(&c.late).enumerate() {
+    let rows = begun(&c.rows);
+    let late = begun(&c.late);
+    for (k, row) in rows.iter().enumerate() {
+        let twin = |late: &&&Row| late.scheme == row.scheme && late.step == row.step;
+        let Some(late) = late.iter().find(twin) else {
+            continue;
+        };
         let both = |of: &dyn Fn(&Row) -> Option<f64>| {
             let [a, b] = [row, late].map(|r| of(r).map_or("–".to_owned(), short));
             format!("{a} / {b}")
@@ -42,7 +56,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
         line.push(format!("{a} / {b}"));
         line.extend(SHOWN.map(|q| both(&|r| Some(r.error?.of(q)))));
         line.push(both(&|r| r.drift.relative(r.drift.balance)));
-        out.row(first(&c.rows, k), 1, &line);
+        out.row(first(&rows, k), 1, &line);
     }
     out.end_table();
 }

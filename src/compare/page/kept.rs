@@ -1,8 +1,8 @@
 //! Tables of energies and momenta.
 
-use super::{Page, escaped, first, step};
+use super::{Page, begun, escaped, first, step};
 use crate::compare::tables::short;
-use crate::compare::{Comparison, Kept, Row};
+use crate::compare::{Comparison, Components, Kept, Row};
 
 pub(super) fn drift(out: &mut Page, c: &Comparison) {
     let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
@@ -14,7 +14,8 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
          closed by their equations, |h| is what Newton's method leaves of them at a given q."
     };
     out.heading(2, "", "What the motion keeps");
-    out.paragraph("", &format!("{} {constraints}", keeps(&kept)));
+    let kept = keeps(&kept.without(c.zero_momenta)) + &nothing(&kept, c.zero_momenta);
+    out.paragraph("", &format!("{kept} {constraints}"));
     let caption = "Largest change since the start at common times, of what is kept; |h|, the largest \
                    residual of a loop there, each equation over its size; and the largest \
                    defect of the balance of energy over all steps, kinetic and stored less supplied \
@@ -40,7 +41,24 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
     }
 }
 
-fn rows(out: &mut Page, caption: &str, rows: &[Row]) {
+/// What is kept because it is nothing.
+fn nothing(kept: &Kept, zero: Components) -> String {
+    let both = |kept: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| kept[i] && zero[i]);
+    let all = [
+        components("momentum", both(kept.momentum, zero[0])),
+        components("angular momentum", both(kept.angular_momentum, zero[1])),
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Left out of it, as zero in all runs whatever the scheme: {}.",
+            all.join(", ")
+        ),
+    }
+}
+
+fn rows(out: &mut Page, caption: &str, all: &[Row]) {
     let columns = [
         "scheme",
         "h",
@@ -54,6 +72,7 @@ fn rows(out: &mut Page, caption: &str, rows: &[Row]) {
         "trend, relative",
     ];
     out.table(caption, &columns.map(str::to_owned), 1);
+    let rows = begun(all);
     for (k, row) in rows.iter().enumerate() {
         let optional = |x: Option<f64>| x.map_or("–".to_owned(), short);
         let drift = row.drift;
@@ -69,24 +88,25 @@ fn rows(out: &mut Page, caption: &str, rows: &[Row]) {
             drift.relative(drift.trend),
         ];
         line.extend(all.map(optional));
-        out.row(first(rows, k), 1, &line);
+        out.row(first(&rows, k), 1, &line);
     }
     out.end_table();
 }
 
+/// Components of a momentum in words, if there are any.
+fn components(name: &str, which: [bool; 3]) -> Option<String> {
+    let numbers = (0..3).filter(|&i| which[i]);
+    let numbers: Vec<String> = numbers.map(|i| (i + 1).to_string()).collect();
+    match numbers.len() {
+        0 => None,
+        3 => Some(name.to_owned()),
+        1 => Some(format!("{name} (component {})", numbers[0])),
+        _ => Some(format!("{name} (components {})", numbers.join(", "))),
+    }
+}
+
 /// What a motion keeps, in words.
 fn keeps(kept: &Kept) -> String {
-    let components = |name: &str, which: [bool; 3]| {
-        let numbers: Vec<String> = (0..3)
-            .filter(|&i| which[i])
-            .map(|i| format!("{}", i + 1))
-            .collect();
-        match numbers.len() {
-            0 => None,
-            3 => Some(name.to_owned()),
-            _ => Some(format!("{name} (component {})", numbers.join(", "))),
-        }
-    };
     let all = [
         kept.energy.then(|| "energy".to_owned()),
         components("momentum", kept.momentum),

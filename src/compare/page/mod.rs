@@ -76,7 +76,7 @@ fn section(out: &mut Page, c: &Comparison, figures: &[Figure], command: Option<&
     if let Some(reference) = &c.reference {
         out.heading(2, "", "Orders of convergence");
         orders::orders(out, c);
-        orders::describe(out, reference);
+        orders::describe(out, c, reference);
     }
     for figure in figures {
         out.figure(figure);
@@ -133,8 +133,14 @@ fn names() -> impl Iterator<Item = String> {
     Quantity::ALL.into_iter().map(|q| q.name().to_owned())
 }
 
+/// The rows of runs that began; the others are among the failures.
+fn begun(rows: &[Row]) -> Vec<&Row> {
+    let begun = |row: &&Row| row.failure.is_none() || !row.samples.is_empty();
+    rows.iter().filter(begun).collect()
+}
+
 /// Whether a row is the first of its scheme.
-fn first(rows: &[Row], k: usize) -> bool {
+fn first(rows: &[&Row], k: usize) -> bool {
     k > 0 && rows[k].scheme != rows[k - 1].scheme
 }
 

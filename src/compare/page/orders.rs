@@ -3,7 +3,7 @@
 use super::{Page, escaped, exact, names};
 use crate::compare::order::{ABOVE_REFERENCE, NEAR, STRAIGHT};
 use crate::compare::tables::{order, short, theory};
-use crate::compare::{Comparison, Quantity, Reference, SchemeOrders};
+use crate::compare::{Comparison, Quantity, Reference, SchemeOrders, Slope, unknown};
 
 pub(super) fn orders(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "theory"].map(str::to_owned).into_iter())
@@ -14,10 +14,13 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
          (Student), and the number of step sizes on that line: from the two \
          finest on while slopes between neighbours differ by at most {STRAIGHT}, errors below {} \
          times the error of the reference and runs with rejected steps left out. It is an order where \
-         three steps at least lie on the line and its slope is within {NEAR} of theory; any other \
-         slope is <span class=\"slope\">grey, in brackets</span>, and no order: steps are not (or \
-         not seen to be) in the asymptotic range. – stands where fewer than two errors can be used.",
-        ABOVE_REFERENCE as usize
+         three steps at least lie on the line and its slope is within {NEAR} of theory. A steeper line \
+         of three steps is <small>above theory</small>: the leading term of the error is smaller at \
+         these steps than the next one. Any other slope is <span class=\"slope\">grey, in \
+         brackets</span>, and no order: steps are not (or not seen to be) in the asymptotic range. – \
+         stands where fewer than two errors can be used.{}",
+        ABOVE_REFERENCE as usize,
+        levels(c)
     );
     out.table(&caption, &columns, 1);
     for scheme in &c.orders {
@@ -29,9 +32,11 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
             None => "–".to_owned(),
             Some(o) => {
                 let steps = format!("<br/><small>{} steps</small>", o.points);
-                match (scheme.is_asymptotic(q), escaped(&order(&o))) {
-                    (true, slope) => slope + &steps,
-                    (false, slope) => format!("<span class=\"slope\">({slope})</span>{steps}"),
+                let slope = escaped(&order(&o));
+                match scheme.slope(q) {
+                    Some(Slope::Theory) => slope + &steps,
+                    Some(Slope::Above) => format!("{slope}{steps}<br/><small>above theory</small>"),
+                    _ => format!("<span class=\"slope\">({slope})</span>{steps}"),
                 }
             }
         }));
@@ -39,6 +44,19 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
     }
     out.end_table();
     formulations(out, c);
+}
+
+/// What there is to say of theory where it has several orders.
+fn levels(c: &Comparison) -> &'static str {
+    let mut orders = c.orders.iter().filter_map(|o| o.theory);
+    let same = orders.all(|o| o.0.iter().all(|p| *p == o.0[0]));
+    match same {
+        true => "",
+        false => {
+            " The equations of multipliers are of index 3: where theory has several orders they are those of \
+             places, velocities and accelerations."
+        }
+    }
 }
 
 /// What the rotations are in each scheme, where they are not the same in all.
@@ -58,7 +76,7 @@ fn formulations(out: &mut Page, c: &Comparison) {
     out.list(&c.orders.iter().map(item).collect::<Vec<_>>());
 }
 
-pub(super) fn describe(out: &mut Page, r: &Reference) {
+pub(super) fn describe(out: &mut Page, comparison: &Comparison, r: &Reference) {
     let [a, b, c] = r.steps;
     if c == 0.0 {
         let name = escaped(&r.scheme);
@@ -100,14 +118,13 @@ pub(super) fn describe(out: &mut Page, r: &Reference) {
     });
     out.row(false, 1, &observed);
     let extrapolated = row("extrapolated", &|q| {
-        if r.extrapolated[q as usize] {
-            "yes"
-        } else {
-            "no"
-        }
-        .to_owned()
+        if r.extrapolated.of(q) { "yes" } else { "no" }.to_owned()
     });
     out.row(false, 1, &extrapolated);
     out.row(false, 1, &row("error (rms)", &|q| short(r.error.of(q))));
     out.end_table();
+    if let Some(why) = unknown(comparison) {
+        let capital = why[..1].to_uppercase() + &why[1..];
+        out.paragraph("warning", &format!("{}.", escaped(&capital)));
+    }
 }

@@ -1,7 +1,7 @@
 //! Tables of the runs: errors, cost, reasons of failures.
 
-use super::{Page, escaped, exact, first, names, step};
-use crate::compare::tables::{short, status};
+use super::{Page, begun, escaped, exact, first, names, step};
+use crate::compare::tables::{failures as failures_of, short, status};
 use crate::compare::{Comparison, EqualCost, Quantity, Row};
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
@@ -16,7 +16,8 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
         changed_steps(c)
     );
     out.table(&caption, &columns, 1);
-    for (k, row) in c.rows.iter().enumerate() {
+    let rows = begun(&c.rows);
+    for (k, row) in rows.iter().enumerate() {
         let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
         // An error below that of the reference is only known to be no larger than that.
         let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
@@ -27,7 +28,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
             Some(error) => short(error),
         };
         line.extend(Quantity::ALL.map(error));
-        out.row(first(&c.rows, k), 1, &line);
+        out.row(first(&rows, k), 1, &line);
     }
     out.end_table();
 }
@@ -105,7 +106,7 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
 }
 
 pub(super) fn cost(out: &mut Page, c: &Comparison) {
-    let columns = [
+    let mut columns = vec![
         "scheme",
         "h",
         "steps",
@@ -116,20 +117,28 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
         "factorisations",
         "changes of chart",
         "time / s",
-        "alone / s",
     ];
+    let alone = match c.rows.iter().any(|row| row.seconds_alone.is_some()) {
+        false => "",
+        true => {
+            columns.push("alone / s");
+            "; alone is that of the integration and nothing else, the least of some repetitions"
+        }
+    };
     let beside = match c.threads {
         1 => "one run at a time".to_owned(),
         n => format!("{n} runs side by side on one machine, which makes each of them slower"),
     };
     let caption = format!(
-        "Time is wall-clock time with the audits of energy and momentum, {beside}; alone, where it was \
-         taken, that of the integration and nothing else, the least of some repetitions. An evaluation \
+        "Time is wall-clock time with the audits of energy and momentum, {beside}{alone}. An evaluation \
          assembles the model once, with a tangent three times where rates are spins. Increments are \
-         centred anew in every step, and each time counts as a change of chart."
+         centred anew in every step, and each time counts as a change of chart.{}",
+        searching(c)
     );
-    out.table(&caption, &columns.map(str::to_owned), 1);
-    for (k, row) in c.rows.iter().enumerate() {
+    let names: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
+    out.table(&caption, &names, 1);
+    let rows = begun(&c.rows);
+    for (k, row) in rows.iter().enumerate() {
         let n = &row.counts;
         let per_step = match n.steps {
             0 => "–".to_owned(),
@@ -148,9 +157,28 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
             short(row.seconds),
             row.seconds_alone.map_or("–".to_owned(), short),
         ];
-        out.row(first(&c.rows, k), 1, &line);
+        out.row(first(&rows, k), 1, &line[..columns.len()]);
     }
     out.end_table();
+}
+
+/// What schemes do before their first step, which is not counted.
+fn searching(c: &Comparison) -> String {
+    let mut found: Vec<String> = Vec::new();
+    for row in c.rows.iter().filter(|row| row.searching > 0) {
+        let text = format!("{} {}", escaped(&row.scheme), row.searching);
+        if !found.contains(&text) {
+            found.push(text);
+        }
+    }
+    match found.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Not counted are assemblies before the first step, once in a run, that find what a scheme \
+             has to know (what the motion keeps, the largest frequency): {}.",
+            found.join(", ")
+        ),
+    }
 }
 
 pub(super) fn failures(out: &mut Page, c: &Comparison) {
@@ -160,11 +188,17 @@ pub(super) fn failures(out: &mut Page, c: &Comparison) {
     out.heading(2, "", "Runs without an end");
     let columns = ["scheme", "h", "reason"].map(str::to_owned);
     out.table("", &columns, 3);
-    for row in &c.rows {
-        if let Some(failure) = &row.failure {
-            let reason = format!("<span class=\"reason\">{}</span>", escaped(failure));
-            out.row(false, 3, &[escaped(&row.scheme), step(row), reason]);
-        }
+    for (failed, reason) in failures_of(c) {
+        let reason = format!("<span class=\"reason\">{}</span>", escaped(reason));
+        let steps = match failed.len() == c.of(&failed[0].scheme).count() && failed.len() > 1 {
+            true => "all".to_owned(),
+            false => failed
+                .iter()
+                .map(|row| step(row))
+                .collect::<Vec<_>>()
+                .join(", "),
+        };
+        out.row(false, 3, &[escaped(&failed[0].scheme), steps, reason]);
     }
     out.end_table();
 }

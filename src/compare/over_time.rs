@@ -1,0 +1,37 @@
+//! `drift.csv`: energies and momenta at all common times of all runs, what the figure of drift is made of.
+
+use super::{Comparison, Row};
+use std::fmt::Write;
+
+/// A line per run and common time that it reached; what is not known is empty. Runs with charts that are
+/// kept are left out.
+pub(super) fn csv(comparison: &Comparison) -> String {
+    let mut out =
+        "run,scheme,step,t,energy,energy_balance_defect,momentum_1,momentum_2,momentum_3,\
+                   angular_momentum_1,angular_momentum_2,angular_momentum_3,violation\n"
+            .to_owned();
+    let short = comparison.rows.iter().map(|row| ("compared", row));
+    let long = comparison.long.iter().map(|row| ("long", row));
+    short
+        .chain(long)
+        .for_each(|(run, row)| rows(&mut out, run, row));
+    out
+}
+
+fn rows(out: &mut String, run: &str, row: &Row) {
+    for sample in &row.samples {
+        let momenta = sample.momenta.iter().flat_map(|p| p.iter().copied());
+        let numbers = [Some(sample.energy), sample.defect].into_iter();
+        let numbers = numbers.chain(momenta.map(Some)).chain([sample.violation]);
+        let cells = numbers.map(|x| x.map_or_else(String::new, |x| format!("{x:e}")));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{run},{},{},{},{}",
+            row.scheme,
+            row.step,
+            sample.t,
+            cells.collect::<Vec<_>>().join(",")
+        );
+    }
+}
