@@ -249,7 +249,7 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
             return FAILED;
         }
     }
-    for comparison in comparisons.iter().filter(|c| !c.is_known()) {
+    if let Some(comparison) = comparisons.iter().find(|c| !c.is_known()) {
         let model = &comparison.model;
         let why = compare::unknown(comparison).unwrap_or_default();
         eprintln!("error: {model}: {why}\nresults are in {kept}");

@@ -38,9 +38,8 @@ const NOTHING: f64 = 1e-12;
 pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Components {
     let samples = || runs.clone().flatten();
     let largest = |value: &dyn Fn(&Sample) -> f64| samples().map(value).fold(0.0, f64::max);
-    let fastest = |speed: &dyn Fn(&Pose) -> f64| {
-        largest(&|s| s.nodes.iter().map(|n| speed(n)).fold(0.0, f64::max))
-    };
+    let fastest =
+        |speed: &dyn Fn(&Pose) -> f64| largest(&|s| s.nodes.iter().map(speed).fold(0.0, f64::max));
     let energy = largest(&|s| s.gross_energy);
     let speeds = [
         fastest(&|n| n.velocity.norm()),

@@ -146,7 +146,10 @@ pub enum CompareError {
         value: f64,
     },
     /// Models whose results would go to the same directory.
-    #[error("two models are called `{name}`: results of each go to a directory of its name")]
+    #[error(
+        "two models are called `{name}`: results of each go to a directory of its name; rename a file, or compare \
+         on one of them alone"
+    )]
     NameTwice {
         /// The name.
         name: String,
