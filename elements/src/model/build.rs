@@ -150,6 +150,8 @@ impl ModelBuilder {
             enforced,
             initial: Vec::new(),
             overdriven: Vec::new(),
+            chosen_at: Vec::new(),
+            unwatched: false,
             prescribed,
             driven_rotations,
             runs: Runs::new(&coordinates),

@@ -21,21 +21,26 @@ pub(super) struct Rewriting {
 
 impl Model {
     /// What the maps that nodes follow through remember of their way, map by map: the coordinates
-    /// that a closed loop has chosen, and from where it is solved.
+    /// that a closed loop has chosen, and from where it is solved; and which equations of multipliers are
+    /// left out, where that is so.
     pub fn map_memories(&self) -> Vec<Vec<f64>> {
         let memory = |&n: &u32| match &self.nodes[n as usize].source {
             Source::Mapped(d) => d.map.memory(),
             Source::Own => Vec::new(),
         };
-        self.dependent.iter().map(memory).collect()
+        let choice = (!self.chosen_at.is_empty()).then(|| self.choice_memory());
+        self.dependent.iter().map(memory).chain(choice).collect()
     }
 
     /// Goes on from what [`Model::map_memories`] gave for the same model; false where it is not of
     /// this model.
     #[must_use]
     pub fn recall_maps(&mut self, memories: &[Vec<f64>]) -> bool {
-        let same = memories.len() == self.dependent.len();
-        same && (self.dependent.iter().zip(memories)).all(|(&n, memory)| {
+        let (maps, choice) = memories.split_at(memories.len().min(self.dependent.len()));
+        let same = maps.len() == self.dependent.len()
+            && choice.len() == usize::from(!self.chosen_at.is_empty())
+            && choice.iter().all(|memory| self.recall_choice(memory));
+        same && (self.dependent.iter().zip(maps)).all(|(&n, memory)| {
             match &mut self.nodes[n as usize].source {
                 Source::Mapped(d) => d.map.recall(memory),
                 Source::Own => false,
@@ -108,6 +113,7 @@ impl Model {
                 residual: false,
             };
         };
+        changed += usize::from(self.choose_equations(t, q));
         self.watch_left_out(t);
         ChartChanges {
             charts: changed + maps.charts,

@@ -1,20 +1,15 @@
 //! What elements enforce on a model ([`Enforced`](crate::constraint::Enforced)): a start that
-//! satisfies it, and equations that say nothing new.
+//! satisfies it.
 
 #![allow(non_snake_case)]
 
 use super::gather::collect;
 use super::local::Local;
-use super::start::start;
-use super::{Attached, Form, Model, ModelError, Source};
+use super::{Attached, Form, Model, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Kind, Point, SystemError};
 
-/// Part of the largest gradient below which what is left of another one is rounding.
-const RANK: f64 = 1e-8;
-/// Part of the largest gradient by what is driven above which an equation depends on it.
-const DRIVES: f64 = 1e-4;
 /// Residual of an equation that followed from others at which it does so no more.
 const LOOSE: f64 = 1e-8;
 /// What an equation leaves that has been left out.
@@ -32,7 +27,7 @@ pub(super) struct Equations {
     /// Derivatives, a row for each equation, a column for each unknown over its size.
     pub(super) J: DMatrix<f64>,
     /// The same by what is driven.
-    driven: DMatrix<f64>,
+    pub(super) driven: DMatrix<f64>,
     /// Element of each equation, and its number there.
     pub(super) of: Vec<(usize, usize)>,
 }
@@ -162,68 +157,17 @@ impl Model {
         })
     }
 
-    /// Takes as many equations as are independent of each other, those with the largest gradients
-    /// first, and leaves the others out.
-    pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
-        let all = self.equations(0.0, q, &[]).map_err(start)?;
-        let Equations { J, of, .. } = all;
-        let mut by_driven = all.driven;
-        let counts = |&(k, _): &(usize, usize)| {
-            let enforced = self.elements[k].element.enforced();
-            enforced.is_some_and(|e| e.penalty().is_none())
-        };
-        let mut waiting: Vec<usize> = (0..of.len()).filter(|&i| counts(&of[i])).collect();
-        let mut rest = J;
-        let mut limit = 0.0;
-        loop {
-            let norm = |i: &usize| rest.row(*i).norm();
-            let Some(best) = waiting
-                .iter()
-                .copied()
-                .max_by(|i, j| norm(i).total_cmp(&norm(j)))
-            else {
-                break;
-            };
-            let size = norm(&best);
-            limit = f64::max(limit, RANK * size);
-            if size <= limit || size == 0.0 {
-                break;
-            }
-            waiting.retain(|&i| i != best);
-            let direction = rest.row(best) / size;
-            let along_driven = by_driven.row(best) / size;
-            for &i in &waiting {
-                let along = rest.row(i).dot(&direction);
-                let reduced = rest.row(i) - &direction * along;
-                rest.set_row(i, &reduced);
-                let reduced = by_driven.row(i) - &along_driven * along;
-                by_driven.set_row(i, &reduced);
-            }
-        }
-        // What follows from others for given positions of what is driven, but not for all.
-        self.overdriven.clear();
-        for &i in &waiting {
-            let off = by_driven.row(i);
-            let names: Vec<String> = (self.driven().zip(off.iter()))
-                .filter(|(_, slope)| slope.abs() > DRIVES * limit / RANK)
-                .map(|(c, _)| self.coordinate_name(c))
-                .collect();
-            if !names.is_empty() {
-                self.overdriven.push((of[i], names.join(", ")));
-            }
-        }
-        for k in self.enforced.clone() {
-            let mine = waiting.iter().map(|&i| of[i]).filter(|&(e, _)| e == k);
-            let left_out = mine.fold(0, |bits, (_, i)| bits | 1 << i);
-            if let Some(enforced) = self.elements[k].element.enforced_mut() {
-                enforced.leave_out(left_out);
-            }
-        }
-        Ok(())
+    /// Whether equations of multipliers that are left out are watched, and others taken where that is
+    /// due: not at states that do not satisfy any of them.
+    pub(crate) fn watch_equations(&mut self, on: bool) {
+        self.unwatched = !on;
     }
 
     /// At a converged state: whether the equations that are left out still follow from the others.
     pub(super) fn watch_left_out(&mut self, t: f64) {
+        if self.unwatched {
+            return;
+        }
         let w = &mut self.work;
         for &k in &self.enforced {
             let e = &self.elements[k];

@@ -28,6 +28,7 @@ mod other_charts;
 mod placement;
 mod query;
 mod rates;
+mod redundant;
 mod runs;
 mod scatter;
 mod sheets;
@@ -272,6 +273,10 @@ pub struct Model {
     /// Equations (element, number) that are left out and follow from the others only for some
     /// motions of what is driven, with its names.
     overdriven: Vec<((usize, usize), String)>,
+    /// Unknowns where equations were left out last; empty where none is.
+    chosen_at: Vec<f64>,
+    /// Whether it does not matter whether these follow from the others.
+    unwatched: bool,
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,

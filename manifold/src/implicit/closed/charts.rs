@@ -204,9 +204,6 @@ impl Core {
         let now = self.work.condition;
         let turned =
             (self.about.rotations.iter()).any(|&k| super::dense::norm(&self.x()[k..k + 3]) > PI);
-        if !turned && self.D == 0 {
-            return false;
-        }
         if !turned && now <= BAD * self.X as f64 {
             return false;
         }

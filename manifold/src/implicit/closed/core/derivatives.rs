@@ -3,6 +3,7 @@
 use super::super::dense::{product, product_tr};
 use super::{Core, Work};
 use crate::map::{KinematicsMut, Parametrization};
+use nalgebra::{DMatrix, DVector};
 
 impl Core {
     pub(in super::super) fn kinematics(
@@ -104,10 +105,36 @@ impl Core {
         K.iter_mut().for_each(|k| *k = -*k);
     }
 
-    /// μ with f + h_xᵀ μ = 0 along the dependent coordinates.
-    pub(in super::super) fn multipliers(&self, f: &[f64], mu: &mut [f64]) {
+    /// μ with f + h_xᵀ μ = 0 along the dependent coordinates. Where equations are redundant, of all that
+    /// do so the least, each times the size of its equation: as equal springs in all of them would share
+    /// the load.
+    pub(in super::super) fn multipliers(&mut self, f: &[f64], mu: &mut [f64]) {
         product_tr([self.M, self.X, 1], &self.work.P, f, mu);
         mu.iter_mut().for_each(|m| *m = -*m);
+        if self.chart.used.iter().any(|used| !used) {
+            self.share(mu);
+        }
+    }
+
+    fn share(&mut self, mu: &mut [f64]) {
+        self.rank_equations();
+        let (p, M, rank) = (self.p, self.M, self.X - self.D);
+        let (w, about) = (&self.work, &self.about);
+        let size = |i: usize| about.equations[i].size;
+        // The gradients of equations over their sizes, in an orthonormal basis of their space.
+        let C = DMatrix::from_fn(rank, M, |k, i| {
+            let direction = w.equations.direction(k).iter().enumerate();
+            let along = direction.map(|(j, n)| n * w.J[i + (p + j) * M] * about.unknowns[j].size);
+            along.sum::<f64>() / size(i)
+        });
+        let given = DVector::from_fn(M, |i, _| mu[i] * size(i));
+        let Some(factors) = (&C * C.transpose()).cholesky() else {
+            return;
+        };
+        let shared = C.tr_mul(&factors.solve(&(&C * given)));
+        for (i, (mu, shared)) in mu.iter_mut().zip(shared.iter()).enumerate() {
+            *mu = shared / size(i);
+        }
     }
 }
 

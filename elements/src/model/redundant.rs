@@ -1,0 +1,225 @@
+//! Equations of multipliers that say nothing new: which are left out, chosen anew on the way.
+
+#![allow(non_snake_case)]
+
+use super::enforced::Equations;
+use super::start::start;
+use super::{Model, ModelError, NodeId};
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::system::{Point, System};
+
+/// Part of the largest gradient below which what is left of another one is rounding.
+const RANK: f64 = 1e-8;
+/// Part of the largest gradient by what is driven above which an equation depends on it.
+const DRIVES: f64 = 1e-4;
+/// Way of a coordinate, in its size, after which the choice of equations is looked at again.
+const MOVED: f64 = 0.1;
+/// By how much the least independent equation must gain to change the choice.
+const GAIN: f64 = 1.5;
+
+impl Model {
+    /// Takes as many equations as are independent of each other, those with the largest gradients
+    /// first, and leaves the others out.
+    pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
+        let all = self.equations(0.0, q, &[]).map_err(start)?;
+        let counting = self.counting(&all);
+        let choice = Chosen::of(&all, &counting);
+        self.leave_out(&all, choice);
+        let left_out = self.enforced.iter().any(|&k| {
+            let enforced = self.elements[k].element.enforced();
+            enforced.is_some_and(|e| e.left_out() != 0)
+        });
+        if left_out {
+            self.chosen_at = q.to_vec();
+        }
+        Ok(())
+    }
+
+    /// The equations that multipliers hold.
+    fn counting(&self, all: &Equations) -> Vec<usize> {
+        let counts = |&(k, _): &(usize, usize)| {
+            let enforced = self.elements[k].element.enforced();
+            enforced.is_some_and(|e| e.penalty().is_none())
+        };
+        (0..all.of.len()).filter(|&i| counts(&all.of[i])).collect()
+    }
+
+    /// Leaves equations out that a choice has not taken.
+    fn leave_out(&mut self, all: &Equations, choice: Chosen) {
+        let Chosen {
+            waiting,
+            by_driven,
+            limit,
+            ..
+        } = choice;
+        let of = &all.of;
+        // What follows from others for given positions of what is driven, but not for all.
+        self.overdriven.clear();
+        for &i in &waiting {
+            let off = by_driven.row(i);
+            let names: Vec<String> = (self.driven().zip(off.iter()))
+                .filter(|(_, slope)| slope.abs() > DRIVES * limit / RANK)
+                .map(|(c, _)| self.coordinate_name(c))
+                .collect();
+            if !names.is_empty() {
+                self.overdriven.push((of[i], names.join(", ")));
+            }
+        }
+        for k in self.enforced.clone() {
+            let mine = waiting.iter().map(|&i| of[i]).filter(|&(e, _)| e == k);
+            let left_out = mine.fold(0, |bits, (_, i)| bits | 1 << i);
+            if let Some(enforced) = self.elements[k].element.enforced_mut() {
+                enforced.leave_out(left_out);
+            }
+        }
+    }
+
+    /// At a converged state away from where equations were left out: takes others where those in use
+    /// have become much less independent than the best ones, and gives their multipliers the forces of
+    /// the old ones. Whether it did.
+    ///
+    /// Which of the gaps of a plane loop say something new depends on where its frames point.
+    pub(super) fn choose_equations(&mut self, t: f64, q: &mut [f64]) -> bool {
+        let moved = |u: usize| {
+            !self.is_multiplier(u) && { (q[u] - self.chosen_at[u]).abs() > MOVED * self.unit(u) }
+        };
+        if self.unwatched || self.chosen_at.is_empty() || !(0..q.len()).any(moved) {
+            return false;
+        }
+        self.chosen_at.copy_from_slice(q);
+        let Ok(all) = self.equations(t, q, &[]) else {
+            return false;
+        };
+        let counting = self.counting(&all);
+        let taken = |&i: &usize| {
+            let (k, number) = all.of[i];
+            let enforced = self.elements[k].element.enforced();
+            enforced.is_some_and(|e| e.left_out() & (1 << number) == 0)
+        };
+        let used: Vec<usize> = counting.iter().copied().filter(taken).collect();
+        let (now, best) = (Chosen::of(&all, &used), Chosen::of(&all, &counting));
+        // A singular position is no place to choose.
+        if best.taken.len() != used.len() || now.least * GAIN > best.least {
+            return false;
+        }
+        let multiplier = |i: usize| {
+            let (k, number) = all.of[i];
+            self.multiplier(k, number)
+        };
+        let mut force = DVector::zeros(q.len());
+        for &i in &used {
+            if let Some(u) = multiplier(i) {
+                force += all.J.row(i).transpose() * q[u];
+            }
+        }
+        let gradients = all.J.select_rows(&best.taken);
+        let Some(factors) = (&gradients * gradients.transpose()).cholesky() else {
+            return false;
+        };
+        let lambda = factors.solve(&(&gradients * force));
+        for &i in &used {
+            if let Some(u) = multiplier(i) {
+                q[u] = 0.0;
+            }
+        }
+        for (&i, lambda) in best.taken.iter().zip(lambda.iter()) {
+            if let Some(u) = multiplier(i) {
+                q[u] = *lambda;
+            }
+        }
+        self.leave_out(&all, best);
+        // Whoever asks for forces at this state asks with these multipliers.
+        let still = Point {
+            t,
+            q,
+            v: &[],
+            a: &[],
+        };
+        self.expand(still).is_ok()
+    }
+
+    /// Where equations were left out last, and which.
+    pub(super) fn choice_memory(&self) -> Vec<f64> {
+        let mut memory = self.chosen_at.clone();
+        memory.extend(self.enforced.iter().map(|&k| {
+            let enforced = self.elements[k].element.enforced();
+            f64::from(enforced.map_or(0, |e| e.left_out()))
+        }));
+        memory
+    }
+
+    /// Goes on from what [`Model::choice_memory`] gave; false for anything else.
+    pub(super) fn recall_choice(&mut self, memory: &[f64]) -> bool {
+        let n = self.chosen_at.len();
+        if memory.len() != n + self.enforced.len() || memory.iter().any(|x| !x.is_finite()) {
+            return false;
+        }
+        self.chosen_at.copy_from_slice(&memory[..n]);
+        for (&k, left_out) in self.enforced.iter().zip(&memory[n..]) {
+            if let Some(enforced) = self.elements[k].element.enforced_mut() {
+                enforced.leave_out(*left_out as u32);
+            }
+        }
+        true
+    }
+
+    /// The unknown that multiplies an equation of an element.
+    fn multiplier(&self, element: usize, equation: usize) -> Option<usize> {
+        let e = &self.elements[element];
+        let &node = e.nodes.last()?;
+        self.unknown_at(NodeId(node), equation)
+    }
+}
+
+/// Equations taken one after the other, those with the largest rest of a gradient first.
+struct Chosen {
+    taken: Vec<usize>,
+    /// Those that say nothing new, and their gradients by what is driven less those that follow.
+    waiting: Vec<usize>,
+    by_driven: DMatrix<f64>,
+    /// Rest of the gradient of the last one that was taken; below which there is nothing new.
+    least: f64,
+    limit: f64,
+}
+
+impl Chosen {
+    fn of(all: &Equations, candidates: &[usize]) -> Self {
+        let (mut rest, mut by_driven) = (all.J.clone(), all.driven.clone());
+        let (mut waiting, mut taken) = (candidates.to_vec(), Vec::new());
+        let (mut limit, mut least) = (0.0, f64::INFINITY);
+        loop {
+            let norm = |i: &usize| rest.row(*i).norm();
+            let Some(best) = waiting
+                .iter()
+                .copied()
+                .max_by(|i, j| norm(i).total_cmp(&norm(j)))
+            else {
+                break;
+            };
+            let size = norm(&best);
+            limit = f64::max(limit, RANK * size);
+            if size <= limit || size == 0.0 {
+                break;
+            }
+            least = size;
+            taken.push(best);
+            waiting.retain(|&i| i != best);
+            let direction = rest.row(best) / size;
+            let along_driven = by_driven.row(best) / size;
+            for &i in &waiting {
+                let along = rest.row(i).dot(&direction);
+                let reduced = rest.row(i) - &direction * along;
+                rest.set_row(i, &reduced);
+                let reduced = by_driven.row(i) - &along_driven * along;
+                by_driven.set_row(i, &reduced);
+            }
+        }
+        Self {
+            taken,
+            waiting,
+            by_driven,
+            least,
+            limit,
+        }
+    }
+}
