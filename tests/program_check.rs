@@ -4,7 +4,7 @@
 mod closures_support;
 mod program_support;
 
-use closures_support::{GROUND, RUN, arm, body, hinge};
+use closures_support::{CLOSURES, GROUND, RUN, arm, body, hinge, joint};
 use program_support::{MODEL, directory, with, write};
 use pullback::check;
 use std::path::Path;
@@ -283,6 +283,78 @@ fn rings_of_bars_that_nothing_keeps_from_spinning_are_right() {
             let mut job = pullback::input::assemble_text("ring", &ring(bars)).unwrap();
             let report = check::job(&mut job, seed);
             assert!(report.is_ok(), "{bars}, {seed}\n{}", check::table(&report));
+        }
+    }
+}
+
+/// A crank and a rocker on skew axes, between them a bar on two balls with its mass on its axis: nothing acts on
+/// its spin, while forces that are not small cancel in it.
+#[test]
+fn a_bar_that_may_spin_between_two_balls_is_right() {
+    let model = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", ""),
+        &arm("crank tip", "A", [0.5, 0.0, 0.0]),
+        &joint("S1", "spherical", "crank tip", ""),
+        &arm("coupler tip", "S1", [1.5, 0.4, 0.9]),
+        &arm("mid", "S1", [1.0, 0.2, 0.45]),
+        &arm("foot", "ground", [1.5, 0.4, 0.0]),
+        &joint("D", "revolute", "foot", "axis = [1, 0, 0]"),
+        &arm("rocker tip", "D", [1.5, 0.4, 0.9]),
+        &joint("S2", "spherical", "coupler tip", "child = \"rocker tip\""),
+        &body("mid"),
+        &body("D"),
+        "[[loads]]\ngravity = [0, 0, -9.81]\n",
+    ]
+    .concat();
+    for seed in 0..7 {
+        let mut job = pullback::input::assemble_text("bar", &model).unwrap();
+        let report = check::job(&mut job, seed);
+        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
+    }
+}
+
+/// Stephenson's linkage: a driven four-bar, and a second loop on its coupler, each closed in its own way.
+#[test]
+fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
+    let driven = "driven = { sine = { amplitude = 0.35, omega = 3 } }";
+    let linkage = |first: &str, second: &str| {
+        [
+            GROUND,
+            "[analysis.dynamic]\nto = 2.2\nstep = 0.002\nscheme = { generalised-alpha = 0.8 }\n",
+            &hinge("A", "ground", driven),
+            &arm("a", "A", [0.0, 1.0, 0.0]),
+            &hinge("B", "a", ""),
+            &arm("b", "B", [2.987, 2.824, 0.0]),
+            &arm("p", "B", [1.077, 2.595, 0.0]),
+            &arm("foot", "ground", [4.0, 0.0, 0.0]),
+            &hinge("D", "foot", ""),
+            &arm("d", "D", [2.987, 2.824, 0.0]),
+            &hinge("C", "b", &format!("child = \"d\"\n{first}")),
+            &hinge("P", "p", ""),
+            &arm("e", "P", [3.76, 4.995, 0.0]),
+            &arm("foot 2", "ground", [6.0, 3.0, 0.0]),
+            &hinge("F", "foot 2", ""),
+            &arm("f", "F", [3.76, 4.995, 0.0]),
+            &hinge("E", "e", &format!("child = \"f\"\n{second}")),
+            &body("b"),
+            &body("d"),
+            &body("e"),
+            &body("f"),
+        ]
+        .concat()
+    };
+    for first in CLOSURES {
+        for second in [CLOSURES[0], CLOSURES[1]] {
+            for seed in [0, 5] {
+                let mut job =
+                    pullback::input::assemble_text("linkage", &linkage(first, second)).unwrap();
+                let report = check::job(&mut job, seed);
+                let table = check::table(&report);
+                assert!(report.is_ok(), "{first}, {second}, {seed}\n{table}");
+                assert!(report.rows().len() > 10, "{table}");
+            }
         }
     }
 }

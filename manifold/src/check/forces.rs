@@ -161,7 +161,8 @@ impl Laws<'_> {
         let pattern = BlockPattern::dense(n);
         let all = f.tangents(&pattern);
         let mut residual = |s: &State| evaluate(s).map(|f| f.r.as_slice().to_vec());
-        tangents(self, &all, &mut residual);
+        let sizes = all.sizes(self.layout, self.state);
+        tangents(self, &all, &sizes, &mut residual);
         if symmetric && state.is_static() {
             all.symmetric(self, Part::K, &[]);
         }

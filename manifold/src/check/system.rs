@@ -102,8 +102,8 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
         r: &r,
         values,
     };
-    let sizes = all.sizes(laws.layout, state);
-    tangents(&mut laws, &all, &mut |s| residual(system, s));
+    let sizes = with_noise(all.sizes(laws.layout, state), &laws, system, &r);
+    tangents(&mut laws, &all, &sizes, &mut |s| residual(system, s));
 
     // One evaluation with three weights is the weighted sum of three evaluations.
     let w = weights(0.7, -1.3, 2.1);
@@ -126,11 +126,7 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     let mut noise = vec![0.0_f64; S.len()];
     let mut of_parts = [K, C, M].map(|values| vec![0.0_f64; values.len()]);
     for sample in 1..=SAMPLES {
-        let mut beside = state.clone();
-        for (i, (x, unit)) in beside.x.iter_mut().zip(laws.layout.units()).enumerate() {
-            let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
-            *x += if i % 2 == 0 { digit } else { -digit };
-        }
+        let beside = beside(state, laws.layout, sample);
         let whole = combined(system, &beside, w);
         let (Some((_, there)), Some((_, parts))) = (whole, parts(system, &beside)) else {
             continue;
@@ -170,6 +166,37 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
         load_rate(&mut laws, system, &r, &rate, &sizes);
     }
     Some(())
+}
+
+/// A state that differs in its last digits.
+fn beside(state: &State, layout: &Layout, sample: u32) -> State {
+    let mut beside = state.clone();
+    for (i, (x, unit)) in beside.x.iter_mut().zip(layout.units()).enumerate() {
+        let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
+        *x += if i % 2 == 0 { digit } else { -digit };
+    }
+    beside
+}
+
+/// Sizes of what cancels in the residual, raised to what its change with the last digits of the
+/// coordinates says: forces of a loop that do no work on its coordinates are in no row.
+fn with_noise(
+    mut sizes: Vec<f64>,
+    laws: &Laws<'_>,
+    system: &mut dyn System,
+    r: &[f64],
+) -> Vec<f64> {
+    for sample in 1..=SAMPLES {
+        let Some(there) = residual(system, &beside(laws.state, laws.layout, sample)) else {
+            continue;
+        };
+        let gaps: Vec<f64> = there.iter().zip(r).map(|(a, b)| (a - b).abs()).collect();
+        let digit = f64::from(sample) * f64::EPSILON;
+        for (size, gap) in sizes.iter_mut().zip(laws.layout.forces(&gaps)) {
+            *size = size.max(gap / digit);
+        }
+    }
+    sizes
 }
 
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.

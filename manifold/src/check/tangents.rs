@@ -198,12 +198,16 @@ const SYMMETRIC: f64 = 1e-13;
 /// laws allow is a few last digits.
 const MIXED: f64 = 1e-2;
 
-/// Notes the laws of all tangents that there are at a state.
-pub(super) fn tangents(laws: &mut Laws<'_>, all: &Tangents<'_>, residual: &mut Residual<'_>) {
-    let sizes = all.sizes(laws.layout, laws.state);
+/// Notes the laws of all tangents that there are at a state; `sizes` is what cancels in each group.
+pub(super) fn tangents(
+    laws: &mut Laws<'_>,
+    all: &Tangents<'_>,
+    sizes: &[f64],
+    residual: &mut Residual<'_>,
+) {
     for part in Part::ALL {
         if !part.of(&mut laws.state.clone()).is_empty() {
-            tangent(laws, all, part, &sizes, residual);
+            tangent(laws, all, part, sizes, residual);
         }
     }
 }
