@@ -54,14 +54,28 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    let multipliers = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    let mut multipliers = (0..q.len()).filter(|&i| system.is_multiplier(i)).peekable();
+    let gaps = match multipliers.peek() {
+        Some(_) => rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]),
+        None => 0.0,
+    };
     let largest = multipliers.fold(0.0, |most, i| f64::max(most, q[i].abs()));
-    find_rounding(system, S, q, largest, [&mut *sizes, &mut *floor]);
-    (r.iter().zip(&*floor)).all(|(r, floor)| r.abs() <= TERMS * floor)
+    let nothing = |_: usize| 0.0;
+    find_rounding(
+        system,
+        S,
+        q,
+        (largest, &nothing),
+        [&mut *sizes, &mut *floor],
+    );
+    let least = |i: usize| if system.is_multiplier(i) { gaps } else { 0.0 };
+    (r.iter().zip(&*floor).enumerate())
+        .all(|(i, (r, floor))| r.abs() <= TERMS * floor.max(least(i)))
 }
 
-/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|: what the prediction leaves
-/// of a gap may by chance be far below.
+/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|, coordinates counting as their
+/// scales at least: what the prediction leaves of a gap may by chance be far below, and at the origin
+/// all of it is zero.
 #[allow(non_snake_case)]
 pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
     system: &Y,
@@ -69,7 +83,9 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
-    find_rounding(system, S, q, 0.0, [&mut *sizes, &mut *floor]);
+    let scales = system.scales().coordinate;
+    let least = |i: usize| scales[system.kind(i).index()];
+    find_rounding(system, S, q, (0.0, &least), [&mut *sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
@@ -77,20 +93,20 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
 /// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`;
 /// multipliers count as `multiplier`.
 ///
-/// Coordinates count with their [`System::magnitude`] at least: a small displacement is the
-/// difference of places that are not small.
+/// Coordinates count with their [`System::magnitude`] and with `least` of them at least: a small
+/// displacement is the difference of places that are not small.
 #[allow(non_snake_case)]
 fn find_rounding<Y: System + ?Sized>(
     system: &Y,
     S: &[f64],
     q: &[f64],
-    multiplier: f64,
+    (multiplier, least): (f64, &dyn Fn(usize) -> f64),
     [sizes, floor]: [&mut [f64]; 2],
 ) {
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
         *size = match system.is_multiplier(i) {
             true => multiplier,
-            false => q.abs().max(system.magnitude(i)),
+            false => q.abs().max(system.magnitude(i)).max(least(i)),
         };
     }
     let pattern = system.pattern();

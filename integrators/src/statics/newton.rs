@@ -22,8 +22,8 @@ use super::{Iteration, NewtonOptions, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::LinearSolver;
 use crate::outlook::Outlook;
-use crate::rounding::{allowed, inverse_scales, is_rounding};
-use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
+use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
 pub(super) struct Condition<'a> {
@@ -63,6 +63,9 @@ pub(super) struct Newton {
     /// First residual per kind of a step that is not zero; that of a prediction is what it was made
     /// for, the change of the loads.
     unbalanced: [f64; 3],
+    /// Whether there are gaps of multipliers, and the largest rounding error in them.
+    has_gaps: bool,
+    gaps: f64,
     /// What the convergence test allows per kind.
     allowed: [f64; 3],
     /// Corrections of the history that are predictions, made before any residual was known.
@@ -87,6 +90,8 @@ impl Newton {
             evaluations: 0,
             factorisations: 0,
             unbalanced: [0.0; 3],
+            gaps: 0.0,
+            has_gaps: (0..n).any(|i| system.is_multiplier(i)),
             allowed: [0.0; 3],
             predicted: 0,
             options: *options,
@@ -207,7 +212,9 @@ impl Newton {
         let NewtonOptions {
             relative, absolute, ..
         } = self.options;
-        self.allowed = allowed(measures, self.unbalanced, relative, [absolute; 3]);
+        let mut least = [absolute; 3];
+        least[Kind::Other.index()] = absolute.max(self.gaps);
+        self.allowed = allowed(measures, self.unbalanced, relative, least);
         for (most, allowed) in largest.iter().zip(self.allowed) {
             ratio = ratio.max(most / allowed);
         }
@@ -234,6 +241,10 @@ impl Newton {
         }
         self.evaluate(system, previous, q, *lambda)
             .map_err(Failure::System)?;
+        if self.has_gaps {
+            let room = [&mut self.trial[..], &mut self.simplified[..]];
+            self.gaps = rounding_of_gaps(system, &self.S, q, room);
+        }
         loop {
             let (residual, ratio) = self.test(system);
             let on_condition =
