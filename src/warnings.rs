@@ -2,6 +2,10 @@
 
 #![allow(non_snake_case)]
 
+mod turns;
+
+pub(crate) use turns::{Turn, Turns};
+
 use crate::input::{Joint, ModelFile, Time};
 use crate::output::Row;
 use crate::probe::Answers;

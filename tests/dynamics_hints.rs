@@ -129,6 +129,39 @@ fn a_motion_in_which_nothing_moves_is_said_to_be_one() {
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
+/// A point mass that passes the right angle of a universal joint, near and not so near.
+#[test]
+fn an_angle_that_steps_do_not_resolve_is_named() {
+    let passing = |rate: f64, step: f64| {
+        format!(
+            "[nodes]\nground = [0, 0, 0]\n{HELD}[[joints]]\nname = \"cross\"\ntype = \"universal\"\n\
+             master = \"ground\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = {{ \
+             \"angle 1\" = {{ rate = {rate} }}, \"angle 2\" = {{ value = 1.2, rate = 2 }} }}\n\
+             [[bodies]]\nname = \"bob\"\nnode = \"cross\"\nmass = 1\ncenter = [0, 0, -1]\n\
+             [analysis.dynamic]\nto = 0.4\nstep = {step}\n[output]\nfigures = false\n\
+             paraview_every = 0\n"
+        )
+    };
+    let said = |rate: f64, step: f64| {
+        let out = directory("hints_turn");
+        let model = write(&out, &passing(rate, step));
+        let ran = run(&model, Some(&out.join("out")), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let warnings = ran.unwrap().warnings;
+        warnings.into_iter().find(|w| w.contains("steps do not"))
+    };
+    // It passes at t = (π/2 − 1.2)/2.
+    for (rate, step) in [(0.003, 1e-3), (0.03, 2e-3)] {
+        let warning = said(rate, step).unwrap();
+        let name = "the rate of cross angle 1 changes by ";
+        assert!(warning.starts_with(name), "{warning}");
+        assert!(warning.contains("(that to t = 0.18"), "{warning}");
+    }
+    // Where the steps are small enough there is nothing to say.
+    assert_eq!(said(1.0, 1e-3), None);
+}
+
 #[test]
 fn words_of_other_programs_are_understood_in_refusals() {
     let text = |joint_more: &str, scheme: &str, quantity: &str| {

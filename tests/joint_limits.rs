@@ -4,7 +4,7 @@
 
 mod dynamics_support;
 
-use dynamics_support::{configure, tight};
+use dynamics_support::{configure, observed, tight};
 use nalgebra::Matrix3;
 use pullback::manifold::so3;
 use pullback::prelude::*;
@@ -73,6 +73,46 @@ fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
     assert!(beta * progress.state.t > 2.0 * TAU);
     assert!(largest < 1e-10, "{largest:e}");
     assert!(progress.summary.chart_changes > 0);
+}
+
+/// A point mass that hangs along the third axis of the shaft: at β = 90° no mass acts on α, which turns by
+/// half a turn in a moment as the mass passes nearby. Its way is a great circle at constant speed.
+#[test]
+fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let made = universal(&mut b, "cross", ground, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    let bob = offset(&mut b, "bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
+    b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
+        .unwrap();
+    let mut model = b.build().unwrap();
+    let beta = 1.2_f64;
+    let (sin, cos) = beta.sin_cos();
+    for rates in [[1.0, 2.0], [0.2, 2.0]] {
+        // x = R(α e1) R(β e2) (−e3) and its rate, at α = 0.
+        let from = Vector3::new(-sin, 0.0, -cos);
+        let velocity = Vector3::new(-rates[1] * cos, rates[0] * cos, rates[1] * sin);
+        let speed = velocity.norm();
+        let errors = [1e-3, 5e-4].map(|h| {
+            let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), 0.4, h);
+            let mut last = (Vector3::zeros(), 0.0);
+            observed(
+                &mut model,
+                [&[0.0, beta], &rates],
+                &options,
+                &mut |model, step| {
+                    last = (model.node_state(bob).place, step.progress.state.q[0]);
+                },
+            );
+            assert!(last.1 > 2.0, "not beyond: {}", last.1);
+            let (sin, cos) = (speed * 0.4).sin_cos();
+            (last.0 - (from * cos + velocity / speed * sin)).norm()
+        });
+        let order = (errors[0] / errors[1]).log2();
+        assert!((order - 2.0).abs() < 0.2, "{rates:?}: {errors:?}");
+        assert!(errors[1] < 1e-2, "{rates:?}: {errors:?}");
+    }
 }
 
 #[test]

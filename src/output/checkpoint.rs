@@ -6,6 +6,7 @@ use super::history::Row;
 use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::vtu::Frame;
+use crate::warnings::Turn;
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
@@ -32,6 +33,8 @@ pub(super) struct Record {
     pub since: [usize; 2],
     /// Largest rotation angle of any node so far.
     pub largest_rotation: f64,
+    /// Largest change of a joint's rate in a step, where steps do not resolve it.
+    pub turn: Option<Turn>,
     /// Wall-clock time spent.
     pub seconds: f64,
 }

@@ -13,7 +13,7 @@ use super::vtu::{Frame, collection, grid};
 use crate::input::{Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
-use crate::warnings::Watch;
+use crate::warnings::{Turn, Turns, Watch};
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -55,6 +55,7 @@ pub struct Recorder<'a> {
     pending: Option<(Frame, String)>,
     grids: Grids,
     watch: Watch,
+    turns: Turns,
     warnings: Vec<String>,
     statistics: Statistics,
     started: Instant,
@@ -89,6 +90,7 @@ impl<'a> Recorder<'a> {
             reference: Shapes::of(model, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
             watch: Watch::new(setting.plan.start(), setting.plan.relative()),
+            turns: Turns::default(),
             warnings,
             setting,
             directory,
@@ -159,6 +161,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), RecordError> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
         self.record.largest_rotation = model.largest_rotation();
+        self.turns = Turns::new(model, &progress.state);
         let row = Row {
             t: progress.state.t,
             chart_changes: progress.summary.chart_changes,
@@ -173,6 +176,7 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// [`RecordError`].
     pub fn look(&mut self, model: &mut Model, progress: &Progress) -> Result<(), RecordError> {
+        self.turns = Turns::new(model, &progress.state);
         let answers = moving(model, progress)?;
         let row = Row {
             t: progress.state.t,
@@ -193,6 +197,9 @@ impl<'a> Recorder<'a> {
         let counts = &mut self.statistics.counts;
         if let Some(progress) = step.progress {
             *counts = Counts::of_motion(&progress.summary);
+            let furthest = &mut self.record.turn;
+            self.turns
+                .see(model, &progress.state, step.step_size, furthest);
         } else {
             counts.iterations += step.iterations;
             if step.event.is_none() {
@@ -332,7 +339,9 @@ impl<'a> Recorder<'a> {
     /// What looks doubtful so far, of a run that is complete or not.
     pub fn warnings(&self, ending: &Ending) -> Vec<String> {
         let seen = self.watch.warnings(*ending == Ending::Complete);
-        self.warnings.iter().cloned().chain(seen).collect()
+        let turn = self.record.turn.as_ref().map(Turn::warning);
+        let warnings = self.warnings.iter().cloned();
+        warnings.chain(seen).chain(turn).collect()
     }
 
     fn seconds(&self) -> f64 {

@@ -237,6 +237,25 @@ impl Model {
             .map_or(node, |&n| NodeId(n))
     }
 
+    /// Unknowns that are numbers by themselves, of no frame, no rotation vector and no loop: the
+    /// coordinates that joints release one by one.
+    pub fn single_unknowns(&self) -> Vec<usize> {
+        let chosen = |&n: &u32| match &self.nodes[n as usize].source {
+            Source::Mapped(d) if d.map.rewrites() => d.masters().first().copied(),
+            _ => None,
+        };
+        let of_loops: Vec<u32> = self.dependent.iter().filter_map(chosen).collect();
+        let nodes = (0..).zip(&self.nodes);
+        let single = nodes.filter(|(k, n)| {
+            n.form == Form::Coordinates && n.dim == 1 && n.is_own() && !of_loops.contains(k)
+        });
+        let unknowns = single.map(|(_, n)| self.unknowns[n.first]);
+        unknowns
+            .filter(|&u| u != NONE)
+            .map(|u| u as usize)
+            .collect()
+    }
+
     /// Whether the coordinates of a node are its own: it does not hang on a joint.
     pub fn is_own(&self, node: NodeId) -> bool {
         self.carrier(&self.nodes[node.0 as usize]).is_own()

@@ -1,0 +1,74 @@
+//! Angles of joints whose rates change too much in a step.
+
+use pullback_elements::model::Model;
+use pullback_integrators::dynamics::State;
+use pullback_integrators::significant;
+use pullback_manifold::system::{Kind, System};
+use serde::{Deserialize, Serialize};
+
+/// Change of a rate in a step, times the step, from which on steps do not resolve what moves, in radians: a
+/// swing of one radian has as much with 14 steps in its period.
+const FAR: f64 = 0.2;
+
+/// The largest change of the rate of an angle in a step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Turn {
+    name: String,
+    by: f64,
+    t: f64,
+}
+
+/// Sees the angles of joints from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Turns {
+    /// Unknowns that are angles alone.
+    angles: Vec<usize>,
+    /// Their rates at the last step.
+    last: Vec<f64>,
+}
+
+impl Turns {
+    /// Begins at a state.
+    pub(crate) fn new(model: &Model, state: &State) -> Self {
+        let mut angles = model.single_unknowns();
+        angles.retain(|&i| model.kind(i) == Kind::Angle);
+        let last = angles.iter().map(|&i| state.v[i]).collect();
+        Self { angles, last }
+    }
+
+    /// A converged step of size `h`; `furthest` so far becomes its own where that is further.
+    pub(crate) fn see(
+        &mut self,
+        model: &Model,
+        state: &State,
+        h: f64,
+        furthest: &mut Option<Turn>,
+    ) {
+        for (&i, last) in self.angles.iter().zip(&mut self.last) {
+            let by = ((state.v[i] - *last) * h).abs();
+            *last = state.v[i];
+            if by > furthest.as_ref().map_or(FAR, |turn| turn.by) {
+                *furthest = Some(Turn {
+                    name: model.name(i),
+                    by,
+                    t: state.t,
+                });
+            }
+        }
+    }
+}
+
+impl Turn {
+    /// What there is to say of it.
+    pub(crate) fn warning(&self) -> String {
+        format!(
+            "the rate of {} changes by {:.2} rad a step within one step (that to t = {}): steps do not \
+             resolve what moves there; take smaller ones, or `adaptive`. If it is hardly any mass that \
+             turns (a universal joint at a right angle, whose shaft has no inertia about itself), give \
+             the body `inertia`, or take a spherical joint",
+            self.name,
+            self.by,
+            significant(self.t)
+        )
+    }
+}
