@@ -46,7 +46,7 @@ fn files_say_what_theory_says() {
     let csv = read("spectrum.csv");
     assert_eq!(csv.lines().count(), lines);
     let columns = csv.lines().map(|line| line.split(',').count());
-    assert!(columns.into_iter().all(|count| count == 14));
+    assert!(columns.into_iter().all(|count| count == 18));
     // The trapezoidal rule: tan(ω̄h/2) = Ω/2, no damping, q₁/q₀ = (4 − Ω²)/(4 + Ω²).
     for point in schemes[0]["points"].as_array().unwrap() {
         let number = |key: &str| point[key].as_f64().unwrap();

@@ -5,6 +5,7 @@ use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 use pullback_integrators::dynamics::Scheme;
 
 const TITLE: &str = "Lines: closed forms; marks: by the steps that runs make";
+const EXPANDED: &str = "; broken: κ Ω² and σ Ω³ of theory";
 
 /// Figures by their file names: spectra, and the overshoot of the first step.
 ///
@@ -41,6 +42,9 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
     // What grows is shown up to where it is seen to.
     let radius: Pick = |p| (p.radius <= HIGHEST).then_some(p.radius);
     let closed_radius: Pick = |p| p.closed_radius.filter(|r| *r <= HIGHEST);
+    // What is rounding of a scheme without damping has no logarithm.
+    let damping: Pick = |p| p.damping.filter(|d| *d > LEAST_DAMPING);
+    let closed_damping: Pick = |p| p.closed_damping.filter(|d| *d > LEAST_DAMPING);
     let mut spectra_graphs = [
         graph(
             "spectral radius",
@@ -73,44 +77,71 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
                 |p| p.closed_elongation.map(f64::abs),
             ],
         ),
+        graph(
+            "damping ratio",
+            [log, log],
+            0.0,
+            RESOLVED,
+            [damping, closed_damping],
+        ),
     ];
-    // κ Ω²
-    spectra_graphs[3].slopes = vec![2.0];
-    let place: Pick = |p| (p.radius <= HIGHEST).then_some(p.rest_place.abs());
-    // Where it passes zero, a logarithm falls without end.
-    let velocity: Pick = |p| {
-        let seen = p.radius <= HIGHEST && p.rest_velocity.abs() >= 1e-3;
-        seen.then_some(p.rest_velocity.abs())
-    };
-    let closed_place: Pick = |p| {
-        let known = p.closed_rest_place.filter(|_| p.radius <= HIGHEST);
-        known.map(f64::abs)
-    };
-    let closed_velocity: Pick = |p| {
-        let known = p.closed_rest_velocity.map(f64::abs);
-        known.filter(|v| p.radius <= HIGHEST && *v >= 1e-3)
-    };
+    // κ Ω² and σ Ω³
+    let expanded: [Pick; 2] = [|p| p.expanded_elongation, |p| p.expanded_damping];
+    for ((graph, slope), expanded) in spectra_graphs[3..].iter_mut().zip([2.0, 3.0]).zip(expanded) {
+        graph.slopes = vec![slope];
+        for (k, (_, s)) in spectra.iter().enumerate() {
+            let lines = broken(&s.points, expanded).into_iter();
+            let curves = lines.map(|line| Curve::new(s.scheme.clone(), line).colored(k));
+            graph.curves.extend(curves);
+        }
+    }
     let mut overshoot = [
         graph(
             "|q₁/q₀|, first step from rest",
             [log, linear],
             0.0,
             f64::INFINITY,
-            [place, closed_place],
+            [|p| seen(p, p.rest_place), |p| seen(p, p.closed_rest_place?)],
         ),
         graph(
             "|q̇₁/(ω q₀)|, first step from rest",
             [log, log],
             0.0,
             f64::INFINITY,
-            [velocity, closed_velocity],
+            [
+                |p| above_zero(p, p.rest_velocity),
+                |p| above_zero(p, p.closed_rest_velocity?),
+            ],
+        ),
+        graph(
+            "|ω q₁/q̇₀|, first step from q = 0",
+            [log, log],
+            0.0,
+            f64::INFINITY,
+            [
+                |p| above_zero(p, p.origin_place),
+                |p| above_zero(p, p.closed_origin_place?),
+            ],
+        ),
+        graph(
+            "|q̇₁/q̇₀|, first step from q = 0",
+            [log, linear],
+            0.0,
+            f64::INFINITY,
+            [
+                |p| seen(p, p.origin_velocity),
+                |p| seen(p, p.closed_origin_velocity?),
+            ],
         ),
     ];
     overshoot
         .iter_mut()
         .for_each(|graph| graph.level = Some(1.0));
     Ok([
-        ("spectrum.svg", graphs(Some(TITLE), "", &spectra_graphs)?),
+        (
+            "spectrum.svg",
+            graphs(Some(&format!("{TITLE}{EXPANDED}")), "", &spectra_graphs)?,
+        ),
         (
             "overshoot.svg",
             graphs(Some(TITLE), "largest value of exact motion", &overshoot)?,
@@ -145,3 +176,26 @@ fn marks(points: &[(f64, f64)], division: Division, shift: f64) -> Vec<(f64, f64
 
 /// Spectral radii above this are beyond the stable step.
 const HIGHEST: f64 = 1.1;
+/// Damping ratios below this are rounding.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// The size of a number of the first step, where the scheme is stable.
+fn seen(p: &Point, number: f64) -> Option<f64> {
+    (p.radius <= HIGHEST).then_some(number.abs())
+}
+
+/// The same where a logarithm does not fall without end.
+fn above_zero(p: &Point, number: f64) -> Option<f64> {
+    seen(p, number).filter(|size| *size >= 1e-3)
+}
+
+/// A broken line: every second part of a curve, as long as it is resolved.
+fn broken(points: &[Point], pick: impl Fn(&Point) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
+    let inside = points.iter().filter(|p| p.Omega <= RESOLVED);
+    let all: Vec<_> = inside
+        .filter_map(|p| pick(p).map(|y| (p.Omega, y)))
+        .filter(|(_, y)| *y > LEAST_DAMPING)
+        .collect();
+    let parts = all.chunks(4).step_by(2);
+    parts.map(<[_]>::to_vec).collect()
+}

@@ -96,7 +96,7 @@ pub struct Spectrum {
     /// closed form, up to the limit; null where there is no closed form.
     pub defect: Option<f64>,
     /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω in theory; null
-    /// where it has no such formula.
+    /// where there is no such formula.
     pub expansion: Option<[f64; 2]>,
     /// What it does at each Ω, ascending.
     pub points: Vec<Point>,
@@ -120,6 +120,10 @@ pub struct Point {
     pub closed_damping: Option<f64>,
     /// Period elongation in closed form.
     pub closed_elongation: Option<f64>,
+    /// σ Ω³, what the damping ratio tends to at small Ω.
+    pub expanded_damping: Option<f64>,
+    /// κ Ω², what the period elongation tends to at small Ω.
+    pub expanded_elongation: Option<f64>,
     /// q₁/q₀ of the first step from rest.
     pub rest_place: f64,
     /// q̇₁/(ω q₀) of the first step from rest.
@@ -132,6 +136,10 @@ pub struct Point {
     pub origin_place: f64,
     /// q̇₁/q̇₀ of the first step from q = 0.
     pub origin_velocity: f64,
+    /// ω q₁/q̇₀ of the first step from q = 0 in closed form.
+    pub closed_origin_place: Option<f64>,
+    /// q̇₁/q̇₀ of the first step from q = 0 in closed form.
+    pub closed_origin_velocity: Option<f64>,
 }
 
 /// Measures the spectrum of a scheme at these Ω.
@@ -140,6 +148,7 @@ pub struct Point {
 /// [`DynamicsError::Option`] for an Ω that is not positive and finite.
 pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     let limit = scheme.claims().limit;
+    let expansion = expansion(scheme);
     let mut defect = closed_form(scheme, 1.0).map(|_| 0.0_f64);
     let mut points = Vec::with_capacity(Omegas.len());
     for &Omega in Omegas {
@@ -166,7 +175,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             elongation,
         } = known(measured.numbers);
         let [rest_place, rest_velocity] = measured.first_step.from_rest;
-        let rest = closed_first_step(scheme, Omega);
+        let first = closed_first_step(scheme, Omega);
         let [origin_place, origin_velocity] = measured.first_step.from_origin;
         points.push(Point {
             Omega,
@@ -176,12 +185,16 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             closed_radius: closed.map(|n| n.radius),
             closed_damping: closed.and_then(|n| n.damping),
             closed_elongation: closed.and_then(|n| n.elongation),
+            expanded_damping: expansion.map(|[_, sigma]| sigma * Omega.powi(3)),
+            expanded_elongation: expansion.map(|[kappa, _]| kappa * Omega.powi(2)),
             rest_place,
             rest_velocity,
-            closed_rest_place: rest.map(|[place, _]| place),
-            closed_rest_velocity: rest.map(|[_, velocity]| velocity),
+            closed_rest_place: first.map(|step| step.from_rest[0]),
+            closed_rest_velocity: first.map(|step| step.from_rest[1]),
             origin_place,
             origin_velocity,
+            closed_origin_place: first.map(|step| step.from_origin[0]),
+            closed_origin_velocity: first.map(|step| step.from_origin[1]),
         });
     }
     Ok(Spectrum {
@@ -190,7 +203,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
         order: scheme.order(),
         limit,
         defect,
-        expansion: expansion(scheme),
+        expansion,
         points,
     })
 }
@@ -284,8 +297,9 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
 /// All numbers as comma-separated values: one line per scheme and Ω; empty where there is none.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
     let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
-                   closed_elongation,rest_place,rest_velocity,closed_rest_place,\
-                   closed_rest_velocity,origin_place,origin_velocity\n"
+                   closed_elongation,expanded_damping,expanded_elongation,rest_place,\
+                   rest_velocity,closed_rest_place,closed_rest_velocity,origin_place,\
+                   origin_velocity,closed_origin_place,closed_origin_velocity\n"
         .to_owned();
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
     for (_, spectrum) in spectra {
@@ -298,12 +312,16 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
                 p.closed_radius,
                 p.closed_damping,
                 p.closed_elongation,
+                p.expanded_damping,
+                p.expanded_elongation,
                 Some(p.rest_place),
                 Some(p.rest_velocity),
                 p.closed_rest_place,
                 p.closed_rest_velocity,
                 Some(p.origin_place),
                 Some(p.origin_velocity),
+                p.closed_origin_place,
+                p.closed_origin_velocity,
             ];
             let line = numbers.map(number).join(",");
             let _ = writeln!(out, "{},{line}", spectrum.scheme);

@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
+use super::FirstStep;
 use crate::dynamics::Scheme;
 use crate::dynamics::scheme::Coefficients;
 use num_complex::Complex;
+use std::f64::consts::TAU;
 
 /// The coefficients p of det(λ − A) = λ³ + p₁ λ² + p₂ λ + p₃.
 pub fn characteristic(A: [[f64; 3]; 3]) -> [f64; 3] {
@@ -43,10 +45,10 @@ pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     Some([-2.0 * R.re, R.norm_sqr(), 0.0])
 }
 
-/// q₁/q₀ and q̇₁/(ω q₀) of the first step from rest in theory: for the generalised-α family by its
-/// equations of one step with q̈₀ = −ω² q₀, for Runge-Kutta methods Re R(iΩ) and −Im R(iΩ), as
-/// q − i q̇/ω is multiplied by R(iΩ). `None` for a scheme that is neither.
-pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<[f64; 2]> {
+/// The first step in theory: for the generalised-α family by its equations of one step with
+/// q̈₀ = −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for a scheme that
+/// is neither.
+pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
     let W = Omega * Omega;
     if let Some(coefficients) = scheme.coefficients() {
         let Coefficients {
@@ -55,32 +57,60 @@ pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<[f64; 2]> {
             beta: b,
             gamma: g,
         } = coefficients;
-        // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with q₀ = 1 and y₀ = −W,
+        // (1 − α_m) y₁ + α_m y₀ = −W ((1 − α_f) q₁ + α_f q₀), y = h² a, with y₀ = −W q₀,
         // multiplied out so that nothing large cancels.
         let (m1, f1) = (1.0 - m, 1.0 - f);
         let p0 = m1 + f1 * b * W;
         let place = m1 + W * (b * (m - f) - m1 * (0.5 - b));
         let velocity = W * f1 * (0.5 * g - b) - m1;
-        return Some([place / p0, Omega * velocity / p0]);
+        return Some(FirstStep {
+            from_rest: [place / p0, Omega * velocity / p0],
+            from_origin: [Omega * m1 / p0, (m1 + W * f1 * (b - g)) / p0],
+        });
     }
     let stability = scheme.family()?.stability?;
     let R = stability(scheme, Complex::new(0.0, Omega));
-    Some([R.re, -R.im])
+    Some(FirstStep {
+        from_rest: [R.re, -R.im],
+        from_origin: [R.im, R.re],
+    })
 }
 
-/// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of the
-/// generalised-α family that are of order 2 (Chung & Hulbert 1993, with all coefficients free).
+/// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of order 2
+/// and above: of the generalised-α family by Chung & Hulbert 1993, with all coefficients free; of
+/// Runge-Kutta methods by ln R(z) = z + κ z³ − σ z⁴ + …, where λ = R(iΩ). `None` for a scheme that is
+/// neither.
 pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
-    let Coefficients {
-        alpha_m: m,
-        alpha_f: f,
-        beta: b,
-        ..
-    } = scheme.coefficients().filter(|_| scheme.order() == 2)?;
-    Some([
-        (12.0 * b - 1.0 - 12.0 * f * f + 12.0 * f * m) / 24.0,
-        (f - m) * (b - f + f * m) / 2.0,
-    ])
+    if scheme.order() < 2 {
+        return None;
+    }
+    if let Some(coefficients) = scheme.coefficients() {
+        let Coefficients {
+            alpha_m: m,
+            alpha_f: f,
+            beta: b,
+            ..
+        } = coefficients;
+        return Some([
+            (12.0 * b - 1.0 - 12.0 * f * f + 12.0 * f * m) / 24.0,
+            (f - m) * (b - f + f * m) / 2.0,
+        ]);
+    }
+    let stability = scheme.family()?.stability?;
+    // R = 1 + z + z²/2 + c₃ z³ + c₄ z⁴ + … by Cauchy's integrals over a circle within its poles.
+    let (radius, count) = (0.5, 64);
+    let taylor = |order: i32| {
+        let places = (0..count).map(|j| TAU * f64::from(j) / f64::from(count));
+        let terms = places.map(|angle| {
+            let R = stability(scheme, Complex::from_polar(radius, angle));
+            R * Complex::from_polar(1.0, -f64::from(order) * angle)
+        });
+        terms.sum::<Complex<f64>>().re / f64::from(count) / radius.powi(order)
+    };
+    let (c3, c4) = (taylor(3), taylor(4));
+    // What is left of rounding is nothing.
+    let clean = |x: f64| if x.abs() < 1e-14 { 0.0 } else { x };
+    Some([c3 - 1.0 / 6.0, c3 - c4 - 0.125].map(clean))
 }
 
 /// The roots of λ³ + p₁ λ² + p₂ λ + p₃: a real one, then two real ones or a pair, the one with
