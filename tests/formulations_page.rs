@@ -1,5 +1,6 @@
-//! The page of docs/formulations.md on smaller models: what theory says of orders and of energies; and its
-//! tables, which are those that the program wrote.
+//! The page of docs/formulations.md on smaller models: what theory says of orders and of energies. And
+//! whether the page is up to date: its tables are what its commands print. That says nothing of whether
+//! they are right, which the other tests are about.
 #![allow(clippy::unwrap_used)]
 
 mod program_support;

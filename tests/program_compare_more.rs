@@ -339,3 +339,33 @@ fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
     }
     assert!(seen >= 20, "{seen}");
 }
+
+/// The pendulum and the free body are known; another formulation of them, Radau IIA's steps, says the same.
+#[test]
+fn motions_of_the_gallery_that_are_known_are_the_reference() {
+    for name in ["pendulum", "free_body"] {
+        let directory = directory(&format!("program_compare_exact_{name}"));
+        let json = |more: &[&str], out: &str| -> Value {
+            let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
+                .current_dir(&directory)
+                .args(["compare", name, "--schemes", "newmark"])
+                .args(["--steps", "4x,2x,1x", "--out", out])
+                .args(more)
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{name}: {said}");
+            serde_json::from_str(&read(directory.join(out).join("compare.json"))).unwrap()
+        };
+        let exact = json(&[], "exact");
+        assert_eq!(exact["reference"]["scheme"], "Jacobi's elliptic functions");
+        let radau = json(&["--reference", "radau"], "radau");
+        for quantity in ["rotation", "angular_velocity", "angular_acceleration"] {
+            for (a, b) in rows(&exact, "newmark").zip(rows(&radau, "newmark")) {
+                let [a, b] = [a, b].map(|row| row["error"][quantity].as_f64().unwrap());
+                let what = format!("{name}, {quantity}: {a:e} {b:e}");
+                assert!(a > 0.0 && (a - b).abs() < 0.01 * a, "{what}");
+            }
+        }
+    }
+}

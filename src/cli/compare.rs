@@ -136,8 +136,9 @@ impl Arguments {
     ) -> Result<Subject<'a>, CompareError> {
         let model = path.display().to_string();
         // Every run has a model of its own, of the file as it is now.
-        let file = match gallery::model(path) {
-            Some(text) if !path.is_file() => registry.assemble_text(&model, text)?.file,
+        let built_in = gallery::model(path).filter(|_| !path.is_file());
+        let file = match built_in {
+            Some(text) => registry.assemble_text(&model, text)?.file,
             None if !path.exists()
                 && path.components().count() == 1
                 && path.extension().is_none() =>
@@ -149,7 +150,7 @@ impl Arguments {
                     name: model,
                 });
             }
-            _ => registry.load(path)?.file,
+            None => registry.load(path)?.file,
         };
         let Analysis::Dynamic(analysis) = &file.analysis else {
             return Err(CompareError::Static);
@@ -160,6 +161,9 @@ impl Arguments {
         if let Some(path) = &self.exact {
             let (nodes, times) = compare::looked_at(&make, &options.steps)?;
             options.exact = Some(compare::read_exact(path, &nodes, &times)?);
+        } else if built_in.is_some() && options.reference.is_none() {
+            let (nodes, _) = compare::looked_at(&make, &options.steps)?;
+            options.exact = gallery::exact(&model, &nodes);
         }
         Ok(Subject {
             name: path

@@ -4,6 +4,7 @@ mod arms;
 mod bend45;
 mod bent;
 mod case;
+mod exact;
 mod flights;
 mod helix;
 mod hooke;
@@ -20,6 +21,7 @@ mod swings;
 mod tops;
 
 pub use case::{Case, CaseError, Comparison, Context};
+pub use exact::exact;
 pub use models::{MODELS, model};
 
 use std::path::Path;
