@@ -1,7 +1,6 @@
 //! An element by its energy: a hardening spring, at rest and swinging.
 
-use nalgebra::SVector;
-use pullback::elements::{check, energy::Energies};
+use pullback::elements::energy::Energies;
 use pullback::manifold::scalar::Scalar;
 use pullback::prelude::*;
 

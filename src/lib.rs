@@ -107,6 +107,7 @@ pub mod prelude {
     pub use nalgebra::{Matrix3, SVector, Unit, Vector3};
     pub use pullback_elements::beam::{Material, Section};
     pub use pullback_elements::body::{PointMass, RigidBody};
+    pub use pullback_elements::constraint::{Multipliers, Penalty, Stiffness};
     pub use pullback_elements::inertia::Inertia;
     pub use pullback_elements::joint::{
         Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
@@ -129,6 +130,8 @@ pub mod prelude {
         ArcLengthOptions, Event, StaticOptions, StaticsError, Step, equilibrium, solve_statics,
         trace_path,
     };
+    pub use pullback_manifold::implicit::{Equations, Implicit, Solved};
+    pub use pullback_manifold::map::Map;
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
     pub use pullback_manifold::system::{Point, System};

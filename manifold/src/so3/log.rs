@@ -38,14 +38,16 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
-    /// The rotation by an angle about a fixed unit axis; 2π changes the sign, 4π is the period.
+    /// The rotation by an angle about a fixed axis of any length (not zero: nothing is finite then); 2π
+    /// changes the sign, 4π is the period.
     #[must_use]
     pub fn about(axis: &Vector3<f64>, angle: S) -> Self {
         let half = angle * 0.5;
         let s = half.sin();
+        let length = axis.norm();
         Self {
             w: half.cos(),
-            v: axis.map(|e| s * e),
+            v: axis.map(|e| s * (e / length)),
         }
     }
 
