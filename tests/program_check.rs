@@ -358,3 +358,30 @@ fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
         }
     }
 }
+
+/// Random states satisfy nothing that multipliers hold, and least of all what they leave out.
+#[test]
+fn a_linkage_that_flies_closed_by_multipliers_is_right() {
+    let model = [
+        "[nodes]\nbase = [0, 0, 0]\n",
+        RUN,
+        &hinge("A", "base", "rate = 2"),
+        &arm("a", "A", [0.0, 1.0, 0.0]),
+        &hinge("B", "a", ""),
+        &arm("b", "B", [1.2, 1.9, 0.0]),
+        &arm("foot", "base", [1.6, 0.0, 0.0]),
+        &hinge("D", "foot", ""),
+        &arm("d", "D", [1.2, 1.9, 0.0]),
+        &hinge("C", "b", "child = \"d\"\nclosure = \"multipliers\""),
+        &body("base"),
+        &body("a"),
+        &body("b"),
+        &body("D"),
+    ]
+    .concat();
+    for seed in 0..3 {
+        let mut job = pullback::input::assemble_text("linkage", &model).unwrap();
+        let report = check::job(&mut job, seed);
+        assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
+    }
+}

@@ -87,7 +87,11 @@ impl Model {
             return false;
         }
         self.chosen_at.copy_from_slice(q);
-        let Ok(all) = self.equations(t, q, &[]) else {
+        // The forces of the state that was accepted are asked for later.
+        let forces = self.work.r.clone();
+        let all = self.equations(t, q, &[]);
+        self.work.r = forces;
+        let Ok(all) = all else {
             return false;
         };
         let counting = self.counting(&all);
