@@ -33,6 +33,8 @@ pub(super) struct Record {
     pub since: [usize; 2],
     /// Largest rotation angle of any node so far.
     pub largest_rotation: f64,
+    /// What looked doubtful at the start.
+    pub warnings: Vec<String>,
     /// Largest change of a joint's rate in a step, where steps do not resolve it.
     pub turn: Option<Turn>,
     /// Wall-clock time spent.

@@ -56,7 +56,6 @@ pub struct Recorder<'a> {
     grids: Grids,
     watch: Watch,
     turns: Turns,
-    warnings: Vec<String>,
     statistics: Statistics,
     started: Instant,
     saved: Instant,
@@ -91,7 +90,6 @@ impl<'a> Recorder<'a> {
             grids: Grids::of(setting.output.paraview_every, setting.plan),
             watch: Watch::new(setting.plan.start(), setting.plan.relative()),
             turns: Turns::default(),
-            warnings,
             setting,
             directory,
             probes,
@@ -100,6 +98,7 @@ impl<'a> Recorder<'a> {
             log: Extent::default(),
             record: Record {
                 stride: 1,
+                warnings,
                 ..Record::default()
             },
             last: None,
@@ -340,7 +339,7 @@ impl<'a> Recorder<'a> {
     pub fn warnings(&self, ending: &Ending) -> Vec<String> {
         let seen = self.watch.warnings(*ending == Ending::Complete);
         let turn = self.record.turn.as_ref().map(Turn::warning);
-        let warnings = self.warnings.iter().cloned();
+        let warnings = self.record.warnings.iter().cloned();
         warnings.chain(seen).chain(turn).collect()
     }
 

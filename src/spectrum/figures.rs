@@ -86,7 +86,10 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
         ),
     ];
     // κ Ω² and σ Ω³
-    let expanded: [Pick; 2] = [|p| p.expanded_elongation, |p| p.expanded_damping];
+    let expanded: [Pick; 2] = [
+        |p| p.expanded_elongation.map(f64::abs),
+        |p| p.expanded_damping,
+    ];
     for ((graph, slope), expanded) in spectra_graphs[3..].iter_mut().zip([2.0, 3.0]).zip(expanded) {
         graph.slopes = vec![slope];
         for (k, (_, s)) in spectra.iter().enumerate() {

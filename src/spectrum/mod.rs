@@ -301,7 +301,8 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
                    rest_velocity,closed_rest_place,closed_rest_velocity,origin_place,\
                    origin_velocity,closed_origin_place,closed_origin_velocity\n"
         .to_owned();
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+    // Zero has no sign.
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
     for (_, spectrum) in spectra {
         for p in &spectrum.points {
             let numbers = [
