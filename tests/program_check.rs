@@ -4,7 +4,7 @@
 mod closures_support;
 mod program_support;
 
-use closures_support::{CLOSURES, GROUND, RUN, arm, body, hinge, joint};
+use closures_support::{CLOSURES, GROUND, RUN, arm, body, five_bar, hinge, joint};
 use program_support::{MODEL, directory, with, write};
 use pullback::check;
 use std::path::Path;
@@ -193,25 +193,14 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
 #[test]
 fn a_driven_joint_of_a_loop_may_have_other_coordinates_beside_it() {
     let driven = "driven = { sine = { amplitude = 0.5, omega = 3 } }";
-    let five_bar = [
-        GROUND,
-        RUN,
-        &hinge("A", "ground", driven),
-        &arm("a", "A", [1.0, 0.0, 0.0]),
-        &hinge("B", "a", ""),
-        &arm("b", "B", [1.8, 1.0, 0.0]),
-        &hinge("E", "b", ""),
-        &arm("e", "E", [1.3, 2.0, 0.0]),
-        &arm("foot", "ground", [0.0, 2.0, 0.0]),
-        &hinge("D", "foot", ""),
-        &arm("d", "D", [1.3, 2.0, 0.0]),
-        &hinge("C", "e", "child = \"d\""),
+    let model = [
+        &*five_bar([driven, "", ""]),
         &body("B"),
         &body("D").replace("mass", "center = [0.5, 0, 0]\nmass"),
         "[[loads]]\ngravity = [-9.81, 0, 0]\n",
     ]
     .concat();
-    let path = write(&directory("program_check_driven"), &five_bar);
+    let path = write(&directory("program_check_driven"), &model);
     for seed in 0..60 {
         let report = check::file(&path, seed).unwrap();
         assert!(report.is_ok(), "{seed}\n{}", check::table(&report));

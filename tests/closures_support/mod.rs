@@ -41,6 +41,26 @@ pub fn body(node: &str) -> String {
     )
 }
 
+/// Cranks of 1 at A and √1.1 at D on the ground, bars of √1.64 and √1.25 between their tips, no bodies;
+/// with what A, D and the closing joint C have besides.
+pub fn five_bar([at_a, at_d, at_c]: [&str; 3]) -> String {
+    [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", at_a),
+        &arm("a", "A", [1.0, 0.0, 0.0]),
+        &hinge("B", "a", ""),
+        &arm("b", "B", [1.8, 1.0, 0.0]),
+        &hinge("E", "b", ""),
+        &arm("e", "E", [1.3, 2.0, 0.0]),
+        &arm("foot", "ground", [0.0, 2.0, 0.0]),
+        &hinge("D", "foot", at_d),
+        &arm("d", "D", [1.3, 2.0, 0.0]),
+        &hinge("C", "e", &format!("child = \"d\"\n{at_c}")),
+    ]
+    .concat()
+}
+
 pub fn angle(joint: &str) -> String {
     format!(
         "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"

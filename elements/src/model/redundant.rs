@@ -81,7 +81,8 @@ impl Model {
     /// Which of the gaps of a plane loop say something new depends on where its frames point.
     pub(super) fn choose_equations(&mut self, t: f64, q: &mut [f64]) -> bool {
         let moved = |u: usize| {
-            !self.is_multiplier(u) && { (q[u] - self.chosen_at[u]).abs() > MOVED * self.unit(u) }
+            let way = (q[u] - self.chosen_at[u]).abs();
+            way > MOVED * self.unit(u) && !self.is_multiplier(u)
         };
         if self.unwatched || self.chosen_at.is_empty() || !(0..q.len()).any(moved) {
             return false;
