@@ -229,10 +229,10 @@ fn a_joint_that_forgets_a_coordinate_is_told_so() {
     let mut b = ModelBuilder::new();
     let A = b.node("A", [0.0; 3]).unwrap();
     let error = b.join("w", [0.0; 3], Wrong, &[A]).unwrap_err();
-    assert!(
-        matches!(error, ModelError::JointDimension { .. }),
-        "{error}"
-    );
+    let expected = "joint w takes 8 coordinates, but its masters (A) have 6 and `Joint::released` \
+                    names 1: name there what the joint has of its own, no more and no less";
+    assert!(matches!(error, ModelError::Released { .. }), "{error}");
+    assert_eq!(error.to_string(), expected);
 }
 
 /// What has no size of its own: lists, what several joints share, the way to make nodes, and what joints are

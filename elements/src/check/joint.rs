@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use super::hand_over::{self, Hung};
 use super::invariance::{EXACT, vector};
 use super::rigid::{Carrier, Frame, carry};
 use crate::model::Model;
 use nalgebra::{DVector, Vector3};
-use pullback_manifold::check::{Mapped, Random, Report, State, kinematics};
+use pullback_manifold::check::{Mapped, Random, Report, State, kinematics, pieces};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 
@@ -46,17 +47,24 @@ pub(super) fn laws(
         // Velocities of the model are of its own rate; those of a map have the rate of time.
         let mut columns = joint.layout.clone();
         columns.rate = rate(&joint.layout.units(), &s);
-        kinematics(
-            &mut own,
-            "",
-            Mapped {
-                columns: &columns,
-                ..of
-            },
-            at,
-            &s,
-            random,
-        );
+        let rated = Mapped {
+            columns: &columns,
+            ..of
+        };
+        joint.thing.own_laws(&mut own, at, s.t, s.x.as_slice());
+        if !kinematics(&mut own, "", rated, at, &s, random) {
+            report.extend(own);
+            continue;
+        }
+        pieces(&mut own, of, at, &s, random);
+        let hung = Hung {
+            rows: &rows,
+            framed,
+            place: model.hung_place(n),
+        };
+        for sides in model.hand_overs(n, s.t) {
+            hand_over::laws(&mut own, &hung, at, &sides, random);
+        }
         if framed && !joint.frames.is_empty() && joint.thing.is_objective() {
             let length = joint.layout.units()[joint.frames[0].first];
             Carried {

@@ -14,6 +14,8 @@
 //! Places, slopes and reports are those of [`pullback_manifold::check`].
 
 mod element;
+mod hand_over;
+mod hung;
 mod inertia;
 mod invariance;
 mod joint;
@@ -24,6 +26,7 @@ mod states;
 mod transport;
 
 pub use element::{element, element_at};
+pub(crate) use hung::hung;
 pub use model::{Options, model};
 pub(crate) use rigid::Frame;
 pub use same::same;

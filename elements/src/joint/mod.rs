@@ -54,8 +54,10 @@ pub use slide::Slide;
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 
+use crate::check::hung;
 use axes::{PARALLEL, direction};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
+use pullback_manifold::check::Report;
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
@@ -159,10 +161,19 @@ impl Released {
         Self::Coordinate(name, Kind::Other)
     }
 
-    fn name(self) -> &'static str {
+    /// What it is called, behind the joint's name.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Coordinate(name, _) => name,
             Self::Rotation => "rotation",
+        }
+    }
+
+    /// How many of the joint's coordinates it is.
+    pub fn dim(self) -> usize {
+        match self {
+            Self::Coordinate(..) => 1,
+            Self::Rotation => 3,
         }
     }
 }
@@ -175,7 +186,8 @@ pub trait Joint<const D: usize>: Send + Sync {
     /// The pose, written once over any [`Scalar`].
     fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
 
-    /// The coordinates that it releases, in the order in which they end `q`.
+    /// The coordinates that it releases, in the order in which they end `q`: all that are not of its
+    /// masters, each with a name of its own.
     fn released(&self) -> &'static [Released] {
         const { &[] }
     }
@@ -284,6 +296,11 @@ where
 
     fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         self.joint.keep_piece(at);
+    }
+
+    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &SVector<f64, D>) {
+        let tangent = Map::tangent(self, t, q);
+        hung(report, &self.joint, at, (t, q), &tangent.B);
     }
 
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {

@@ -85,7 +85,8 @@ impl ModelBuilder {
     /// configuration. The masters are the nodes that the joint reads before those.
     ///
     /// # Errors
-    /// As [`ModelBuilder::mapped_node`].
+    /// As [`ModelBuilder::mapped_node`]; [`ModelError::Released`] where the joint does not take just the
+    /// coordinates of its masters and those that it releases.
     pub fn join<J, const D: usize>(
         &mut self,
         name: &str,
@@ -105,7 +106,20 @@ impl ModelBuilder {
             });
         }
         let all: Vec<NodeId> = masters.iter().chain(&released).copied().collect();
-        let frame = self.hang(name, place, joint, &all)?;
+        let count = joint.released().iter().map(|r| r.dim()).sum();
+        let frame = self.hang(name, place, joint, &all);
+        let frame = frame.map_err(|error| match error {
+            ModelError::JointDimension {
+                node, map, found, ..
+            } => ModelError::Released {
+                joint: node,
+                masters: self.names_of(masters),
+                takes: map.0,
+                theirs: found - count,
+                count,
+            },
+            other => other,
+        })?;
         Ok(JointNodes { frame, released })
     }
 

@@ -303,7 +303,7 @@ impl ModelBuilder {
         }
     }
 
-    fn names_of(&self, nodes: &[NodeId]) -> String {
+    pub(crate) fn names_of(&self, nodes: &[NodeId]) -> String {
         let names: Vec<&str> = nodes.iter().map(|&n| self.node_name(n)).collect();
         names.join(", ")
     }

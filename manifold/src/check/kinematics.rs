@@ -20,7 +20,7 @@ pub struct Mapped<'a> {
 }
 
 /// x, ẋ, ẍ, B, Ḃ, B̈; matrices column by column.
-type Kinematics = [Vec<f64>; 6];
+pub(super) type Kinematics = [Vec<f64>; 6];
 
 /// Two evaluations of the same operator by different formulas differ by less than this, relatively:
 /// see the closed forms of [`map`](super::map).
@@ -32,7 +32,7 @@ const FIRST: f64 = 0.1;
 const STEP: f64 = 1e-3;
 
 impl Mapped<'_> {
-    fn tangent(&self, t: f64, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn tangent(&self, t: f64, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (d, n) = self.map.dims();
         let (mut x, mut B) = (vec![f64::NAN; n], vec![f64::NAN; n * d]);
         // Outside of its domain a map may give anything.
@@ -42,7 +42,7 @@ impl Mapped<'_> {
         (x, B)
     }
 
-    fn kinematics(&self, s: &State) -> Kinematics {
+    pub(super) fn kinematics(&self, s: &State) -> Kinematics {
         let (d, n) = self.map.dims();
         let mut all = [n, n, n, n * d, n * d, n * d].map(|len| vec![f64::NAN; len]);
         let [x, x_dot, x_ddot, B, B_dot, B_ddot] = &mut all;
@@ -72,7 +72,7 @@ impl Mapped<'_> {
     }
 
     /// The norm of each group of rows of a matrix, in units of rows over those of columns.
-    fn row_norms(&self, B: &[f64]) -> Vec<f64> {
+    pub(super) fn row_norms(&self, B: &[f64]) -> Vec<f64> {
         let n = self.map.dims().1;
         let units = self.columns.units();
         let mut out = vec![0.0; self.rows.groups().len()];
@@ -104,7 +104,7 @@ impl Mapped<'_> {
         step
     }
 
-    fn compared(&self, matrix: &str, found: &[f64], right: &[f64]) -> Vec<Block> {
+    pub(super) fn compared(&self, matrix: &str, found: &[f64], right: &[f64]) -> Vec<Block> {
         let n = self.map.dims().1;
         let pairs = found
             .chunks_exact(n.max(1))
@@ -128,7 +128,8 @@ impl Mapped<'_> {
     }
 }
 
-/// Notes the laws of a map at one state in motion: B, ẋ and ẍ, Ḃ and B̈, K_σ.
+/// Notes the laws of a map at one state in motion: B, ẋ and ẍ, Ḃ and B̈, K_σ. Where one of them is not
+/// finite, notes which entry it is and nothing else; whether all are finite.
 pub fn kinematics(
     report: &mut Report,
     prefix: &str,
@@ -136,12 +137,16 @@ pub fn kinematics(
     at: &str,
     s: &State,
     random: &mut Random,
-) {
+) -> bool {
     let law = |name: &str| format!("{prefix}{name}");
     let (t, q) = (s.t, s.x.as_slice());
     let (columns, rows) = (of.columns, of.rows);
     let (x, B) = of.tangent(t, q);
     let k = of.kinematics(s);
+    if let Some(why) = of.unknown(s) {
+        report.impossible(&law("values are finite"), at, why);
+        return false;
+    }
 
     // Sizes of what cancels, in units of the rows.
     let magnitudes = columns.magnitudes(q, 0);
@@ -191,7 +196,7 @@ pub fn kinematics(
 
     // Without coordinates nothing is pulled back.
     if q.is_empty() {
-        return;
+        return true;
     }
     // A covector whose work on one unit of every row is of the size of one.
     let mut f = vec![0.0; x.len()];
@@ -258,6 +263,7 @@ pub fn kinematics(
     let rounding = 1e-14 * behind.fold(0.0, f64::max);
     let allowed = SAME * f64::sqrt(size) + rounding;
     report.defect(&law("K_sigma symmetric"), at, f64::sqrt(gap), allowed);
+    true
 }
 
 /// ẋ, ẍ and Ḃ, B̈ along the motion.

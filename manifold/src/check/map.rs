@@ -3,6 +3,7 @@
 use super::forces::State;
 use super::kinematics::{Mapped, kinematics};
 use super::layout::Layout;
+use super::pieces::pieces;
 use super::report::Report;
 use super::sample::{CLEARANCE, Random};
 use crate::map::{Kinematics, Map, derived};
@@ -110,7 +111,11 @@ pub(super) fn laws<M, const D: usize, const N: usize>(
         rows: &Layout::plain(N),
         columns: &Layout::plain(D),
     };
-    kinematics(report, prefix, of, at, &state, random);
+    map.own_laws(report, at, t, q);
+    if !kinematics(report, prefix, of, at, &state, random) {
+        return;
+    }
+    pieces(report, of, at, &state, random);
 
     // Overridden closed forms against what φ gives by itself.
     let exact = derived::kinematics(map, t, q, &v, &a);

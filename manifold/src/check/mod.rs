@@ -14,6 +14,7 @@
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
 //! | [`system`] | a [`System`](crate::system::System) | the same, with the tangent taken out of its pattern |
 //! | [`kinematics`] | a map behind slices, at one state | those of [`map`] that need no closed form to compare with |
+//! | [`pieces`] | the same, where it is pieced together | x, ẋ, ẍ, B, Ḃ are the same where one formula takes over from another |
 //!
 //! Derivatives are checked by **slope**, not by tolerance: if B is the derivative of φ, the defect
 //! ‖φ(q+εd) − φ(q) − εBd‖ falls like ε²; with an error δ in B it falls like ε as soon as ε is below
@@ -36,11 +37,13 @@
 
 mod block;
 mod chart;
+mod finite;
 mod forces;
 mod implicit;
 mod kinematics;
 mod layout;
 mod map;
+mod pieces;
 mod report;
 mod sample;
 mod system;
@@ -53,6 +56,7 @@ pub use implicit::{implicit, rewriting};
 pub use kinematics::{Mapped, kinematics};
 pub use layout::{Group, Layout};
 pub use map::{map, plain, shortened};
+pub use pieces::pieces;
 pub use report::{Measure, Report, Row};
 pub use sample::Random;
 pub use system::{dense, system, system_at, system_sizes};

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::chart::{RANK, row_size, scaled, sizes};
+use super::closed::aside;
 use super::factor::pivoted;
 use super::solve::{CONSISTENT, CONVERGED, ROUNDING};
 use super::{Equations, Implicit, ImplicitError, names};
@@ -95,6 +96,12 @@ where
     }
     for i in 0..M {
         if at.x[i].abs() > CONSISTENT * sizes[i] {
+            if row_size(constraint, &J, i) <= RANK * sizes[i] {
+                return Err(ImplicitError::Flat {
+                    equation: constraint.equation(i),
+                    residual: at.x[i],
+                });
+            }
             return Err(ImplicitError::Inconsistent {
                 equation: constraint.equation(i),
                 others: names::others(constraint, &J, &sizes, i),
@@ -103,4 +110,28 @@ where
         }
     }
     Ok(x)
+}
+
+/// Distance (relative to sizes) at which gradients are looked at beside a solution.
+const ASIDE: f64 = 1e-3;
+/// A gradient that is this much smaller at a solution than beside it vanishes there: where an equation
+/// only touches zero, Newton's method ends at about 1e-10 from there.
+const VANISHES: f64 = 1e-5;
+
+/// Equations with a gradient J that vanishes at a solution x and does not beside it.
+pub(super) fn touching<H, const X: usize, const M: usize>(
+    constraint: &H,
+    t: f64,
+    x: &SVector<f64, X>,
+    J: &SMatrix<f64, M, X>,
+) -> [bool; M]
+where
+    H: Implicit<X, M>,
+{
+    let beside = SVector::from_fn(|k, _| x[k] + ASIDE * aside(k) * constraint.size(k));
+    let there = derived::tangent(&Equations(constraint), t, &beside).B;
+    std::array::from_fn(|i| {
+        let [now, there] = [J, &there].map(|J| row_size(constraint, J, i));
+        now < VANISHES * there
+    })
 }

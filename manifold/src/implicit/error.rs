@@ -45,6 +45,27 @@ pub enum ImplicitError {
         /// Its residual where the others vanish.
         residual: f64,
     },
+    /// An equation is not zero, and no coordinate changes it.
+    #[error(
+        "{equation} is {residual:.3e} and does not change with any coordinate at the point that was \
+         given or reached: start from elsewhere"
+    )]
+    Flat {
+        /// The equation.
+        equation: String,
+        /// Its residual.
+        residual: f64,
+    },
+    /// No coordinate changes an equation where it is zero, but beside it some do.
+    #[error(
+        "{equation} does not change with any coordinate where it is zero, though it does beside: it \
+         touches zero there, as a square does; write it so that it goes through zero, or start from \
+         another configuration"
+    )]
+    Touching {
+        /// The equation.
+        equation: String,
+    },
     /// More independent equations than the number of coordinates q allows.
     #[error(
         "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \

@@ -1,6 +1,6 @@
 //! Newton's method on h(t, x) = 0, and the choice of the coordinates q.
 
-use super::assemble::assemble;
+use super::assemble::{assemble, touching};
 use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
 use super::{Choice, Equations, GAIN, Implicit, ImplicitError, Trouble, names};
 use crate::map::{Map, Rewritten, derived};
@@ -72,8 +72,19 @@ where
         let x = assemble::<H, D, X, M>(&constraint, t, guess.into())?;
         let J = derived::tangent(&Equations(&constraint), t, &x).B;
         let sizes = sizes(&constraint, &J, &[0.0; M]);
-        let (chart, inverse) = best(&constraint, &J, &sizes, choice)
-            .ok_or_else(|| singular::<H, D, X, M>(&constraint, &J, &sizes))?;
+        let found = best(&constraint, &J, &sizes, choice);
+        // Beside equations that do their part one that does not is redundant, or the place singular.
+        let flat = touching(&constraint, t, &x, &J);
+        let used = match &found {
+            Some((chart, _)) => chart.used,
+            None => [flat.iter().all(|flat| *flat); M],
+        };
+        if let Some(i) = (0..M).find(|&i| used[i] && flat[i]) {
+            let equation = constraint.equation(i);
+            return Err(ImplicitError::Touching { equation });
+        }
+        let (chart, inverse) =
+            found.ok_or_else(|| singular::<H, D, X, M>(&constraint, &J, &sizes))?;
         Ok(Self {
             constraint,
             choice,

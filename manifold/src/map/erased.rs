@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::Map;
+use crate::check::Report;
 use crate::so3::Spins;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
@@ -115,6 +116,11 @@ pub trait Parametrization: Send + Sync {
     /// See [`Map::keep_piece`].
     fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
         let _ = at;
+    }
+
+    /// See [`Map::own_laws`].
+    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &[f64]) {
+        let _ = (report, at, t, q);
     }
 
     /// What the map remembers of its way besides the coordinates, where it cannot be found from
@@ -241,6 +247,11 @@ where
     fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
         let at = at.map(|(t, q)| (t, SVector::from_column_slice(q)));
         self.0.keep_piece(at.as_ref().map(|(t, q)| (*t, q)));
+    }
+
+    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &[f64]) {
+        let q = SVector::from_column_slice(q);
+        self.0.own_laws(report, at, t, &q);
     }
 
     fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {

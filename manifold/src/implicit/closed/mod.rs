@@ -27,6 +27,7 @@ mod walk;
 use super::ImplicitError;
 use crate::map::{KinematicsMut, Parametrization};
 use crate::system::ChartChanges;
+pub(super) use start::aside;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// One of the unknowns x.

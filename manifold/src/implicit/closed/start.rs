@@ -16,7 +16,7 @@ const STAGES: usize = 32;
 pub(super) const ASIDE: f64 = 1e-3;
 
 /// Components of a direction that no symmetry distinguishes.
-pub(super) fn aside(k: usize) -> f64 {
+pub(in crate::implicit) fn aside(k: usize) -> f64 {
     1.0 + (1.7 * (k + 1) as f64).sin()
 }
 

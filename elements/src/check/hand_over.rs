@@ -1,0 +1,126 @@
+//! Where a map that travels along a chain of elements is handed over from one to the next.
+
+#![allow(non_snake_case)]
+
+use super::invariance::EXACT;
+use super::rigid::{Carrier, Frame, carry};
+use crate::model::Side;
+use nalgebra::{DVector, Vector3};
+use pullback_manifold::check::{Compared, Layout, Random, Report, State};
+use pullback_manifold::map::KinematicsMut;
+
+/// What hangs on a map.
+pub(super) struct Hung<'a> {
+    pub rows: &'a Layout,
+    /// Whether it is a frame, and its place in the reference configuration.
+    pub framed: bool,
+    pub place: Vector3<f64>,
+}
+
+/// Notes that a map and the one that takes over give the same motion, and hand the same forces back,
+/// where they meet: with the coordinate by which the map travels at rest there, as a chain may have a
+/// corner. What all others do is the motion of the state.
+pub(super) fn laws(
+    report: &mut Report,
+    of: &Hung<'_>,
+    at: &str,
+    sides: &[Side; 2],
+    random: &mut Random,
+) {
+    let law = "hand-over: motion stays";
+    let segments = sides.each_ref().map(|side| side.map.segment());
+    if segments[0] == segments[1] {
+        return report.impossible(law, at, "the map stays where it is");
+    }
+    let outside = |side: &Side| side.map.margin(side.state.t, side.state.x.as_slice()) <= 0.0;
+    // The frame may have turned out of its chart there.
+    if sides.iter().any(outside) {
+        return;
+    }
+    let [(before, B_before), (mut after, B_after)] = sides.each_ref().map(motion);
+    // f on the side after is Jᵀ f on the side before where the two are in different charts.
+    let mut f = DVector::zeros(before.x.len());
+    random.fill(f.as_mut_slice());
+    let mut back = f.clone();
+    if of.framed && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
+        let own = [Frame {
+            first: 0,
+            place: of.place,
+        }];
+        let other = carry(Carrier::Chart, 0.0, &own, &after);
+        let J = carry(Carrier::Chart, 0.0, &own, &before).B;
+        after = other.state;
+        back = J.tr_mul(&f);
+    }
+    let pairs = [
+        ("x", &before.x, &after.x),
+        ("x_dot", &before.v, &after.v),
+        ("x_ddot", &before.a, &after.a),
+    ];
+    let [mut gaps, mut allowed] = [Vec::new(), Vec::new()];
+    for (order, (_, a, b)) in pairs.iter().enumerate() {
+        gaps.extend(of.rows.coordinates((*b - *a).as_slice()));
+        let sizes = of.rows.magnitudes(a.as_slice(), order as i32);
+        let behind = sides[0].state.x.amax().max(1.0);
+        let sizes = of.rows.coordinates(&sizes);
+        allowed.extend(sizes.iter().map(|s| EXACT * s * behind));
+    }
+    let worst = report.defects(law, at, &gaps, &allowed);
+    report.blame(|| {
+        let (name, right, found) = pairs[worst / of.rows.groups().len()];
+        Compared {
+            matrix: name,
+            rows: of.rows,
+            columns: &Layout::single(),
+            forces: false,
+            values: vec![(0, found.as_slice().to_vec(), right.as_slice().to_vec())],
+        }
+        .worst()
+    });
+
+    // What acts on the coordinate of the way changes at a corner.
+    let handed = |side: &Side, B: &[f64], f: &DVector<f64>| {
+        let columns = B.chunks_exact(f.len());
+        let parts = columns.map(|b| b.iter().zip(f.iter()).map(|(b, f)| b * f).sum::<f64>());
+        let all = side.coordinates.iter().copied().zip(parts);
+        all.filter(|(c, _)| *c != side.way).collect::<Vec<_>>()
+    };
+    let [forces, others] = [
+        handed(&sides[0], &B_before, &back),
+        handed(&sides[1], &B_after, &f),
+    ];
+    let on = |all: &[(usize, f64)], c: usize| -> f64 {
+        let own = all.iter().filter(|(other, _)| *other == c);
+        own.map(|(_, f)| f).sum()
+    };
+    let mut everywhere: Vec<usize> = forces.iter().chain(&others).map(|(c, _)| *c).collect();
+    everywhere.sort_unstable();
+    everywhere.dedup();
+    let [found, right] = [&others, &forces].map(|all| {
+        let all = everywhere.iter().map(|&c| on(all, c));
+        DVector::from_iterator(everywhere.len(), all)
+    });
+    let size = back.norm().max(f.norm()) * (1.0 + right.amax());
+    let law = "hand-over: forces stay";
+    report.defect(law, at, (&found - &right).amax(), EXACT * size);
+}
+
+/// The motion of what hangs on a map, and B.
+fn motion(side: &Side) -> (State, Vec<f64>) {
+    let (d, n) = side.map.dims();
+    let [mut x, mut x_dot, mut x_ddot] = [0; 3].map(|_| vec![0.0; n]);
+    let [mut B, mut B_dot, mut B_ddot] = [0; 3].map(|_| vec![0.0; n * d]);
+    let out = KinematicsMut {
+        x: &mut x,
+        x_dot: &mut x_dot,
+        x_ddot: &mut x_ddot,
+        B: &mut B,
+        B_dot: &mut B_dot,
+        B_ddot: &mut B_ddot,
+    };
+    let s = &side.state;
+    let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
+    side.map.kinematics(s.t, q, v, a, out);
+    let [x, v, a] = [x, x_dot, x_ddot].map(DVector::from_vec);
+    (State { t: s.t, x, v, a }, B)
+}

@@ -1,0 +1,165 @@
+//! What the kit says of one joint in one line, `check::map(&Hung::new(joint))`, where the joint is not one:
+//! each error is called what it is.
+
+use nalgebra::{SVector, Vector3};
+use pullback_elements::joint::{Hung, Joint, Pose, Released};
+use pullback_manifold::check::{self, Report};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
+
+type Posed<S> = (Vector3<S>, Quaternion<S>);
+
+/// Joints on one frame, that move and turn from it by what a function of their own coordinates says.
+macro_rules! joint {
+    ($name:ident, $dim:literal, |$q:ident| $pose:expr, $released:expr) => {
+        #[derive(Clone)]
+        struct $name;
+
+        impl Joint<$dim> for $name {
+            fn pose<S: Scalar>(&self, _t: S, $q: &SVector<S, $dim>) -> Pose<S> {
+                let (way, turn): Posed<S> = $pose;
+                Pose::of($q, 0).moved(&way).turned(&turn)
+            }
+
+            fn released(&self) -> &'static [Released] {
+                const { $released }
+            }
+        }
+    };
+}
+
+fn still<S: Scalar>() -> Quaternion<S> {
+    Quaternion::about(&Vector3::y(), S::zero())
+}
+
+fn along<S: Scalar>(x: S) -> Vector3<S> {
+    Vector3::new(x, S::zero(), S::zero())
+}
+
+fn about<S: Scalar>(angle: S) -> Posed<S> {
+    (Vector3::zeros(), Quaternion::about(&Vector3::y(), angle))
+}
+
+/// As by hand with an axis of length 2.
+fn long<S: Scalar>(angle: S) -> Posed<S> {
+    let half = angle * 0.5;
+    let v = Vector3::new(S::zero(), half.sin() * 2.0, S::zero());
+    (Vector3::zeros(), Quaternion { w: half.cos(), v })
+}
+
+joint!(Right, 7, |q| about(q[6]), &[Released::angle("a")]);
+joint!(Forgotten, 7, |q| about(q[6]), &[]);
+joint!(
+    Superfluous,
+    7,
+    |q| about(q[6]),
+    &[Released::angle("a"), Released::angle("b")]
+);
+joint!(
+    Twins,
+    8,
+    |q| (along(q[7]), about(q[6]).1),
+    &[Released::angle("a"), Released::way("a")]
+);
+joint!(Long, 7, |q| long(q[6]), &[Released::angle("a")]);
+joint!(
+    Idle,
+    8,
+    |q| about(q[6]),
+    &[Released::angle("a"), Released::way("b")]
+);
+joint!(
+    Turning,
+    7,
+    |q| (along(q[6] * q[6]), still()),
+    &[Released::parameter("s")]
+);
+joint!(
+    Root,
+    7,
+    |q| (along((q[6] * q[6]).sqrt()) + Vector3::z() * q[6], still()),
+    &[Released::way("w")]
+);
+
+const RELEASED: &str = "released coordinates";
+const UNIT: &str = "the pose's quaternion has unit length";
+const MOVES: &str = "moves with what it releases";
+const FINITE: &str = "values are finite";
+
+/// The only law that fails, where, and what is said of it first.
+fn only(report: &Report) -> (String, Vec<String>, String) {
+    let failures = report.failures();
+    let first = failures.first().unwrap_or_else(|| panic!("{report}"));
+    let (law, why) = (first.law.clone(), first.measure.to_string());
+    assert!(failures.iter().all(|row| row.law == law), "{report}");
+    (
+        law,
+        failures.iter().map(|row| row.at.clone()).collect(),
+        why,
+    )
+}
+
+#[test]
+fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
+    let report = check::map(&Hung::new(Right));
+    report.assert();
+    for law in [RELEASED, UNIT, MOVES] {
+        assert!(report.rows().iter().any(|row| row.law == law), "{report}");
+    }
+}
+
+#[test]
+fn coordinates_released_too_many_and_too_few() {
+    let reports = [
+        check::map(&Hung::new(Forgotten)),
+        check::map(&Hung::new(Superfluous)),
+    ];
+    for (report, count) in reports.iter().zip([0, 2]) {
+        let (law, places, why) = only(report);
+        assert_eq!((law.as_str(), places.len()), (RELEASED, 1), "{report}");
+        let expected = format!(
+            "it takes 7 coordinates, {count} of them by Joint::released: the others must be those of \
+             its masters, six of each"
+        );
+        assert_eq!(why, expected);
+    }
+    let (law, _, why) = only(&check::map(&Hung::new(Twins)));
+    assert_eq!(law, RELEASED);
+    let expected = "Joint::released has two of the name a: give each its own";
+    assert_eq!(why, expected);
+}
+
+#[test]
+fn a_quaternion_that_is_not_of_unit_length() {
+    let report = check::map(&Hung::new(Long));
+    let first = &report.failures()[0];
+    assert_eq!(first.law, UNIT, "{report}");
+    // cos² + 4 sin² − 1 = 3 sin² of half the angle, which is zero at the origin only.
+    assert_eq!(first.at, "random 1", "{report}");
+}
+
+#[test]
+fn coordinates_without_effect() {
+    let report = check::map(&Hung::new(Idle));
+    let (law, places, why) = only(&report);
+    assert_eq!((law.as_str(), places.len()), (MOVES, 8), "{report}");
+    assert_eq!(why, "it does not move with b (coordinate 8) there");
+    let (law, places, why) = only(&check::map(&Hung::new(Turning)));
+    assert_eq!((law.as_str(), places), (MOVES, vec!["0".to_owned()]));
+    assert_eq!(why, "it does not move with s (coordinate 7) there");
+}
+
+/// √q² has no derivative at 0, and no number is one over jets: those of all other coordinates get lost
+/// with it.
+#[test]
+fn entries_that_are_no_numbers() {
+    let report = check::map(&Hung::new(Root));
+    let first = report.failures()[0];
+    assert_eq!([&first.law[..], &first.at[..]], [FINITE, "0"], "{report}");
+    let expected = "B is NaN in the row of coordinates 1 to 3 (1): phi has no derivative there; it has \
+                    beside, in coordinate 7";
+    assert_eq!(first.measure.to_string(), expected);
+    assert!(first.blocks.is_empty(), "{report}");
+    let there = report.rows().iter().filter(|row| row.at == "0").count();
+    assert_eq!(there, 1, "{report}");
+}

@@ -1,0 +1,219 @@
+//! Errors planted where the pieces of a map meet: the lines of a chain, the formulas of a curve.
+
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, SVector, Vector3};
+use pullback_elements::beam::Interpolation;
+use pullback_elements::body::RigidBody;
+use pullback_elements::check::{self, Options};
+use pullback_elements::joint::{Chain, Curve, Hung, OnCurve, Slide, on_curve};
+use pullback_elements::model::{ModelBuilder, NodeId};
+use pullback_elements::time::Constant;
+use pullback_manifold::check::{Report, map};
+use pullback_manifold::map::{Kinematics, Map, Motion, derived};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::{ChartChanges, Kind};
+
+/// What is wrong on the second line of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Planted {
+    Nothing,
+    /// The rotation of its first frame has the other sign.
+    Turned,
+    /// Its first frame's velocity is not carried on.
+    Velocity,
+    /// Nothing is handed back to its first frame.
+    Stays,
+}
+
+/// A slide that goes wrong once it is handed over.
+#[derive(Clone)]
+struct Along(Slide, Planted);
+
+impl Along {
+    fn planted(&self, what: Planted) -> bool {
+        self.1 == what && self.0.segment() == 1
+    }
+}
+
+impl Map<13, 6> for Along {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 13>) -> SVector<S, 6> {
+        let mut q = *q;
+        if self.planted(Planted::Turned) {
+            (3..6).for_each(|k| q[k] = -q[k]);
+        }
+        self.0.phi(t, &q)
+    }
+
+    fn margin(&self, t: f64, q: &SVector<f64, 13>) -> f64 {
+        self.0.margin(t, q)
+    }
+
+    fn change_charts(&mut self, t: f64, q: &SVector<f64, 13>) -> ChartChanges {
+        self.0.change_charts(t, q)
+    }
+
+    fn segment(&self) -> usize {
+        self.0.segment()
+    }
+
+    fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+        self.0.overdue(h, from, to)
+    }
+
+    fn enter(&mut self, segment: usize) {
+        if self.1 != Planted::Stays {
+            self.0.enter(segment);
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.0.memory()
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> bool {
+        self.0.recall(memory)
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, 13>,
+        v: &SVector<f64, 13>,
+        a: &SVector<f64, 13>,
+    ) -> Kinematics<13, 6> {
+        let mut out = derived::kinematics(self, t, q, v, a);
+        if self.planted(Planted::Velocity) {
+            out.x_dot -= out.B.fixed_columns::<6>(0) * v.fixed_rows::<6>(0);
+        }
+        out
+    }
+}
+
+fn body() -> RigidBody {
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.45));
+    RigidBody::new(2.0, J, Vector3::new(0.1, 0.0, 0.2)).unwrap()
+}
+
+/// Three lines with a corner between free bodies, and a body that runs along them; driven or free.
+fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u64) -> Report {
+    let mut b = ModelBuilder::new();
+    let places = [[0.0; 3], [1.0, 0.0, 0.0], [1.6, 0.7, 0.0], [2.0, 0.9, 0.5]];
+    let nodes: Vec<NodeId> = (places.iter().enumerate())
+        .map(|(k, place)| b.node(format!("n{k}"), *place).unwrap())
+        .collect();
+    for (k, node) in nodes.iter().enumerate() {
+        b.element(format!("b{k}"), body(), &[*node]).unwrap();
+    }
+    let way = b.coordinates("way", &[Kind::Length]).unwrap();
+    let chain = Chain::new(&places.map(Vector3::from), 0.7).unwrap();
+    let start = chain.start();
+    let map = Along(Slide::new(chain, interpolation), planted);
+    let segments: Vec<[NodeId; 3]> = nodes.windows(2).map(|p| [p[0], p[1], way]).collect();
+    let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
+    let frame = b
+        .mapped_node_along("runner", start.into(), map.boxed(), &segments)
+        .unwrap();
+    b.element("runner body", body(), &[frame]).unwrap();
+    if driven {
+        b.prescribe_coordinate(way, 0, Box::new(Constant(0.05)));
+    }
+    let options = Options {
+        seed,
+        ..Options::default()
+    };
+    check::model(&mut b.build().unwrap(), &options)
+}
+
+fn failures(report: &Report) -> Vec<[&str; 2]> {
+    let rows = report.failures().into_iter();
+    rows.map(|r| [&r.component[..], &r.law[..]]).collect()
+}
+
+const MOTION: [&str; 2] = ["joint runner (along)", "hand-over: motion stays"];
+const FORCES: [&str; 2] = ["joint runner (along)", "hand-over: forces stay"];
+
+#[test]
+fn a_chain_hands_over_and_loses_nothing() {
+    for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
+        for driven in [false, true] {
+            for seed in 0..6 {
+                let report = chained(Planted::Nothing, interpolation, driven, seed);
+                report.assert();
+                for [_, law] in [MOTION, FORCES] {
+                    assert!(report.rows().iter().any(|r| r.law == law), "{report}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_behind_a_hand_over() {
+    for driven in [false, true] {
+        for (planted, expected) in [
+            (Planted::Turned, &[MOTION, FORCES][..]),
+            (Planted::Velocity, &[MOTION]),
+            (Planted::Stays, &[MOTION]),
+        ] {
+            let report = chained(planted, Interpolation::Total, driven, 0);
+            assert_eq!(failures(&report), expected, "{report}");
+        }
+    }
+    let report = chained(Planted::Velocity, Interpolation::Total, false, 0);
+    let blocks = &report.failures()[0].blocks;
+    assert_eq!(blocks[0].matrix, "x_dot", "{report}");
+    assert!(report.to_string().contains("x_dot of"), "{report}");
+}
+
+/// A straight line that bends from s = 0.4 on, by the given power of the way from there.
+#[derive(Clone)]
+struct Bent(i32, Option<bool>);
+
+impl Curve for Bent {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        let from = s - 0.4;
+        let mut bend = S::constant(0.3);
+        for _ in 0..self.0 {
+            bend = bend * from;
+        }
+        if !self.1.unwrap_or(s.re() >= 0.4) {
+            bend = S::zero();
+        }
+        Vector3::new(s, bend, S::zero())
+    }
+
+    fn keep_piece(&mut self, at: Option<f64>) {
+        self.1 = at.map(|s| s >= 0.4);
+    }
+}
+
+#[test]
+fn pieces_of_a_curve_meet_with_two_derivatives() {
+    let law = "pieces meet: x, x_dot, x_ddot, B, B_dot";
+    map(&Hung::new(OnCurve::new(Bent(3, None)))).assert();
+    for (power, worst) in [(0, "x"), (1, "x_dot"), (2, "x_ddot")] {
+        let report = map(&Hung::new(OnCurve::new(Bent(power, None))));
+        let failures = report.failures();
+        assert!(failures.len() > 2, "{report}");
+        assert!(failures.iter().all(|row| row.law == law), "{report}");
+        let named: Vec<&str> = (failures.iter())
+            .map(|row| row.blocks[0].matrix.as_str())
+            .collect();
+        assert!(named.contains(&worst), "{named:?}");
+    }
+    for (power, right) in [(3, true), (1, false)] {
+        let mut b = ModelBuilder::new();
+        let base = b.node("base", [0.0; 3]).unwrap();
+        b.element("base", body(), &[base]).unwrap();
+        let bead = on_curve(&mut b, "bead", base, Bent(power, None)).unwrap();
+        b.element("bead", body(), &[bead.frame]).unwrap();
+        let report = check::model(&mut b.build().unwrap(), &Options::default());
+        let expected = [["joint bead (on curve)", law]];
+        assert_eq!(
+            failures(&report),
+            if right { &[][..] } else { &expected },
+            "{report}"
+        );
+    }
+}
