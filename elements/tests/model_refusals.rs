@@ -5,14 +5,16 @@
 mod common;
 
 use common::{Idle, Offset, Twin, line, simple, straight};
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::constant_velocity;
 use pullback_elements::load::{NodalLoad, Which};
 use pullback_elements::model::{Dof, Model, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
-use pullback_manifold::map::Map;
+use pullback_manifold::implicit::{Choice, Implicit, Solved};
+use pullback_manifold::map::{Linear, Map};
+use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
 
 #[track_caller]
@@ -107,6 +109,44 @@ fn joints_that_do_not_fit() {
         "node slave, rotation about e2 follows from other nodes through a joint and cannot be \
          prescribed; prescribe a coordinate of its masters a",
     );
+}
+
+/// c² + s² = 1.
+#[derive(Clone)]
+struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - 1.0)
+    }
+}
+
+/// What is offered instead of a coordinate that follows can be prescribed, and not what it is picked from.
+#[test]
+fn coordinates_that_follow_from_coordinates_that_follow() {
+    let cases = [
+        (
+            Choice::Split,
+            "bead x, coordinate 1 follows from the equations that bead is solved from and cannot be \
+             prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
+             coordinates be independent for good (`Choice::Fixed`) and prescribe that",
+        ),
+        (
+            Choice::Fixed,
+            "bead x, coordinate 1 follows from other nodes through a joint and cannot be prescribed; \
+             prescribe a coordinate of its masters q",
+        ),
+    ];
+    for (choice, message) in cases {
+        let (mut b, _) = simple();
+        let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, [0.8, 0.6], choice).unwrap();
+        let q = b.coordinates("q", &[Kind::Other]).unwrap();
+        let both = b.mapped_coordinates("bead", &[Kind::Length; 2], map.boxed(), &[q]);
+        let pick = Linear::<2, 1>::pick([0]).boxed();
+        let x = b.mapped_coordinates("bead x", &[Kind::Length], pick, &[both.unwrap()]);
+        b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));
+        says(b.build(), message);
+    }
 }
 
 #[test]

@@ -353,7 +353,8 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
             let first = joints.split(", ").next();
             first.unwrap_or_default().to_owned()
         }
-        ModelError::PrescribedSlave { coordinate, .. } => {
+        ModelError::PrescribedSlave { coordinate, .. }
+        | ModelError::PrescribedSolved { coordinate, .. } => {
             // What asks for it: a drive of the joint, or a support of the node.
             let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
             let name = name.split(", ").next().unwrap_or_default().to_owned();

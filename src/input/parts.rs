@@ -36,7 +36,7 @@ pub(super) fn make(
     file: &ModelFile,
 ) -> Result<Parts, InputError> {
     let mut laid: Vec<Option<LineGeometry>> = file.lines.iter().map(|_| None).collect();
-    let mut released = Names::new("joint with a released coordinate");
+    let mut released = Names::new("joint with a released coordinate (a node of one coordinate)");
     let all = (0..file.lines.len()).map(Part::Line);
     let mut waiting: Vec<Part> = all.chain((0..file.joints.len()).map(Part::Joint)).collect();
     while !waiting.is_empty() {

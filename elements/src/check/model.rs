@@ -44,7 +44,8 @@ impl Default for Options {
 ///   a rigid motion superposed (what is internal), and are the same in the other chart. Both hold
 ///   to round-off, or in the limit of small relative motions of the nodes where an element
 ///   interpolates total rotation vectors: the law's name says which was found;
-/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their masters;
+/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their masters; where
+///   formulas or lines of a chain take over from one another, motion and forces stay;
 /// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of
 ///   the charts of nodes and back leaves places, velocities, forces and energies as they were;
 ///   d(T + U)/dt is the power supplied less the power lost.

@@ -349,16 +349,8 @@ fn resolve_prescribed(
             });
         }
         let coordinate = node.coordinate_name(dof);
-        if let Source::Mapped(d) = &node.source {
-            let masters: Vec<&str> = d
-                .masters()
-                .iter()
-                .map(|&m| nodes[m as usize].name.as_str())
-                .collect();
-            return Err(ModelError::PrescribedSlave {
-                coordinate,
-                masters: masters.join(", "),
-            });
+        if matches!(node.source, Source::Mapped(_)) {
+            return Err(refuse_slave(nodes, id.0, coordinate));
         }
         if !taken.insert(node.first + dof) {
             return Err(ModelError::PrescribedTwice { coordinate });
@@ -369,4 +361,28 @@ fn resolve_prescribed(
         });
     }
     Ok(out)
+}
+
+/// Says what can be prescribed instead of a coordinate that follows from others: those that it follows
+/// from in the end.
+fn refuse_slave(nodes: &[Node], slave: u32, coordinate: String) -> ModelError {
+    let (mut waiting, mut own) = (vec![slave], Vec::new());
+    while let Some(n) = waiting.pop() {
+        let node = &nodes[n as usize];
+        match &node.source {
+            Source::Mapped(d) if d.map.rewrites() => {
+                let solved = node.name.clone();
+                return ModelError::PrescribedSolved { coordinate, solved };
+            }
+            // The first of them first.
+            Source::Mapped(d) => waiting.extend(d.masters().iter().rev()),
+            Source::Own if own.contains(&node.name.as_str()) => {}
+            Source::Own => own.push(&node.name),
+        }
+    }
+    let masters = own.join(", ");
+    ModelError::PrescribedSlave {
+        coordinate,
+        masters,
+    }
 }

@@ -89,6 +89,12 @@ pub enum ModelError {
          prescribe a coordinate of its masters {masters}"
     )]
     PrescribedSlave { coordinate: String, masters: String },
+    #[error(
+        "{coordinate} follows from the equations that {solved} is solved from and cannot be \
+         prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
+         coordinates be independent for good (`Choice::Fixed`) and prescribe that"
+    )]
+    PrescribedSolved { coordinate: String, solved: String },
     #[error("joint {joint}: {source}")]
     Axis { joint: String, source: AxisError },
     #[error("gear between {first} and {second}: {source}")]

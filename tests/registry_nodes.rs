@@ -1,0 +1,67 @@
+//! Nodes that a program's own joints release, where they are not of one coordinate each.
+
+use pullback::input::BoxedError;
+use pullback::manifold::system::Kind;
+use pullback::prelude::*;
+
+/// Two ways of one node: springs, drives and probes act on nodes of one coordinate.
+#[derive(Clone)]
+struct Pair;
+
+impl Joint<8> for Pair {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        Pose::of(q, 0).moved(&Vector3::new(q[6], q[7], S::zero()))
+    }
+}
+
+/// No keys.
+#[derive(serde::Deserialize, schemars::JsonSchema)]
+struct Empty {}
+
+const MODEL: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "table"
+type = "pair"
+master = "ground"
+
+[[bodies]]
+name = "body"
+node = "table"
+mass = 2.0
+inertia = [1, 1, 0.6]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+
+[[probes]]
+name = "way"
+quantity = "joint_coordinate"
+joint = "table"
+"#;
+
+#[test]
+fn a_node_of_two_coordinates_is_not_one_of_a_name() {
+    let registry = Registry::standard().joint("pair", |at, _: Empty| {
+        let ways = format!("{} ways", at.name);
+        let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
+        let place = at.builder.place(at.master).into();
+        let all = [at.master, ways];
+        let frame = at.builder.hang(at.name, place, Pair, &all)?;
+        let released = vec![ways];
+        Ok::<_, BoxedError>(JointNodes { frame, released })
+    });
+    let Err(error) = registry.assemble_text("model.toml", MODEL) else {
+        panic!("this was accepted");
+    };
+    let expected = "there is no joint with a released coordinate (a node of one coordinate) named \
+                    \"table\"";
+    assert!(error.to_string().contains(expected), "{error}");
+}
