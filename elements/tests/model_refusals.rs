@@ -127,13 +127,13 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
     let cases = [
         (
             Choice::Split,
-            "bead x, coordinate 1 follows from the equations that bead is solved from and cannot be \
+            "bead x follows from the equations that bead is solved from and cannot be \
              prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
              coordinates be independent for good (`Choice::Fixed`) and prescribe that",
         ),
         (
             Choice::Fixed,
-            "bead x, coordinate 1 follows from other nodes through a joint and cannot be prescribed; \
+            "bead x follows from other nodes through a joint and cannot be prescribed; \
              prescribe a coordinate of its masters q",
         ),
     ];
@@ -142,7 +142,7 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
         let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, [0.8, 0.6], choice).unwrap();
         let q = b.coordinates("q", &[Kind::Other]).unwrap();
         let both = b.mapped_coordinates("bead", &[Kind::Length; 2], map.boxed(), &[q]);
-        let pick = Linear::<2, 1>::pick([0]).boxed();
+        let pick = Linear::<2, 1>::pick(0, 0.8).boxed();
         let x = b.mapped_coordinates("bead x", &[Kind::Length], pick, &[both.unwrap()]);
         b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));
         says(b.build(), message);
