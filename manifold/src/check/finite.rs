@@ -1,28 +1,13 @@
-//! What the values of a map are worth: whether they are numbers, and how many of their digits count.
+//! Values of a map that are no numbers: where they stand, before anything is compared with them.
 
 use super::forces::State;
-use super::kinematics::{Mapped, STEP};
+use super::kinematics::Mapped;
 use super::layout::Layout;
-use super::tangents::CONFIRMED;
 
 /// How far coordinates go to where there may be numbers, in units.
 const BESIDE: f64 = 1e-3;
 
 impl Mapped<'_> {
-    /// The step of differences, in units, and which part of their size they tell at best. Where
-    /// equations are behind the map (their margin is the inverse of a condition number) its values have
-    /// as many digits less, and change on a scale that is as much shorter.
-    pub(super) fn differencing(&self, t: f64, q: &[f64]) -> (f64, f64) {
-        let solved = self.map.violation(t, q).is_some();
-        let condition = if solved {
-            1.0 / self.map.margin(t, q)
-        } else {
-            1.0
-        };
-        let step = STEP / f64::max(1.0, STEP * condition);
-        (step, CONFIRMED.max(4.0 * f64::EPSILON * condition / step))
-    }
-
     /// Says which entry of the first of x, its rates and operators is not finite at a state, if one is,
     /// and in which coordinates it would be beside.
     pub(super) fn unknown(&self, s: &State) -> Option<String> {

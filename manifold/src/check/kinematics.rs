@@ -5,6 +5,7 @@ use super::forces::State;
 use super::layout::Layout;
 use super::report::Report;
 use super::sample::Random;
+use super::tangents::CONFIRMED;
 use crate::map::{KinematicsMut, Parametrization};
 
 /// A map with the coordinates that it takes (`columns`) and gives (`rows`).
@@ -28,7 +29,7 @@ const SAME: f64 = 1e-10;
 /// A step that is well inside the domain, and small beside the next Taylor terms.
 const FIRST: f64 = 0.1;
 /// Step of differences that tell which operator is wrong.
-pub(super) const STEP: f64 = 1e-3;
+const STEP: f64 = 1e-3;
 
 impl Mapped<'_> {
     pub(super) fn tangent(&self, t: f64, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -170,10 +171,9 @@ pub fn kinematics(
         let left: Vec<f64> = parts.map(|((a, b), s)| a - b - s * e).collect();
         rows.coordinates(&left)
     });
-    let (h, confirmed) = of.differencing(t, q);
     let right = || -> Vec<f64> {
         let columns = columns.units().into_iter().enumerate().map(|(j, unit)| {
-            difference(h * unit, |e| {
+            difference(STEP * unit, |e| {
                 let mut q = q.to_vec();
                 q[j] += e;
                 Some(of.tangent(t, &q).0)
@@ -181,7 +181,7 @@ pub fn kinematics(
         });
         columns.flatten().flatten().collect()
     };
-    report.second_opinion(|| worst(&of.row_norms(&minus(&B, &right())), &sizes, confirmed));
+    report.second_opinion(|| worst(&of.row_norms(&minus(&B, &right())), &sizes));
     report.blame(|| of.compared("B", &B, &right()));
 
     let defects = [
@@ -224,7 +224,7 @@ pub fn kinematics(
     let units = columns.units();
     let compared = || {
         let column = |(j, unit): (usize, &f64)| {
-            let right = difference(h * unit, |e| {
+            let right = difference(STEP * unit, |e| {
                 let mut q = q.to_vec();
                 q[j] += e;
                 Some(of.pulled(t, &q, &f))
@@ -247,7 +247,7 @@ pub fn kinematics(
                 .zip(gaps)
                 .for_each(|(o, g)| *o += g * units[j]);
         }
-        worst(&off, &columns.forces(&work), confirmed)
+        worst(&off, &columns.forces(&work))
     });
     report.blame(|| compared().worst());
     let (mut gap, mut size) = (0.0, 0.0);
@@ -343,9 +343,9 @@ fn agree(found: [&Vec<f64>; 2], right: &[Vec<f64>; 2]) -> Option<(f64, f64)> {
 }
 
 /// The largest defect over its size, and what differences allow.
-fn worst(defects: &[f64], sizes: &[f64], allowed: f64) -> Option<(f64, f64)> {
+fn worst(defects: &[f64], sizes: &[f64]) -> Option<(f64, f64)> {
     let strains = defects.iter().zip(sizes).map(|(d, s)| d / s);
-    Some((strains.fold(0.0, f64::max), allowed))
+    Some((strains.fold(0.0, f64::max), CONFIRMED))
 }
 
 fn norm(x: &[f64]) -> f64 {
