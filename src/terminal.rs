@@ -59,6 +59,11 @@ impl Progress {
         self.bar.tick();
     }
 
+    /// Tells something that stays, above the line.
+    pub fn tell(&self, what: &str) {
+        self.bar.suspend(|| eprintln!("{what}"));
+    }
+
     /// Removes the line.
     pub fn clear(&self) {
         self.bar.finish_and_clear();

@@ -9,6 +9,7 @@ use pullback::input;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A free symmetrical body: moments of inertia 2, 2 and 1.
@@ -325,7 +326,7 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
             0..5800 => ControlFlow::Continue(()),
             _ => ControlFlow::Break(()),
         },
-        ended: &|_, _, _| {},
+        ..Watch::NOBODY
     };
     let options = Options {
         threads: NonZeroUsize::new(1),
@@ -341,4 +342,39 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     assert_eq!(json["complete"], false);
     assert!(read("compare.csv").contains(",interrupted,"));
     assert!(read("compare.html").contains("was interrupted"));
+}
+
+const PENDULUM: &str = include_str!("../examples/models/pendulum.toml");
+
+/// A formulation that the model does not take is told before anything runs, and runs are as many as there are
+/// cores.
+#[test]
+fn refusals_come_before_runs_and_runs_on_all_cores() {
+    let file = input::parse("pendulum.toml", PENDULUM).unwrap();
+    let make = |formulation| input::job_in("pendulum.toml", &file, formulation);
+    let told = Mutex::new(Vec::new());
+    let watch = Watch {
+        refused: &|name, why| told.lock().unwrap().push(format!("{name}: {why}")),
+        ended: &|_, _, name| told.lock().unwrap().push(name.to_owned()),
+        ..Watch::NOBODY
+    };
+    let schemes = ["newmark", "lie-ga:0.8", "ga:0.8", "ul-newmark"];
+    let comparison = compare(
+        &make,
+        "pendulum.toml",
+        &options(&schemes, &[0.2, 0.1]),
+        &watch,
+    );
+    let comparison = comparison.unwrap();
+    let told = told.into_inner().unwrap();
+    for (said, name) in told.iter().zip(["lie-ga:0.8: ", "ul-newmark: "]) {
+        assert!(
+            said.starts_with(name) && said.contains("without the prefix"),
+            "{told:?}"
+        );
+    }
+    // Three runs of the reference and eight of the schemes follow.
+    assert_eq!(told.len(), 2 + 3 + 8, "{told:?}");
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(comparison.threads, cores.min(3 + 8));
 }

@@ -1,10 +1,12 @@
 //! The page of docs/formulations.md on smaller models: what theory says of orders and of energies. And
-//! whether the page is up to date: its tables are what its commands print. That says nothing of whether
-//! they are right, which the other tests are about.
+//! whether the page is a copy of docs/formulations. Whether that is up to date is a gate of its own
+//! (tests/formulations_up_to_date.rs), and says nothing of whether it is right.
 #![allow(clippy::unwrap_used)]
 
+mod formulations_support;
 mod program_support;
 
+use formulations_support::{PAGE, commands, results, table};
 use program_support::{directory, files, read};
 use pullback::compare::{Comparison, Options, Quantity, Subject, Watch, run_several};
 use pullback::input;
@@ -111,22 +113,6 @@ fn all_keep_their_order_and_sums_of_spins_keep_the_energy_of_the_top() {
     }
 }
 
-const PAGE: &str = include_str!("../docs/formulations.md");
-
-/// Where the results lie that the page shows.
-fn results(name: &str) -> String {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    read(root.join("docs/formulations").join(name).join("compare.md"))
-}
-
-/// The first table under a heading, its lines.
-fn table<'a>(text: &'a str, heading: &str) -> Vec<&'a str> {
-    let found = text.split_once(&format!("\n## {heading}\n"));
-    let (_, text) = found.unwrap_or_else(|| panic!("no heading {heading}"));
-    let lines = text.lines().skip_while(|line| !line.starts_with('|'));
-    lines.take_while(|line| line.starts_with('|')).collect()
-}
-
 /// The page with its tables copied from the results.
 fn with_tables(page: &str) -> String {
     let mut out = String::new();
@@ -151,14 +137,6 @@ fn with_tables(page: &str) -> String {
     out
 }
 
-/// The commands that the page shows.
-fn commands() -> Vec<&'static str> {
-    let lines = PAGE
-        .lines()
-        .filter(|line| line.starts_with("pullback compare "));
-    lines.collect()
-}
-
 #[test]
 fn the_tables_of_the_page_are_those_of_the_commands_on_it() {
     assert!(
@@ -180,146 +158,4 @@ fn the_tables_of_the_page_are_those_of_the_commands_on_it() {
 fn copy_the_tables_to_the_page() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     std::fs::write(root.join("docs/formulations.md"), with_tables(PAGE)).unwrap();
-}
-
-/// Numbers of a cell: powers of ten are in raised digits.
-fn numbers(cell: &str) -> Vec<f64> {
-    let text = cell
-        .replace("·10<sup>", "e")
-        .replace("</sup>", "")
-        .replace('−', "-");
-    let parts = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
-    parts.filter_map(|part| part.parse().ok()).collect()
-}
-
-fn cells(line: &str) -> Vec<String> {
-    let line = line.replace("\\|", "¦");
-    line.trim_matches('|')
-        .split('|')
-        .map(|cell| cell.trim().to_owned())
-        .collect()
-}
-
-/// How far a number may be from that on the page: five in a hundred, or ten times the number where it is a
-/// difference of nearly equal ones (trends, confidence) or what iterations leave.
-fn agree(heading: &str, column: &str, [found, printed]: [f64; 2]) -> bool {
-    let rest = heading == "What a long run keeps" || column.contains("balance");
-    match rest && printed.abs() < 1e-3 {
-        true => found.abs() < 10.0 * printed.abs() && printed.abs() < 10.0 * found.abs(),
-        false => (found - printed).abs() <= 0.05 * printed.abs(),
-    }
-}
-
-/// Compares a table with the one on the page; rows are found by their first cells.
-fn compare_tables(heading: &str, [found, printed]: [&[&str]; 2], keys: usize) {
-    let head = cells(printed[0]);
-    for line in &found[2..] {
-        let found = cells(line);
-        let same = |line: &&&str| cells(line)[..keys] == found[..keys];
-        let printed = printed.iter().find(same);
-        let printed = cells(printed.unwrap_or_else(|| panic!("{heading}: {line}")));
-        for (k, column) in head.iter().enumerate().skip(keys) {
-            if column.ends_with("/ s") {
-                continue;
-            }
-            let [a, b] = [&found[k], &printed[k]].map(|cell| {
-                // Of an order the slope; its confidence is scatter.
-                let slope = cell.split(" ±").next().unwrap_or(cell);
-                numbers(if heading.starts_with("Orders") {
-                    slope
-                } else {
-                    cell
-                })
-            });
-            assert_eq!(a.len(), b.len(), "{heading}, {column}: {line}");
-            for (a, b) in a.into_iter().zip(b) {
-                let what = format!("{heading}, {column}: {line}: {a} and not {b}");
-                assert!(agree(heading, column, [a, b]), "{what}");
-            }
-        }
-    }
-}
-
-/// Makes what a command of the page makes, in a directory of a test, with other arguments behind it.
-fn made_anew(command: &str, directory: &str) -> String {
-    let out = program_support::directory(directory);
-    let arguments = command.split(' ').skip(1);
-    let ran = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"))
-        .current_dir(&out)
-        .args(arguments)
-        .output()
-        .unwrap();
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
-    let (_, name) = command.rsplit_once("--out ").unwrap();
-    read(out.join(name).join("compare.md"))
-}
-
-/// The command of a rigid body.
-fn command_of(name: &str) -> &'static str {
-    let end = format!("--out {name}");
-    let found = commands().into_iter().find(|c| c.ends_with(&end));
-    found.unwrap_or_else(|| panic!("no command of {name}"))
-}
-
-/// The errors of the two largest steps, from a run of them alone: their reference is four times
-/// coarser, which is nothing beside these errors.
-fn errors_are_those_on_the_page(name: &str, steps: [&str; 2]) {
-    let command = command_of(name);
-    let short = command
-        .replace(
-            &format!("--steps {} --long 10", steps[0]),
-            &format!("--steps {}", steps[1]),
-        )
-        .replace(" --timed --charts", "");
-    assert!(short.len() + 20 < command.len(), "{short}");
-    let found = made_anew(&short, &format!("formulations_{name}"));
-    let printed = results(name);
-    let heading = "Errors";
-    let tables = [&found, &printed].map(|text| table(text, heading));
-    assert_eq!(tables[0].len(), 2 + 2 * 5);
-    compare_tables(heading, [&tables[0], &tables[1]], 3);
-}
-
-#[test]
-fn errors_of_the_top_are_those_on_the_page() {
-    errors_are_those_on_the_page("top", ["4x,2x,1x,0.5x", "4x,2x"]);
-}
-
-#[test]
-fn errors_of_the_free_body_are_those_on_the_page() {
-    errors_are_those_on_the_page("free_body", ["2x,1x,0.5x,0.25x", "2x,1x"]);
-}
-
-#[test]
-#[ignore = "minutes; .ci/run makes it"]
-fn all_tables_of_the_top_are_those_on_the_page() {
-    all_tables_are_those_on_the_page("top");
-}
-
-#[test]
-#[ignore = "minutes; .ci/run makes it"]
-fn all_tables_of_the_free_body_are_those_on_the_page() {
-    all_tables_are_those_on_the_page("free_body");
-}
-
-fn all_tables_are_those_on_the_page(name: &str) {
-    let found = made_anew(command_of(name), &format!("formulations_all_{name}"));
-    let printed = results(name);
-    for (heading, keys) in [
-        ("Orders of convergence", 2),
-        ("Errors", 3),
-        ("Errors at equal work", 1),
-        ("Cost", 2),
-        ("What the motion keeps", 2),
-        ("What a long run keeps", 2),
-        ("What changes of chart cost", 2),
-    ] {
-        let [a, b] = [&found, &printed].map(|text| table(text, heading));
-        assert_eq!(a.len(), b.len(), "{heading}");
-        compare_tables(heading, [&a, &b], keys);
-    }
 }

@@ -228,6 +228,10 @@ fn refusals_name_what_is_wrong() {
         (["--threads", "0"], "1 or more"),
         (["--reference", "lie-ga:0.8"], "leave its prefix out"),
         (["--reference", "gaa"], "no scheme is called so"),
+        (
+            ["--residual", "1e-30"],
+            "below the rounding of forces, 2.2e-16",
+        ),
     ] {
         let output = compare(&model, &[&ASKED[..], &arguments].concat());
         let said = String::from_utf8_lossy(&output.stderr);
@@ -311,6 +315,11 @@ fn formulations_that_a_model_does_not_take_are_rows() {
     let output = compare(&model, &asked);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
+    assert_eq!(
+        said.matches("lie-ga:0.8 cannot begin: ").count(),
+        1,
+        "{said}"
+    );
     let table = read(directory.join("model.compare/compare.csv"));
     let mut rows = table.lines().skip(1);
     assert!(

@@ -205,6 +205,10 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
     let watch = Watch {
         flow: &|| interrupt.flow(),
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
+        refused: &|name, why| {
+            let why = why.lines().next().unwrap_or_default();
+            progress.tell(&format!("{name} cannot begin: {why}"));
+        },
     };
     let subjects = models.iter().map(|path| {
         asked.subject(registry, path).map_err(|error| match error {

@@ -145,6 +145,15 @@ pub enum CompareError {
         /// Its value.
         value: f64,
     },
+    /// A residual below what arithmetic leaves of any sum of forces.
+    #[error(
+        "residual {value:e} is below the rounding of forces, {:.1e} of them: no run comes there; ask for 1e-10, say",
+        f64::EPSILON
+    )]
+    Rounding {
+        /// Its value.
+        value: f64,
+    },
     /// Models whose results would go to the same directory.
     #[error(
         "two models are called `{name}`: results of each go to a directory of its name; rename a file, or compare \

@@ -1,8 +1,11 @@
 //! Figures of a comparison: convergence, work and precision, drift, iterations.
 
+mod drift;
+
 use super::page::escaped;
 use super::{Comparison, Quantity, Row};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
+use drift::{PARTS, drift};
 
 /// What the legend says of broken lines.
 const LEVEL: &str = "error of the reference (estimate)";
@@ -49,9 +52,11 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     )?;
     add(
         "drift.svg",
-        "What the motion keeps, and the schemes do not: the change since the start at common times. \
-         Where it does not keep its energy, the defect of the balance of energy: kinetic and stored \
-         less supplied.",
+        &format!(
+            "What the motion keeps, and the schemes do not: the change since the start at common times. \
+             Where it does not keep its energy, the defect of the balance of energy: kinetic and stored \
+             less supplied. Curves are envelopes: the largest value in each of {PARTS} parts of a run."
+        ),
         drift(comparison),
     )?;
     add(
@@ -214,9 +219,6 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
 /// What a run costs, where that is known.
 type Cost<'a> = dyn Fn(&Row) -> Option<f64> + 'a;
 
-/// What the motion keeps, at a common time of a run.
-type Kept = dyn Fn(&Row, usize) -> f64;
-
 fn work(comparison: &Comparison) -> Vec<Graph> {
     let alone = comparison
         .rows
@@ -244,83 +246,6 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         level: level(comparison, quantity),
     };
     pairs.map(graph).collect()
-}
-
-fn drift(comparison: &Comparison) -> Vec<Graph> {
-    let keeps = comparison.reference.as_ref().map(|r| r.kept);
-    let keeps = keeps.unwrap_or_default().without(comparison.zero_momenta);
-    let mut out = Vec::new();
-    let momentum = |k: usize, i: usize| move |row: &Row, j: usize| row.samples[j].momenta[k][i];
-    let mut kept: Vec<(String, Box<Kept>)> = Vec::new();
-    kept.push(match keeps.energy {
-        true => (
-            "|change of energy|".to_owned(),
-            Box::new(|row, j| row.samples[j].energy),
-        ),
-        false => (
-            "|defect of the balance of energy|".to_owned(),
-            Box::new(|row, j| row.samples[j].defect.unwrap_or(f64::NAN)),
-        ),
-    });
-    let vectors = [
-        (0, "momentum", keeps.momentum),
-        (1, "angular momentum", keeps.angular_momentum),
-    ];
-    for (k, name, keeps) in vectors {
-        // The worst of the components speaks for all.
-        let largest = |i: &usize| {
-            let value = momentum(k, *i);
-            let change = |row: &Row| {
-                let changes = (0..row.samples.len()).map(|j| (value(row, j) - value(row, 0)).abs());
-                changes.fold(0.0, f64::max)
-            };
-            comparison.rows.iter().map(change).fold(0.0, f64::max)
-        };
-        let worst = (0..3).filter(|&i| keeps[i]);
-        let worst = worst.max_by(|a, b| largest(a).total_cmp(&largest(b)));
-        if let Some(i) = worst.filter(|i| largest(i) > 0.0) {
-            let description = format!("|change of {name}|, component {}", i + 1);
-            kept.push((description, Box::new(momentum(k, i))));
-        }
-    }
-    let violation = |row: &Row, j: usize| row.samples[j].violation;
-    let loops = |row: &Row| (0..row.samples.len()).any(|j| violation(row, j).is_some());
-    if comparison.rows.iter().any(loops) {
-        let value = move |row: &Row, j: usize| violation(row, j).unwrap_or(f64::NAN);
-        kept.push((
-            "residual of the loops' equations".to_owned(),
-            Box::new(value),
-        ));
-    }
-    for (name, value) in &kept {
-        for finest in [false, true] {
-            let step = ends(comparison)[usize::from(finest)];
-            // A long run, where there is one, shows more than a short one with the same step.
-            let rows = match finest || comparison.long.is_empty() {
-                true => &comparison.rows,
-                false => &comparison.long,
-            };
-            let schemes = comparison.orders.iter().enumerate();
-            let curves = schemes.flat_map(|(k, scheme)| {
-                let own = move |r: &&Row| r.scheme == scheme.scheme && near(r.step, step);
-                let drawn = rows.iter().filter(own).filter(|row| row.samples.len() > 1);
-                drawn.map(move |row| {
-                    let change = |j: usize| (value(row, j) - value(row, 0)).abs();
-                    let points = (1..row.samples.len()).map(|j| (row.samples[j].t, change(j)));
-                    Curve::new(lasting(comparison, &scheme.scheme), points.collect()).colored(k)
-                })
-            });
-            out.push(Graph {
-                description: [format!("time t,  h = {}", rounded(step)), name.clone()],
-                division: [Division::Linear, Division::Logarithmic],
-                curves: curves.collect(),
-                marked: false,
-                slopes: Vec::new(),
-                level: None,
-            });
-        }
-    }
-    out
 }
 
 /// Whether two step sizes are one but for rounding.

@@ -142,7 +142,8 @@ pub struct Row {
     pub drift: Drift,
     /// Wall-clock time in seconds, with the audits at common times, beside other runs.
     pub seconds: f64,
-    /// Wall-clock time in seconds of the integration alone on the machine.
+    /// Wall-clock time in seconds of the integration alone on the machine, with what it looks for before its
+    /// first step.
     pub seconds_alone: Option<f64>,
     /// The states at the common times that it reached, the start first.
     #[serde(skip)]

@@ -20,6 +20,8 @@ pub(super) struct Prepared {
     enforced: bool,
     multipliers: bool,
     title: Option<String>,
+    /// Schemes that cannot begin, and why.
+    refused: Vec<(String, String)>,
 }
 
 /// What a comparison looks at: the names of all frame nodes, and the common times of runs with these
@@ -42,6 +44,9 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     if let Some(value) = options.residual.filter(|r| !(*r > 0.0 && r.is_finite())) {
         return Err(CompareError::Residual { value });
     }
+    if let Some(value) = options.residual.filter(|r| *r < f64::EPSILON) {
+        return Err(CompareError::Rounding { value });
+    }
     if let Some(value) = options.long.filter(|f| !(*f >= 1.0 && f.is_finite())) {
         return Err(CompareError::Longer { value });
     }
@@ -54,13 +59,14 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
             return Err(CompareError::SchemeTwice { name });
         }
     }
-    let begun = options.schemes.iter().map(|scheme| begins(make, scheme));
-    let refused: Option<Vec<_>> = begun.map(Result::err).collect();
-    if let Some([why, ..]) = refused.as_deref() {
-        return Err(CompareError::NoneBegins {
-            name: options.schemes[0].to_string(),
-            why: why.to_string(),
-        });
+    let begun = options.schemes.iter().filter_map(|scheme| {
+        let why = begins(make, scheme).err()?;
+        Some((scheme.to_string(), why.to_string()))
+    });
+    let mut refused: Vec<(String, String)> = begun.collect();
+    if refused.len() == options.schemes.len() {
+        let (name, why) = refused.swap_remove(0);
+        return Err(CompareError::NoneBegins { name, why });
     }
     let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
     let reference = options.reference.unwrap_or_else(Scheme::radau);
@@ -85,6 +91,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         enforced,
         multipliers: job.model.has_multipliers(),
         title: job.title,
+        refused,
     })
 }
 
@@ -134,7 +141,11 @@ pub(super) fn carry_out(
         enforced,
         multipliers,
         title,
+        refused,
     } = prepared;
+    for (name, why) in &refused {
+        (watch.refused)(name, why);
+    }
     let relative = options.residual.unwrap_or(f64::INFINITY);
     let mut tasks = match options.exact {
         Some(_) => Vec::new(),

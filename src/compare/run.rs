@@ -26,6 +26,9 @@ pub struct Watch<'a> {
     pub flow: &'a (dyn Fn() -> ControlFlow<()> + Sync),
     /// Told of every run that has ended: how many have, out of how many, and which this was.
     pub ended: &'a (dyn Fn(usize, usize, &str) + Sync),
+    /// Told, before anything runs, of every scheme that cannot begin this motion, and why: its rows will say
+    /// the same.
+    pub refused: &'a (dyn Fn(&str, &str) + Sync),
 }
 
 impl Watch<'_> {
@@ -33,6 +36,7 @@ impl Watch<'_> {
     pub const NOBODY: Watch<'static> = Watch {
         flow: &|| ControlFlow::Continue(()),
         ended: &|_, _, _| {},
+        refused: &|_, _| {},
     };
 }
 

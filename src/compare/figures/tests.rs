@@ -159,3 +159,46 @@ fn lines_of_one_colour_have_marks() {
     assert_eq!(circles(7), 0);
     assert!(circles(8) > 5, "{}", circles(8));
 }
+
+/// A swing of the amplitude 0.2 e^(t/200) about nothing, in a run of 128 common times: its envelope is the
+/// amplitude, however near to zero single values are.
+#[test]
+fn curves_over_time_are_envelopes() {
+    let mut comparison = compared(&["newmark"], Some(16.0));
+    let row = &mut comparison.long[0];
+    assert!(row.samples.len() > 2 * drift::PARTS);
+    let amplitude = |t: f64| 0.2 * (t / 200.0).exp();
+    for sample in &mut row.samples {
+        sample.energy = amplitude(sample.t) * (2.0 * sample.t).sin();
+    }
+    let row = &comparison.long[0];
+    let swings: Vec<f64> = row.samples.iter().map(|s| s.energy.abs()).collect();
+    let least = swings[1..].iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(least < 0.02 * 0.2);
+    let graph = &drift(&comparison)[0];
+    assert_eq!(graph.description[1], "|change of energy|");
+    let points = &graph.curves[0].points;
+    assert_eq!(points.len(), drift::PARTS);
+    for (t, value) in points {
+        // Four values of |sin 2t| that are 1 apart in t: one is within 0.57 of its top, where it is above 0.84.
+        let part = value / amplitude(*t);
+        assert!((0.82..1.0 + 1e-12).contains(&part), "{t}: {part}");
+        assert!(row.samples.iter().any(|s| s.t == *t));
+    }
+}
+
+/// A penalty in balance leaves its loop open from the start on: that is no change, and it is drawn.
+#[test]
+fn what_is_left_of_loops_is_drawn_as_it_is() {
+    let mut comparison = compared(&["newmark"], None);
+    for row in &mut comparison.rows {
+        for sample in &mut row.samples {
+            sample.violation = Some(-0.25);
+        }
+    }
+    let graphs = drift(&comparison);
+    let name = "residual of the loops' equations";
+    let mut own = graphs.iter().filter(|g| g.description[1] == name);
+    let points = &own.next().unwrap().curves[0].points;
+    assert!(!points.is_empty() && points.iter().all(|p| p.1 == 0.25));
+}

@@ -122,7 +122,8 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
         false => "",
         true => {
             columns.push("alone / s");
-            "; alone is that of the integration and nothing else, the least of some repetitions"
+            "; alone is that of the integration and nothing else but what it looks for before its first step, the \
+             least of some repetitions"
         }
     };
     let beside = match c.threads {
