@@ -40,10 +40,22 @@ fn every_scheme_of_the_list_does_what_it_claims() {
     }
 }
 
+const MULTIPLIERS: &str = "orders with multipliers";
+
 /// Laws that a table fails with these claims.
 fn failures(stages: &[Stage], claims: Claims) -> Vec<String> {
+    broken(&Scheme::new("trial", stages, claims).unwrap())
+}
+
+/// The same of a composite scheme, of which the accelerations lose an order under multipliers.
+fn composite_failures(stages: &[Stage], claims: Claims) -> Vec<String> {
     let scheme = Scheme::new("trial", stages, claims).unwrap();
-    let report = check::scheme(&scheme);
+    broken(&scheme.under_multipliers([2, 2, 1]))
+}
+
+/// Laws that a scheme fails.
+fn broken(scheme: &Scheme) -> Vec<String> {
+    let report = check::scheme(scheme);
     let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
     laws.dedup();
     laws
@@ -74,7 +86,7 @@ fn composite(second: f64, c: f64) -> [Stage; 2] {
 
 #[test]
 fn a_right_table_by_hand_passes() {
-    assert!(failures(&composite(1.0 / 3.0, 0.5), second(None, false)).is_empty());
+    assert!(composite_failures(&composite(1.0 / 3.0, 0.5), second(None, false)).is_empty());
     assert!(failures(&[newmark(0.25, 0.5)], second(None, true)).is_empty());
 }
 
@@ -82,19 +94,24 @@ fn a_right_table_by_hand_passes() {
 fn wrong_schemes_are_caught_by_the_law_they_break() {
     let all = |laws: &[&str]| laws.iter().map(|l| l.to_string()).collect::<Vec<_>>();
     // A weight that is off by one per cent.
-    let off = failures(&composite(1.01 / 3.0, 0.5), second(None, false));
+    let off = composite_failures(&composite(1.01 / 3.0, 0.5), second(None, false));
     assert!(
         off.contains(&"order".to_owned()) && off.contains(&"exactness".to_owned()),
         "{off:?}"
     );
     // Loads are asked at the wrong time; nothing that does not depend on time sees it.
-    let late = failures(&composite(1.0 / 3.0, 0.6), second(None, false));
+    let late = composite_failures(&composite(1.0 / 3.0, 0.6), second(None, false));
     assert!(late.contains(&"order".to_owned()), "{late:?}");
     assert!(!late.contains(&"stability".to_owned()), "{late:?}");
     // Damping of the first order that claims the second.
     let damped = failures(&[newmark(0.3025, 0.6)], second(None, false));
-    let first = all(&["order", "order under changes of chart", "exactness"]);
-    assert_eq!(damped, first);
+    let first = [
+        "order",
+        "order under changes of chart",
+        "exactness",
+        MULTIPLIERS,
+    ];
+    assert_eq!(damped, all(&first));
     // Explicit, but claimed to be stable.
     let explicit = failures(&[newmark(0.0, 0.5)], second(None, true));
     assert_eq!(explicit, all(&["stability"]));
@@ -106,7 +123,7 @@ fn wrong_schemes_are_caught_by_the_law_they_break() {
     let timid = failures(&[newmark(0.0, 0.5)], second(Some(1.9), true));
     assert_eq!(timid, all(&["limit of stability"]));
     // Dissipative, but claimed to be reversible.
-    let reversed = failures(&composite(1.0 / 3.0, 0.5), second(None, true));
+    let reversed = composite_failures(&composite(1.0 / 3.0, 0.5), second(None, true));
     assert_eq!(reversed, all(&["time reversal"]));
     // A third order that is none.
     let third = Claims {
@@ -118,4 +135,31 @@ fn wrong_schemes_are_caught_by_the_law_they_break() {
         bold,
         all(&["order", "order under changes of chart", "exactness"])
     );
+}
+
+/// What differentiation costs under multipliers is claimed, and measured: neither more nor less.
+#[test]
+fn wrong_orders_with_multipliers_are_caught() {
+    let right = |word: &str| word.parse::<Scheme>().unwrap();
+    // Radau's accelerations are of order 1, Bathe's too; generalised-α keeps its two.
+    for (word, held) in [
+        ("radau", [3, 2, 2]),
+        ("radau", [3, 3, 1]),
+        ("radau", [2, 2, 1]),
+        ("bathe", [2, 2, 2]),
+        ("bathe", [2, 1, 1]),
+        ("ga:0.8", [2, 2, 1]),
+        ("ga:0.8", [3, 2, 2]),
+    ] {
+        let wrong = right(word).under_multipliers(held);
+        assert_eq!(broken(&wrong), [MULTIPLIERS], "{word} {held:?}");
+        let claimed = right(word).orders_with_multipliers();
+        assert!(
+            broken(&wrong.under_multipliers(claimed)).is_empty(),
+            "{word}"
+        );
+    }
+    // A table of the second order that says nothing of multipliers is said to keep it.
+    let bold = failures(&composite(1.0 / 3.0, 0.5), second(None, false));
+    assert_eq!(bold, [MULTIPLIERS]);
 }

@@ -12,12 +12,14 @@
 //! | order under changes of chart | the same, coordinates replaced by others every third step |
 //! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
 //! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its place but for the scheme's error of it |
+//! | orders with multipliers | a mass that a multiplier holds to a circle, all of it known: errors of place, velocity, acceleration and multiplier at the end; or that the scheme refuses multipliers, as it damps nothing at infinite frequencies |
 //! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
 //! | limit of stability | growth beyond the limit claimed |
 //! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
 
 #![allow(non_snake_case)]
 
+mod multipliers;
 mod problems;
 
 pub use problems::Known;
@@ -40,6 +42,7 @@ pub fn scheme(scheme: &Scheme) -> Report {
     exactness(&mut report, scheme);
     cubic(&mut report, scheme);
     stability(&mut report, scheme);
+    multipliers::orders(&mut report, scheme);
     if scheme.claims().symmetric {
         reversal(&mut report, scheme);
     }

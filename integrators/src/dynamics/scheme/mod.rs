@@ -204,6 +204,17 @@ impl Scheme {
         self.held.unwrap_or([self.order(); 3])
     }
 
+    /// The same scheme, said to have these orders of places, velocities and accelerations where multipliers
+    /// hold equations; an order of zero where they do not converge. Without this they are
+    /// said to be those without multipliers.
+    #[must_use]
+    pub fn under_multipliers(self, orders: [usize; 3]) -> Self {
+        Self {
+            held: Some(orders),
+            ..self
+        }
+    }
+
     /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
     /// and accelerations of coordinates that are held in place (by infinite stiffness, or by
     /// multipliers) changes in a step. Infinite for an explicit scheme, which holds nothing.
