@@ -4,9 +4,8 @@ use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
 use crate::compare::{self, CompareError, Contender, Options, Subject, Watch};
 use crate::gallery;
 use crate::input::{Analysis, Registry, closest};
+use crate::method::Method;
 use crate::terminal::{Interrupt, Progress};
-use pullback_elements::model::Formulation;
-use pullback_integrators::dynamics::Scheme;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -35,7 +34,7 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     steps: Vec<Size>,
-    /// Scheme of the reference; radau by default.
+    /// Scheme of the reference, with the prefix of a formulation where it is to have one; radau by default.
     #[arg(long)]
     reference: Option<String>,
     /// CSV file of an exact solution in place of the reference: see docs/comparing_schemes.md.
@@ -94,13 +93,11 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
         .map_err(|_| "give a whole number of runs at a time, 1 or more".to_owned())
 }
 
-/// The scheme of the reference, which has neither a formulation of its own nor a tolerance.
-fn reference(word: &str) -> Result<Scheme, CompareError> {
+/// The scheme of the reference, in whatever formulation; it has no tolerance.
+fn reference(word: &str) -> Result<Method, CompareError> {
     let contender: Contender = word.parse()?;
     match contender {
-        Contender::Method(method) if method.formulation() == Formulation::Total => {
-            Ok(method.scheme())
-        }
+        Contender::Method(method) => Ok(method),
         other => Err(CompareError::ReferenceForm {
             name: other.to_string(),
         }),

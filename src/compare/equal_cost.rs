@@ -5,7 +5,8 @@ use serde::Serialize;
 
 /// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
 /// neighbouring step sizes. The cost is in the middle (of logarithms) of what all schemes have in
-/// common; where that is nothing, in the middle of the gap, and the nearest two runs are extrapolated.
+/// common; where that is nothing, in the middle of the gap, and the nearest two runs are extrapolated, but not
+/// if they cost nearly the same: of times that vary the slope would be anything.
 #[derive(Clone, Debug, Serialize)]
 pub struct EqualCost {
     /// The cost: assemblies of the model, or seconds of the integration alone.
@@ -66,11 +67,17 @@ pub(super) fn find(
     })
 }
 
+/// Costs over each other below which two runs are not extrapolated.
+const APART: f64 = 1.4;
+
 /// The error in a quantity at a cost, on the line of the two runs beside it, or nearest to it.
 fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
     let behind = points.iter().position(|p| p.0 >= cost);
     let behind = behind.unwrap_or(points.len()).clamp(1, points.len() - 1);
     let [(from, a), (to, b)] = [points[behind - 1], points[behind]];
+    if !(from..=to).contains(&cost) && to - from < APART.ln() {
+        return None;
+    }
     let [a, b] = [a, b].map(|v| v.of(quantity).ln());
     let part = match to > from {
         true => (cost - from) / (to - from),
@@ -108,6 +115,10 @@ mod tests {
                 "{cost}: {found:?}"
             );
         }
+        // Twice the steps in nearly the same time are no line to go on along.
+        let noise = super::tests::points(&[(1.0, 1.0), (2.0, 0.25), (2.02, 0.0625)]);
+        assert_eq!(at(&noise, f64::ln(4.0), Quantity::Rotation), None);
+        assert!(at(&noise, f64::ln(2.01), Quantity::Rotation).is_some());
         let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; QUANTITIES])));
         assert_eq!(at(&none, 1.5, Quantity::Position), None);
     }

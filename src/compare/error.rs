@@ -49,10 +49,9 @@ pub enum CompareError {
         /// Its name.
         name: String,
     },
-    /// A reference in a formulation of its own, or of a general solver.
+    /// A reference of a general solver.
     #[error(
-        "the reference is of a scheme in total rotation vectors, which `{name}` is not: leave its prefix out, or \
-         take `radau`, say"
+        "the reference is three runs in steps of halves, and `{name}` chooses its own steps: take `radau`, say"
     )]
     ReferenceForm {
         /// The word.

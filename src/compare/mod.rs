@@ -68,8 +68,8 @@ pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::{summary, unknown};
 pub use write::{FILES, Subject, default_directory, run, run_several};
 
+use crate::method::Method;
 use crate::solve::Counts;
-use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 
@@ -80,9 +80,9 @@ pub struct Options {
     pub schemes: Vec<Contender>,
     /// Step sizes, from large to small.
     pub steps: Vec<f64>,
-    /// Scheme of the reference; by default Radau IIA of two stages, of order 3, which damps what no
-    /// step resolves.
-    pub reference: Option<Scheme>,
+    /// Scheme of the reference, in whatever formulation; by default Radau IIA of two stages, of order 3, which
+    /// damps what no step resolves, in total rotation vectors.
+    pub reference: Option<Method>,
     /// An exact solution in place of the reference.
     pub exact: Option<Exact>,
     /// Runs at a time; as many as the machine has cores by default.

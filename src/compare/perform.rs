@@ -5,6 +5,7 @@ use super::order::orders;
 use super::run::{self, Failure, Maker, Ran, Task, Watch, dynamic, side_by_side};
 use super::{CompareError, Comparison, Contender, Drift, Kept, Options, Reference, Row};
 use super::{drift, equal_cost, reference, sample};
+use crate::method::Method;
 use crate::solve::{Counts, begin};
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
@@ -14,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 /// What has been checked before anything runs.
 pub(super) struct Prepared {
     grid: Grid,
-    reference: Scheme,
+    reference: Method,
     unknowns: usize,
     nodes: usize,
     enforced: bool,
@@ -38,7 +39,7 @@ pub fn looked_at(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f6
 }
 
 pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, CompareError> {
-    let mut job = make(Formulation::Total)?;
+    let job = make(Formulation::Total)?;
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
     let grid = Grid::new(plan.options.to, &options.steps)?;
     if let Some(value) = options.residual.filter(|r| !(*r > 0.0 && r.is_finite())) {
@@ -68,27 +69,20 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         let (name, why) = refused.swap_remove(0);
         return Err(CompareError::NoneBegins { name, why });
     }
-    let usable = |scheme: &Scheme| scheme.order() >= 2 && scheme.claims().limit.is_none();
-    let reference = options.reference.unwrap_or_else(Scheme::radau);
-    if !usable(&reference) {
+    let reference = options.reference.unwrap_or_else(|| Scheme::radau().into());
+    if reference.order() < 2 || reference.scheme().claims().limit.is_some() {
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    let (unknowns, enforced) = (start.q.len(), job.model.is_enforced());
     // By the reference's scheme: that of the file may be none for this model.
-    let beginning = DynamicOptions {
-        scheme: reference,
-        adaptivity: None,
-        ..plan.options
-    };
-    begin(&mut job.model, &beginning, &mut Progress::new(start))?;
+    begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
         reference,
-        unknowns,
+        unknowns: start.q.len(),
         nodes: job.model.frames().count(),
-        enforced,
+        enforced: job.model.is_enforced(),
         multipliers: job.model.has_multipliers(),
         title: job.title,
         refused,

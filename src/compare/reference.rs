@@ -8,7 +8,6 @@ use super::order::NEAR;
 use super::run::{Ran, Task};
 use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, sizes};
 use crate::method::Method;
-use pullback_integrators::dynamics::Scheme;
 use serde::Serialize;
 
 /// Steps of the three runs behind a reference, over those of the finest run compared.
@@ -61,10 +60,10 @@ impl Reference {
 }
 
 /// The three runs of a reference.
-pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
+pub(super) fn tasks(method: &Method, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
-        name: format!("reference, {scheme}"),
-        contender: Contender::Method(Method::from(*scheme)),
+        name: format!("reference, {method}"),
+        contender: Contender::Method(*method),
         steps: factor * grid.finest(),
         relative: TIGHT,
         late: false,
@@ -73,13 +72,13 @@ pub(super) fn tasks(scheme: &Scheme, grid: &Grid) -> [Task; 3] {
 
 /// Judges three runs that have come to their ends.
 pub(super) fn judge(
-    scheme: &Scheme,
+    method: &Method,
     multipliers: bool,
     grid: &Grid,
     runs: &[Ran],
 ) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
-    let theory = Contender::Method(Method::from(*scheme)).orders(multipliers)?;
+    let theory = Contender::Method(*method).orders(multipliers)?;
     let (first, second) = (
         distances(&a.samples, &b.samples),
         distances(&b.samples, &c.samples),
@@ -111,7 +110,7 @@ pub(super) fn judge(
     }
     let error = Values(error);
     Some(Reference {
-        scheme: scheme.to_string(),
+        scheme: method.to_string(),
         steps: REFINED.map(|factor| grid.step(factor * grid.finest())),
         order: Values(order),
         extrapolated: Values(extrapolated),
