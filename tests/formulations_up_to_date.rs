@@ -50,13 +50,13 @@ const PARTS: [Part; 5] = [
     },
     Part {
         name: "elbow",
-        steps: Some("0.5x,0.25x"),
+        steps: None,
         tables: FLEXIBLE,
         irregular: true,
     },
     Part {
         name: "smooth_arm",
-        steps: Some("0.5x,0.25x"),
+        steps: None,
         tables: FLEXIBLE,
         irregular: true,
     },

@@ -267,5 +267,5 @@ pub(super) fn order(order: &Order) -> String {
         Some(c) if c < 5e-4 => " ± <0.001".to_owned(),
         Some(c) => format!(" ± {c:.digits$}"),
     };
-    format!("{:.digits$}{confidence}", order.order)
+    format!("{:.digits$}{confidence}", order.order).replace('-', "−")
 }

@@ -48,9 +48,11 @@ fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
     let points: Vec<(f64, f64)> = (1..row.samples.len())
         .map(|j| (row.samples[j].t, value(row, j)))
         .collect();
-    let parts = points.chunks(points.len().div_ceil(PARTS).max(1));
-    let largest = parts.filter_map(|part| {
-        let known = part.iter().filter(|p| !p.1.is_nan());
+    // As many points in each as can be: a short last part would end a curve in a dip.
+    let parts = PARTS.min(points.len());
+    let end = |k: usize| k * points.len() / parts;
+    let largest = (0..parts).filter_map(|k| {
+        let known = points[end(k)..end(k + 1)].iter().filter(|p| !p.1.is_nan());
         known.max_by(|a, b| a.1.total_cmp(&b.1)).copied()
     });
     largest.collect()
