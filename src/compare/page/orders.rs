@@ -113,7 +113,7 @@ pub(super) fn describe(out: &mut Page, comparison: &Comparison, r: &Reference) {
             .collect::<Vec<_>>()
     };
     let observed = row("observed order", &|q| match r.order.of(q) {
-        order if order.is_finite() => format!("{order:.2}"),
+        order if order.is_finite() => format!("{order:.2}").replace('-', "−"),
         _ => "–".to_owned(),
     });
     out.row(false, 1, &observed);
