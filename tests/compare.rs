@@ -374,7 +374,6 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
 
 const PENDULUM: &str = include_str!("../examples/models/pendulum.toml");
 
-/// A formulation that the model does not take is told before anything runs.
 #[test]
 fn refusals_come_before_runs() {
     let file = input::parse("pendulum.toml", PENDULUM).unwrap();

@@ -227,7 +227,7 @@ fn refusals_name_what_is_wrong() {
     for (arguments, word) in [
         (["--threads", "0"], "1 or more"),
         (["--reference", "lie-ga:0.8"], "without the prefix"),
-        (["--reference", "diffsol-bdf"], "chooses its own steps"),
+        (["--reference", "diffsol-bdf"], "`diffsol-bdf`"),
         (["--reference", "gaa"], "no scheme is called so"),
         (
             ["--residual", "1e-30"],
