@@ -73,6 +73,36 @@ fn a_value_is_kept_far_from_where_the_loop_is_drawn() {
     }
 }
 
+#[test]
+fn a_value_below_a_loop_leaves_the_loop_where_the_map_has_it() {
+    // The strut spins freely between its balls, and starts as it is drawn, which smallest
+    // corrections of the gap do not do.
+    let turned = |closure: &str| {
+        boom(closure)
+            .replace("driven = { constant = 2.5 }", "value = 0.144")
+            .replace("value = 0.3", "driven = { constant = 0.3 }")
+    };
+    let (by_map, _) = start(&turned(CLOSURES[0]));
+    assert_eq!(by_map["A angle"][0], 0.144);
+    for closure in &CLOSURES[1..] {
+        let (places, _) = start(&turned(closure));
+        for name in ["A angle", "K angle", "S rotation", "c rotation"] {
+            for (a, b) in places[name].iter().zip(by_map[name]) {
+                assert!((a - b).abs() < 1e-9, "{closure}: {name} {a} for {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rates_that_follow_from_a_drive_are_no_rates_at_rest() {
+    let driven = "driven = { proportional = 1 }";
+    let linkage = five_bar([driven, driven, CLOSURES[1]]) + &body("B");
+    let (said, _) = rows("closures-rates", &linkage);
+    assert!(said.contains("complete"), "{said}");
+    assert!(!said.contains("hangs from there"), "{said}");
+}
+
 /// A triangle of bars with hinges: nothing moves, and it carries a weight.
 #[test]
 fn a_triangle_of_bars_carries_its_weight_by_every_scheme() {

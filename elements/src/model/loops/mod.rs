@@ -200,7 +200,8 @@ pub(super) fn close(
 }
 
 /// Where the coordinates of loops would start if maps closed them: node, number and value of each.
-/// Nothing of loops that no map can close, over beams or bodies that fly.
+/// Nothing of loops that no map can close, over beams or bodies that fly. Where there are none of
+/// these also the values of coordinates that no loop moves.
 pub(super) fn places(
     nodes: &[Node],
     closings: &[Closing],
@@ -209,6 +210,7 @@ pub(super) fn places(
     length: f64,
 ) -> Vec<(u32, usize, f64)> {
     let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
+    let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
     let mut copies: Vec<Node> = nodes.iter().map(Node::duplicate).collect();
     if close(&mut copies, &closings, held, wishes, length).is_err() {
@@ -218,9 +220,13 @@ pub(super) fn places(
     let mut places = Vec::new();
     for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
         if copies[n as usize].is_own() {
+            if closings.len() == all {
+                let own = wishes.starts.iter().filter(|((node, _), _)| node.0 == n);
+                places.extend(own.map(|(&(_, k), &x)| (n, k, x)));
+            }
             continue;
         }
-        let Some(x) = value(&copies, n, held, &mut known) else {
+        let Some(x) = value(&copies, n, held, wishes.starts, &mut known) else {
             return Vec::new();
         };
         places.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
@@ -228,12 +234,13 @@ pub(super) fn places(
     places
 }
 
-/// The coordinates of a node at t = 0 with everything free as it is drawn; none outside of the domain
-/// of a map.
+/// The coordinates of a node at t = 0 with everything free where it starts, as drawn or with its
+/// value; none outside of the domain of a map.
 fn value(
     nodes: &[Node],
     n: u32,
     held: &Held<'_>,
+    starts: &HashMap<(NodeId, usize), f64>,
     known: &mut HashMap<u32, Vec<f64>>,
 ) -> Option<Vec<f64>> {
     if let Some(found) = known.get(&n) {
@@ -244,13 +251,14 @@ fn value(
     match &node.source {
         Source::Own => {
             for (k, x) in x.iter_mut().enumerate() {
-                *x = held.function(n as usize, k).map_or(0.0, |f| f.at(0.0)[0]);
+                let given = || starts.get(&(NodeId(n), k)).copied().unwrap_or(0.0);
+                *x = (held.function(n as usize, k)).map_or_else(given, |f| f.at(0.0)[0]);
             }
         }
         Source::Mapped(d) => {
             let mut q = Vec::new();
             for &m in d.masters() {
-                q.extend(value(nodes, m, held, known)?);
+                q.extend(value(nodes, m, held, starts, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];
             if d.map.margin(0.0, &q) <= 0.0 {
