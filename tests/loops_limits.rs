@@ -3,47 +3,17 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod closures_support;
 mod program_support;
 
+use closures_support::{GROUND, angle, arm, body, hinge, joint};
 use program_support::{check, directory, history, number, program, refusal, write};
 use pullback::input::assemble_text;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::process::Command;
 
-const GROUND: &str =
-    "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
 const RUN: &str = "[analysis.dynamic]\nto = 1\nstep = 0.01\nscheme = { newmark = [0.25, 0.5] }\n";
-
-fn joint(name: &str, kind: &str, master: &str, more: &str) -> String {
-    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
-}
-
-fn hinge(name: &str, master: &str, more: &str) -> String {
-    joint(
-        name,
-        "revolute",
-        master,
-        &format!("axis = [0, 0, 1]\n{more}"),
-    )
-}
-
-fn arm(name: &str, master: &str, place: [f64; 3]) -> String {
-    joint(name, "offset", master, &format!("place = {place:?}"))
-}
-
-fn body(node: &str) -> String {
-    format!(
-        "[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = 1.0\n\
-         inertia = [0.1, 0.1, 0.1]\n"
-    )
-}
-
-fn angle(joint: &str) -> String {
-    format!(
-        "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
-    )
-}
 
 /// Crank 1, coupler 1.5, rocker √3.77, ground 1.6, times `size`; words for the crank, the coupler's
 /// hinge and the rocker.
@@ -293,6 +263,23 @@ fn what_cannot_be_reached_names_the_drive() {
     let text = [GROUND, RUN, &far, &hinge("X", "ground", ""), &body("X")].concat();
     let said = failure("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
     assert!(said.contains("D angle cannot get there"), "{said}");
+    // The same where something stays free: a coupler that spins between its balls.
+    let text = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", "driven = { proportional = 1 }"),
+        &arm("a", "A", [0.5, 0.0, 0.0]),
+        &joint("S1", "spherical", "a", ""),
+        &arm("b", "S1", [1.5, 0.4, 0.9]),
+        &arm("foot", "ground", [1.5, 0.4, 0.0]),
+        &joint("D", "revolute", "foot", "axis = [1, 0, 0]"),
+        &arm("d", "D", [1.5, 0.4, 0.9]),
+        &joint("S2", "spherical", "b", "child = \"d\""),
+        &body("S1"),
+        &body("D"),
+    ];
+    let said = failure("limits-spatial", &text.concat());
+    assert!(said.contains("S2: A angle cannot get there"), "{said}");
     // Two drives that fit together at the start only.
     let drive = "driven = { proportional = 1 }";
     let text = [

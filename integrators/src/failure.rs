@@ -239,16 +239,15 @@ impl fmt::Display for FailedStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.heading(f)?;
         match &self.cause {
-            Cause::System(error) if self.step == 0 => {
+            Cause::System(SystemError::OutsideChart { what, edge, .. }) if self.step == 0 => {
                 // There are no steps before the start that could be smaller.
-                match error {
-                    SystemError::OutsideChart { what, edge, .. } => write!(f, "{what} left {edge}")?,
-                    error => write!(f, "{error}")?,
-                }
-                f.write_str(
-                    ": let these loads grow with the load parameter, or make them smaller",
+                write!(
+                    f,
+                    "{what} left {edge}: let these loads grow with the load parameter, or make them \
+                     smaller"
                 )?;
             }
+            Cause::System(error) if self.step == 0 => write!(f, "{error}")?,
             Cause::System(error) => {
                 write!(f, "{error}")?;
                 if self.min_step.is_some() {

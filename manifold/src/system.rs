@@ -221,8 +221,19 @@ pub enum SystemError {
         /// Distance to the edge of validity, ≤ 0.
         margin: f64,
     },
+    /// Coordinates ask for what the equations behind a map do not allow.
+    #[error("{what}: {why}")]
+    Unsolved {
+        /// The joint.
+        what: String,
+        /// Why, and what to do about it.
+        why: String,
+    },
     /// A residual or tangent came out infinite or not a number.
-    #[error("{what} gives a value that is not finite")]
+    #[error(
+        "{what} gives a value that is not finite: a function of a joint, an element or a load has no \
+         value or derivative there (`check` names it)"
+    )]
     NotFinite {
         /// The element, load or node.
         what: String,

@@ -195,13 +195,10 @@ impl Model {
             let margin = d.map.margin(t, &local.q[..k]);
             if margin.is_nan() || margin <= 0.0 {
                 let what = format!("joint at node {}", node.name);
-                return Err(SystemError::OutsideChart {
-                    edge: d.map.edge(),
-                    what: match d.map.trouble(t, &local.q[..k]) {
-                        Some(trouble) => format!("{what} ({trouble})"),
-                        None => what,
-                    },
-                    margin,
+                let edge = d.map.edge();
+                return Err(match d.map.trouble(t, &local.q[..k]) {
+                    Some(why) => SystemError::Unsolved { what, why },
+                    None => SystemError::OutsideChart { edge, what, margin },
                 });
             }
             let own = node.range();

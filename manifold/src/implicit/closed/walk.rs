@@ -46,12 +46,13 @@ impl Core {
     }
 
     /// Why the way ends where it has, the parked place: at the end of what is driven, where the
-    /// slopes of x grow like the condition number, or at a singular configuration, where they do not.
+    /// slopes of x with it grow like the condition number, or at a singular configuration, where they
+    /// do not.
     fn explained(&mut self, trouble: Trouble) -> Trouble {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
-        if self.D == 0 && self.p > 0 {
-            let slopes = reached.Y.chunks_exact(self.X);
+        if self.p > 0 && (self.D == 0 || singular.is_some()) {
+            let slopes = reached.Y.chunks_exact(self.X).skip(self.D);
             let steepest = slopes.fold(0.0, |most, slope| {
                 let over = slope.iter().zip(&self.about.unknowns);
                 over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
