@@ -109,6 +109,74 @@ fn a_path_plays_in_the_order_of_its_rows() {
 }
 
 #[test]
+fn a_spring_that_parts_hold_at_the_start_is_in_balance() {
+    // Without a load the reactions are rounding errors of nothing, and measure no residual.
+    let file = r#"
+        [nodes]
+        ground = [0, 0, 0]
+        [[joints]]
+        name = "A"
+        type = "revolute"
+        master = "ground"
+        axis = [0, 0, 1]
+        spring = { k = 60 }
+        [[joints]]
+        name = "a"
+        type = "offset"
+        master = "A"
+        place = [0.31, 1.04, 0]
+        [[joints]]
+        name = "B"
+        type = "revolute"
+        master = "a"
+        axis = [0, 0, 1]
+        spring = { k = 60 }
+        [[joints]]
+        name = "b"
+        type = "offset"
+        master = "B"
+        place = [1.26, 1.37, 0]
+        [[joints]]
+        name = "D"
+        type = "revolute"
+        master = "ground"
+        axis = [0, 0, 1]
+        spring = { k = 60 }
+        [[joints]]
+        name = "d"
+        type = "offset"
+        master = "D"
+        place = [1.26, 1.37, 0]
+        [[joints]]
+        name = "C"
+        type = "prismatic"
+        master = "d"
+        axis = [0.3, 1, 0]
+        child = "b"
+        closure = "multipliers"
+        spring = { k = 60 }
+        [[springs]]
+        name = "stay"
+        nodes = ["d", "a"]
+        stiffness = 18
+        rest_length = 1.1
+        [[loads]]
+        node = "a"
+        force = [0.3, -1, 0]
+        [[supports]]
+        node = "ground"
+        fix = "all"
+        [analysis.static]
+        steps = 2
+    "#;
+    let (rows, result, _) = run("statics_strained", file);
+    assert_eq!(result["warnings"].to_string(), "[]");
+    let strain = 0.95_f64.hypot(0.33) - 1.1;
+    let energy = number(&rows[0], "strain_energy");
+    assert!((energy - 9.0 * strain * strain).abs() < 1e-14, "{energy}");
+}
+
+#[test]
 fn what_does_nothing_or_too_much_is_warned_of() {
     let moment = "moment = [0, 0, 3.141592653589793]";
     let at_b = "[[loads]]\nnode = \"B\"\nmoment";

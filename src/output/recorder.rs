@@ -240,7 +240,9 @@ impl<'a> Recorder<'a> {
             Some(progress) => moving(model, progress)?,
             None => {
                 let answers = Answers::of(model, step.t);
-                self.watch.see(model, &answers, &row);
+                let first = step.residuals.first().filter(|_| step.number == 0);
+                let released = first.map_or([0.0; 3], |i| i.residual);
+                self.watch.see(model, &answers, &row, released);
                 answers
             }
         };

@@ -1,0 +1,222 @@
+//! What is doubtful about the equilibria of a static analysis.
+
+use super::LISTED;
+use crate::output::Row;
+use crate::probe::Answers;
+use pullback_elements::model::Model;
+use pullback_integrators::significant;
+use pullback_manifold::system::{Scales, System};
+use std::fmt::Write;
+
+/// A change of the number of unstable directions along a path.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    /// Load parameters before and after it.
+    between: [f64; 2],
+    /// Unstable directions before and after it.
+    directions: [usize; 2],
+    /// Whether the load turns there.
+    turns: bool,
+}
+
+/// Sees the rows of a static analysis as they are recorded.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    /// Load parameter and unstable directions of the last row that knows them.
+    stability: (f64, usize),
+    /// Load parameter of the last row, and its change to there.
+    last: f64,
+    sense: f64,
+    /// Whether the load has turned since the last row that knows its stability.
+    turns: bool,
+    changes: Vec<Change>,
+    /// Converged rows.
+    rows: usize,
+    /// Whether anything has moved, and whether a support has had anything to hold.
+    stirred: bool,
+    held: bool,
+    /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
+    inverted: Option<(String, f64, f64)>,
+    /// Element, strain and load parameter of the first row with a large strain.
+    strained: Option<(String, f64, f64)>,
+    /// Residual relative to loads and reactions at which a step has converged, unless what is left is
+    /// rounding.
+    relative: f64,
+    /// Residual force and moment, and load parameter, of the first row where they are no smaller than
+    /// that part of loads and reactions.
+    unresolved: Option<([f64; 2], f64)>,
+}
+
+/// Residuals from this part of loads and reactions on leave too few correct digits.
+const UNRESOLVED: f64 = 1e-3;
+
+/// Elongation or shear beyond which a linear law of the section is doubtful.
+const LARGE_STRAIN: f64 = 0.2;
+
+impl Watch {
+    /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
+    /// residual.
+    pub(crate) fn new(t: f64, relative: f64) -> Self {
+        Self {
+            stability: (t, 0),
+            last: t,
+            sense: 0.0,
+            turns: false,
+            changes: Vec::new(),
+            rows: 0,
+            stirred: false,
+            held: false,
+            inverted: None,
+            strained: None,
+            relative,
+            unresolved: None,
+        }
+    }
+
+    /// A converged row, with the model in its configuration; `released` is what was out of balance
+    /// before the first correction at the start: where springs hold each other neither loads nor
+    /// reactions measure them.
+    pub(crate) fn see(&mut self, model: &Model, answers: &Answers, row: &Row, released: [f64; 3]) {
+        let t = row.t;
+        self.rows += 1;
+        let measures = Scales {
+            force: released,
+            ..model.scales()
+        }
+        .measures();
+        let mut each = row.residual.iter().zip(measures);
+        let balanced = each.all(|(left, whole)| *left < UNRESOLVED * whole);
+        if row.ratio * self.relative >= UNRESOLVED && !balanced && self.unresolved.is_none() {
+            self.unresolved = Some((row.residual, t));
+        }
+        self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
+        let mut reactions = answers.reactions().iter();
+        self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
+        for (id, state) in answers.sections() {
+            let about = |value| Some((model.element(*id).0.to_owned(), value, t));
+            let stretch = 1.0 + state.Gamma.x;
+            if stretch <= 0.0 && self.inverted.is_none() {
+                self.inverted = about(stretch);
+            }
+            if state.Gamma.amax() > LARGE_STRAIN && self.strained.is_none() {
+                self.strained = about(state.Gamma.amax());
+            }
+        }
+        let sense = t - self.last;
+        let located = row.event.as_deref() == Some("turning-point");
+        self.turns |= located || sense * self.sense < 0.0;
+        (self.last, self.sense) = (t, sense);
+        let Some(now) = row.unstable else { return };
+        let (before, directions) = self.stability;
+        let turns = std::mem::take(&mut self.turns);
+        if now != directions {
+            self.changes.push(Change {
+                between: [before, t],
+                directions: [directions, now],
+                turns,
+            });
+        }
+        self.stability = (t, now);
+    }
+
+    /// What there is to say; that nothing moves only of a run that is complete.
+    pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
+        let idle = || {
+            (complete && self.rows > 0 && !self.stirred).then(|| {
+                if self.held {
+                    "all loads act on coordinates that supports hold: nothing moves, and only \
+                     reactions are computed. Load free nodes, or free these coordinates"
+                } else {
+                    "no load acts and nothing is driven: nothing moves. See `loads`, `driven`, and \
+                     whether a `time` is zero over the whole range of the load parameter"
+                }
+                .to_owned()
+            })
+        };
+        let inverted = self.inverted.as_ref().map(|(element, stretch, t)| {
+            format!(
+                "element {element} is turned inside out from load parameter {} on: its axis is \
+                 stretched by 1 + Γ₁ = {stretch:.3}, which no beam can be. The load is too large for \
+                 EA, or in other units than the section",
+                significant(*t)
+            )
+        });
+        let strained = self.strained.as_ref().map(|(element, strain, t)| {
+            format!(
+                "element {element} is elongated or sheared by {:.0} % at load parameter {}: beyond \
+                 {:.0} % the linear law of its section is doubtful. See the units of load and section",
+                100.0 * strain,
+                significant(*t),
+                100.0 * LARGE_STRAIN
+            )
+        });
+        let strained = strained.filter(|_| inverted.is_none());
+        let unresolved = self.unresolved.map(|([force, moment], t)| {
+            format!(
+                "forces are no larger than rounding errors at load parameter {}: the residual (force \
+                 {force:.1e}, moment {moment:.1e}) cannot be made smaller with such stiffnesses, and \
+                 forces and reactions of this size, and what they move, have no correct digits. Load \
+                 it more, or make stiff parts softer or rigid",
+                significant(t)
+            )
+        });
+        (self.instability().into_iter())
+            .chain(idle())
+            .chain(inverted)
+            .chain(strained)
+            .chain(unresolved)
+            .collect()
+    }
+
+    fn instability(&self) -> Option<String> {
+        let (first, others) = self.changes.split_first()?;
+        let span = |change: &Change| {
+            let [a, b] = change.between.map(significant);
+            format!("between load parameter {a} and {b}")
+        };
+        let directions = |n: usize| match n {
+            0 => "stable again".to_owned(),
+            1 => "unstable in 1 direction".to_owned(),
+            n => format!("unstable in {n} directions"),
+        };
+        let [what, then] = if first.turns {
+            [
+                "limit point",
+                "would snap through under a load that does not turn there",
+            ]
+        } else {
+            [
+                "limit point or bifurcation",
+                "would leave this path. To follow the branch that it takes, add a small imperfection \
+                 (a lateral load, nodes off the line) and take a smaller `max_step`",
+            ]
+        };
+        let mut out = format!(
+            "{what} {}: the equilibrium found is {} after it (negative pivots of the tangent, column \
+             `unstable`), and a structure {then}",
+            span(first),
+            directions(first.directions[1])
+        );
+        for change in others.iter().take(LISTED) {
+            // Writing to a string cannot fail.
+            let _ = write!(
+                out,
+                "; {} {}",
+                span(change),
+                directions(change.directions[1])
+            );
+        }
+        if let more @ 1.. = others.len().saturating_sub(LISTED) {
+            let _ = write!(out, "; and {more} more");
+        }
+        Some(out)
+    }
+}
+
+/// Whether any node is elsewhere than where it is drawn.
+fn moved(model: &Model) -> bool {
+    model.frames().any(|(id, _)| {
+        let state = model.node_state(id);
+        state.d.norm() + state.psi.norm() > 0.0
+    })
+}
