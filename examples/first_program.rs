@@ -2,7 +2,7 @@
 
 use pullback::prelude::*;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Failure> {
     let arc = Arc {
         from: Vector3::zeros(),
         center: Vector3::new(0.0, 100.0, 0.0),

@@ -115,7 +115,7 @@ fn registry() -> Registry {
     })
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     if std::env::args_os().len() > 1 {
         std::process::exit(pullback::cli::run(&registry(), std::env::args_os()).into());
     }
@@ -125,5 +125,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     check::map(&Hung::new(screw)).assert();
     at_rest()?;
-    in_motion()
+    in_motion()?;
+    Ok(())
 }

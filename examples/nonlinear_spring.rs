@@ -57,7 +57,7 @@ fn period() -> f64 {
     std::f64::consts::TAU / a / (stiffness / MASS).sqrt()
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Failure> {
     let spring = HardeningSpring {
         k: K,
         k3: K3,

@@ -145,7 +145,7 @@ fn at_the_end() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let slot = Slot {
         along: Vector3::new(0.6, 0.0, 0.8),
         pin: Vector3::new(-0.8, 0.0, 0.6),
@@ -154,5 +154,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     check::map(&Hung::new(slot)).assert();
     at_rest()?;
     in_motion()?;
-    at_the_end()
+    at_the_end()?;
+    Ok(())
 }

@@ -96,12 +96,13 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let curve = Wound {
         wheel: 0.3,
         cylinder: 0.5,
     };
     check::map(&Hung::new(curve)).assert();
     at_rest()?;
-    in_motion()
+    in_motion()?;
+    Ok(())
 }

@@ -132,7 +132,7 @@ fn second_order(errors: [f64; 3]) {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.1));
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let map = Solved::<_, 1, 2, 1>::new(trammel(), 0.0, [0.0; 2])?;
     check::implicit(&map, 0.0).assert();
     check::element(&Multipliers::<_, 2, 1>::new(Equations(trammel()))).assert();

@@ -84,6 +84,7 @@
 pub mod check;
 pub mod cli;
 pub mod compare;
+mod failure;
 pub mod gallery;
 pub mod general;
 pub mod input;
@@ -96,12 +97,14 @@ pub mod spectrum;
 mod terminal;
 mod warnings;
 
+pub use failure::Failure;
 pub use pullback_elements as elements;
 pub use pullback_integrators as integrators;
 pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::Failure;
     pub use crate::check;
     pub use crate::input::Registry;
     pub use nalgebra::{Matrix3, SVector, Unit, Vector3};

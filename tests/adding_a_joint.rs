@@ -1,27 +1,20 @@
-//! What docs/adding_a_joint.md shows is the example, all of it; .ci/run runs the example's model file.
+//! docs/adding_a_joint.md includes the example, all of it; .ci/run runs the example's model file.
 #![allow(clippy::unwrap_used)]
 
-const PAGE: &str = include_str!("../docs/adding_a_joint.md");
+mod included;
 
-fn blocks(language: &str) -> Vec<&str> {
-    let parts = PAGE.split(language).skip(1);
-    parts
-        .filter_map(|part| part.split("\n```").next())
-        .collect()
-}
+const PAGE: &str = "docs/adding_a_joint.md";
 
 #[test]
 fn its_code_is_the_example() {
-    let example = include_str!("../examples/helical_joint.rs");
-    let blocks = blocks("```rust\n");
-    assert_eq!(blocks.len(), 7);
-    assert_eq!(blocks.join("\n\n"), example.trim());
+    let example = "examples/helical_joint.rs";
+    included::hold(PAGE, "```rust\n", 0..7, example, true);
 }
 
 #[test]
 fn its_model_file_is_the_example() {
-    let file = include_str!("../examples/helical_joint.toml");
-    assert_eq!(blocks("```toml\n"), [file.trim()]);
+    let file = "examples/helical_joint.toml";
+    included::hold(PAGE, "```toml\n", 0..1, file, true);
 }
 
 /// Lines of code of a joint: from its struct to the end of its `impl`.

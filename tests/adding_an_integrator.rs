@@ -1,4 +1,4 @@
-//! What docs/adding_an_integrator.md shows is the source, and its scheme from outside does what it
+//! docs/adding_an_integrator.md includes the source, and its scheme from outside does what it
 //! claims.
 #![allow(clippy::unwrap_used)]
 
@@ -6,21 +6,17 @@ use pullback::check;
 use pullback::integrators::dynamics::DynamicsError;
 use pullback::integrators::dynamics::scheme::{Claims, Scheme, Stage};
 
-const PAGE: &str = include_str!("../docs/adding_an_integrator.md");
+mod included;
 
-fn blocks(language: &str) -> Vec<&str> {
-    let parts = PAGE.split(language).skip(1);
-    parts
-        .filter_map(|part| part.split("\n```").next())
-        .collect()
-}
+const PAGE: &str = include_str!("../docs/adding_an_integrator.md");
 
 #[test]
 fn its_code_is_the_scheme_of_the_library() {
-    let source = include_str!("../integrators/src/dynamics/scheme/bathe.rs");
-    let blocks = blocks("```rust\n");
-    assert_eq!(blocks.len(), 4);
-    assert_eq!(blocks.join("\n\n"), source.trim());
+    let [page, source] = [
+        "docs/adding_an_integrator.md",
+        "integrators/src/dynamics/scheme/bathe.rs",
+    ];
+    included::hold(page, "```rust\n", 0..4, source, true);
 }
 
 #[test]
@@ -32,7 +28,10 @@ fn its_lines_stand_where_it_says() {
         include_str!("../integrators/tests/conformance.rs"),
         include_str!("adding_an_integrator.rs"),
     ];
-    let lines = blocks("```rs\n");
+    let parts = PAGE.split("```rs\n").skip(1);
+    let lines: Vec<&str> = parts
+        .filter_map(|part| part.split("\n```").next())
+        .collect();
     assert_eq!(lines.len(), 5);
     for (text, source) in lines.into_iter().zip(sources) {
         assert!(source.contains(text), "{text}");
