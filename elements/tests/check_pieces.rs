@@ -175,7 +175,7 @@ impl Curve for Bent {
         let from = s - 0.4;
         let mut bend = S::constant(0.3);
         for _ in 0..self.0 {
-            bend = bend * from;
+            bend *= from;
         }
         if !self.1.unwrap_or(s.re() >= 0.4) {
             bend = S::zero();

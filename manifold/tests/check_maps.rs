@@ -314,3 +314,46 @@ fn every_law_of_a_chart_finds_its_error() {
         ]
     );
 }
+
+/// q, and one more than that beyond 0.5 where no piece is kept; solved from equations or not.
+#[derive(Clone)]
+struct Leap {
+    kept: bool,
+    solved: bool,
+}
+
+impl Map<1, 1> for Leap {
+    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 1>) -> SVector<S, 1> {
+        let beyond = !self.kept && q[0].re() > 0.5;
+        q.map(|q| if beyond { q + 1.0 } else { q })
+    }
+
+    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, 1>)>) {
+        self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
+    }
+
+    fn violation(&self, _: f64, _: &SVector<f64, 1>) -> Option<f64> {
+        self.solved.then_some(0.0)
+    }
+}
+
+#[test]
+fn pieces_are_those_of_formulas_and_no_branches_of_equations() {
+    for solved in [false, true] {
+        let map = Leap {
+            kept: false,
+            solved,
+        };
+        let mut report = Report::new("leap");
+        let layout = check::Layout::plain(1);
+        let of = check::Mapped {
+            map: &*map.boxed(),
+            rows: &layout,
+            columns: &layout,
+        };
+        let x = nalgebra::DVector::zeros(1);
+        let state = check::State::statics(0.0, x);
+        check::pieces(&mut report, of, "there", &state, &mut check::Random::new(1));
+        assert_eq!(report.failures().len(), usize::from(!solved), "{report}");
+    }
+}

@@ -76,8 +76,9 @@ impl Field {
     }
 }
 
-/// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside is
-/// halved as often as it takes. Loops are solved from where `memories` has them, which is at `q`.
+/// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside, or to a
+/// singular place of a loop, where derivatives have few digits, is halved as often as it takes. Loops are
+/// solved from where `memories` has them, which is at `q`.
 ///
 /// # Errors
 /// [`SystemError`] where `q` itself is outside of a domain.
@@ -94,6 +95,7 @@ pub(super) fn beside(
     loop {
         let same_model = model.recall_maps(memories);
         debug_assert!(same_model, "memories of another model");
+        let regular = model.doubts().is_empty();
         *random = seed.clone();
         let x = moved(model, q, size.times(factor), units, random);
         let mut state = State::statics(t, DVector::from_vec(x));
@@ -103,9 +105,9 @@ pub(super) fn beside(
             model.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
         });
         match settled {
-            Ok(()) => return Ok(state),
+            Ok(()) if factor == 0.0 || !regular || model.doubts().is_empty() => return Ok(state),
             Err(error) if factor == 0.0 => return Err(error),
-            Err(_) => factor = if factor > 1e-3 { 0.5 * factor } else { 0.0 },
+            _ => factor = if factor > 1e-3 { 0.5 * factor } else { 0.0 },
         }
     }
 }

@@ -104,6 +104,23 @@ impl Mapped<'_> {
         step
     }
 
+    /// Differences of a function of the coordinates with respect to coordinate j, in its unit, as far as
+    /// the domain reaches on both sides.
+    fn differences(
+        &self,
+        (t, q): (f64, &[f64]),
+        (j, unit): (usize, f64),
+        f: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Option<Vec<f64>> {
+        let along = |e: f64| {
+            let mut q = q.to_vec();
+            q[j] += e * unit;
+            q
+        };
+        let step = STEP.min(self.first(|e| (t, along(e))));
+        difference(step * unit, |e| Some(f(&along(e / unit))))
+    }
+
     pub(super) fn compared(&self, matrix: &str, found: &[f64], right: &[f64]) -> Vec<Block> {
         let n = self.map.dims().1;
         let pairs = found
@@ -172,13 +189,8 @@ pub fn kinematics(
         rows.coordinates(&left)
     });
     let right = || -> Vec<f64> {
-        let columns = columns.units().into_iter().enumerate().map(|(j, unit)| {
-            difference(STEP * unit, |e| {
-                let mut q = q.to_vec();
-                q[j] += e;
-                Some(of.tangent(t, &q).0)
-            })
-        });
+        let columns = (columns.units().into_iter().enumerate())
+            .map(|along| of.differences((t, q), along, |q| of.tangent(t, q).0));
         columns.flatten().flatten().collect()
     };
     report.second_opinion(|| worst(&of.row_norms(&minus(&B, &right())), &sizes));
@@ -224,11 +236,7 @@ pub fn kinematics(
     let units = columns.units();
     let compared = || {
         let column = |(j, unit): (usize, &f64)| {
-            let right = difference(STEP * unit, |e| {
-                let mut q = q.to_vec();
-                q[j] += e;
-                Some(of.pulled(t, &q, &f))
-            })?;
+            let right = of.differences((t, q), (j, *unit), |q| of.pulled(t, q, &f))?;
             Some((j, K[j * q.len()..(j + 1) * q.len()].to_vec(), right))
         };
         Compared {
@@ -303,8 +311,9 @@ fn motion(
         let (t, q) = along(tau);
         of.tangent(t, &q)
     };
-    let right = || differences(STEP / rate, |tau| path(tau).0, x);
-    report.second_opinion(|| agree([x_dot, x_ddot], &right()));
+    let shorter = |part: f64| differences(part * STEP / rate, |tau| path(tau).0, x);
+    let right = || shorter(1.0);
+    report.second_opinion(|| agree([x_dot, x_ddot], shorter));
     report.blame(|| either(of, ["x_dot", "x_ddot"], [x_dot, x_ddot], &right()));
     let [b, b_dot, b_ddot] = [B, B_dot, B_ddot].map(|B| of.row_norms(B));
     let all: Vec<f64> = (0..sizes.len())
@@ -315,8 +324,9 @@ fn motion(
         let (t, q) = along(tau);
         of.row_norms(&left(&of.tangent(t, &q).1, B, B_dot, B_ddot, tau))
     });
-    let right = || differences(STEP / rate, |tau| path(tau).1, B);
-    report.second_opinion(|| agree([B_dot, B_ddot], &right()));
+    let shorter = |part: f64| differences(part * STEP / rate, |tau| path(tau).1, B);
+    let right = || shorter(1.0);
+    report.second_opinion(|| agree([B_dot, B_ddot], shorter));
     report.blame(|| either(of, ["B_dot", "B_ddot"], [B_dot, B_ddot], &right()));
 }
 
@@ -336,16 +346,31 @@ fn differences(h: f64, at: impl Fn(f64) -> Vec<f64>, now: &[f64]) -> [Vec<f64>; 
     [first, second]
 }
 
-/// How far two derivatives are from their differences, relatively, and what these allow.
-fn agree(found: [&Vec<f64>; 2], right: &[Vec<f64>; 2]) -> Option<(f64, f64)> {
-    let off = |k: usize| norm(&minus(found[k], &right[k])) / norm(&right[k]).max(f64::MIN_POSITIVE);
-    Some((off(0).max(off(1)), TELLING))
+/// How far two derivatives are from their differences, relatively, and what these allow: from those
+/// with the step that suits them best, as what is wrong is off by all of them.
+fn agree(found: [&Vec<f64>; 2], differences: impl Fn(f64) -> [Vec<f64>; 2]) -> Option<(f64, f64)> {
+    let off = |part: f64| {
+        let right = differences(part);
+        let off =
+            |k: usize| norm(&minus(found[k], &right[k])) / norm(&right[k]).max(f64::MIN_POSITIVE);
+        larger(off(0), off(1))
+    };
+    let least = [1.0, 0.25, 0.0625]
+        .map(off)
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
+    Some((least, TELLING))
+}
+
+/// The larger number, or the one that is none: what differences do not know is not confirmed by them.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
 }
 
 /// The largest defect over its size, and what differences allow.
 fn worst(defects: &[f64], sizes: &[f64]) -> Option<(f64, f64)> {
     let strains = defects.iter().zip(sizes).map(|(d, s)| d / s);
-    Some((strains.fold(0.0, f64::max), CONFIRMED))
+    Some((strains.fold(0.0, larger), CONFIRMED))
 }
 
 fn norm(x: &[f64]) -> f64 {

@@ -18,8 +18,12 @@ const MEETING: [&str; 5] = ["x", "x_dot", "x_ddot", "B", "B_dot"];
 
 /// Notes that pieces meet: from a state on along every coordinate, x, ẋ, ẍ, B and Ḃ are the same by the
 /// formula that holds there and by the one that takes over
-/// ([`Map::keep_piece`](crate::map::Map::keep_piece)). Nothing is noted where there are no pieces.
+/// ([`Map::keep_piece`](crate::map::Map::keep_piece)). Nothing is noted where there are no pieces, and of maps
+/// that solve equations: their pieces are those of what they solve, and far away they are on another branch.
 pub fn pieces(report: &mut Report, of: Mapped<'_>, at: &str, s: &State, random: &mut Random) {
+    if of.map.violation(s.t, s.x.as_slice()).is_some() {
+        return;
+    }
     let units = of.columns.units();
     let mut noise = || {
         let mut v = DVector::zeros(units.len());
