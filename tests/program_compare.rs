@@ -5,7 +5,7 @@ mod program_support;
 
 use program_support::{directory, files, read};
 use pullback::compare::FILES;
-use pullback::gallery::MODELS;
+use pullback::gallery::{self, MODELS};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -258,6 +258,9 @@ fn refusals_name_what_is_wrong() {
 
 #[test]
 fn models_of_the_gallery_need_no_file() {
+    // As `pullback gallery` names its cases, too.
+    let [case, model] = ["heavy-top", "heavy_top"].map(|name| gallery::model(Path::new(name)));
+    assert!(case.is_some() && case == model);
     let listed = std::fs::read_dir(Path::new(ROOT).join("examples/models")).unwrap();
     let mut listed: Vec<String> = listed
         .map(|file| {

@@ -185,15 +185,15 @@ fn parameters_and_options_are_refused_with_their_range() {
     };
     says(
         Scheme::newmark(0.25, 0.4),
-        "Newmark's gamma = 0.4 is outside its range [0.500000, 1.000000]",
+        "Newmark's gamma = 0.4 is outside its range [0.5, 1]",
     );
     says(
         Scheme::newmark(0.0, 0.5),
-        "Newmark's beta = 0.0 is outside its range [0.010000, 1.000000]",
+        "Newmark's beta = 0.0 is outside its range [0.01, 1]",
     );
     says(
         Scheme::hht(-0.4),
-        "alpha of HHT = -0.4 is outside its range [-0.333333, 0.000000]",
+        "alpha of HHT = -0.4 is outside its range [-0.3333333, 0]",
     );
     says(Scheme::hht(f64::NAN), "alpha of HHT = NaN");
     says(Scheme::wbz(1.1), "rho of WBZ = 1.1");

@@ -3,6 +3,7 @@
 use crate::input::InputError;
 use crate::output::OutputError;
 use pullback_integrators::dynamics::DynamicsError;
+use pullback_integrators::significant;
 
 /// Why a comparison cannot be made. A scheme that fails at a step is none of these: it is a row
 /// with the reason.
@@ -59,8 +60,8 @@ pub enum CompareError {
     },
     /// Neither a file nor a model of the gallery.
     #[error(
-        "there is no file `{name}`, and no model of the gallery is called so{}; the gallery has {known}",
-        near.as_ref().map_or(String::new(), |near| format!(": did you mean `{near}`?"))
+        "there is no file `{name}`, and no model of the gallery is called so{} gallery has {known}",
+        near.as_ref().map_or("; the".to_owned(), |near| format!(": did you mean `{near}`? The"))
     )]
     NoModel {
         /// What was asked for.
@@ -71,7 +72,7 @@ pub enum CompareError {
         known: String,
     },
     /// A step that is the whole motion.
-    #[error("step size {value} makes one step of the whole motion: take smaller ones")]
+    #[error("step size {} makes one step of the whole motion: take smaller ones", significant(*value))]
     OneStep {
         /// Its value.
         value: f64,
@@ -83,13 +84,13 @@ pub enum CompareError {
         found: usize,
     },
     /// A step size that is none.
-    #[error("step size {value} is not usable: it must be positive and finite")]
+    #[error("step size {} is not usable: it must be positive and finite", significant(*value))]
     Step {
         /// Its value.
         value: f64,
     },
     /// Step sizes in another order than from large to small.
-    #[error("step sizes must decrease, and {after} comes after {before}")]
+    #[error("step sizes must decrease, and {} comes after {}", significant(*after), significant(*before))]
     Order {
         /// A step size.
         before: f64,
@@ -97,7 +98,10 @@ pub enum CompareError {
         after: f64,
     },
     /// A step size larger than the whole motion.
-    #[error("step size {value} is larger than the duration {to} of the motion: take smaller ones")]
+    #[error(
+        "step size {} is larger than the duration {} of the motion: take smaller ones",
+        significant(*value), significant(*to)
+    )]
     Long {
         /// Its value.
         value: f64,
@@ -105,9 +109,20 @@ pub enum CompareError {
         to: f64,
     },
     /// More steps than anybody would wait for.
-    #[error("step size {value} makes more than {most:e} steps: take larger ones")]
+    #[error("step size {} makes more than {most:e} steps: take larger ones", significant(*value))]
     Many {
         /// Its value.
+        value: f64,
+        /// Most steps.
+        most: f64,
+    },
+    /// A long run with more steps than anybody would wait for.
+    #[error(
+        "a run of {} times the duration makes more than {most:e} steps: take it shorter",
+        significant(*value)
+    )]
+    TooLong {
+        /// How many times.
         value: f64,
         /// Most steps.
         most: f64,
@@ -133,7 +148,7 @@ pub enum CompareError {
         problem: String,
     },
     /// Long runs that are none.
-    #[error("long runs of {value} times the duration are none: it must be 1 or more, and finite")]
+    #[error("long runs of {} times the duration are none: it must be 1 or more, and finite", significant(*value))]
     Longer {
         /// The factor.
         value: f64,

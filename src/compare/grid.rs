@@ -89,18 +89,25 @@ impl Grid {
 
     /// The largest step over so many times the duration (1 or more), or a little longer where the steps
     /// have too few divisors for common times.
-    pub fn longer(&self, factor: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`CompareError::TooLong`].
+    pub fn longer(&self, factor: f64) -> Result<Self, CompareError> {
         let count = self.counts.first().copied().unwrap_or(1);
+        if count as f64 * factor > MOST_STEPS {
+            let (value, most) = (factor, MOST_STEPS);
+            return Err(CompareError::TooLong { value, most });
+        }
         let steps = ((count as f64 * factor).ceil() as usize).max(1);
         let exact = (ENOUGH_TIMES..=MOST_TIMES).rev();
         let times = exact.into_iter().find(|m| steps.is_multiple_of(*m));
         let times = times.unwrap_or(steps.min(MOST_TIMES));
         let steps = steps.next_multiple_of(times);
-        Self {
+        Ok(Self {
             to: self.step(count) * steps as f64,
             counts: vec![steps],
             times,
-        }
+        })
     }
 
     /// Common time `k`, from 1.
@@ -161,7 +168,12 @@ mod tests {
 
     #[test]
     fn a_longer_run_has_the_largest_step() {
-        let long = Grid::new(1.0, &[0.1, 0.05]).unwrap().longer(20.0);
+        let grid = Grid::new(1.0, &[0.1, 0.05]).unwrap();
+        assert!(matches!(
+            grid.longer(1e300),
+            Err(CompareError::TooLong { .. })
+        ));
+        let long = grid.longer(20.0).unwrap();
         assert_eq!((long.counts[0], long.times), (200, 100));
         assert!((long.step(200) - 0.1).abs() < 1e-15 && (long.to - 20.0).abs() < 1e-12);
     }

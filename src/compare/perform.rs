@@ -15,6 +15,8 @@ use std::sync::{Mutex, PoisonError};
 /// What has been checked before anything runs.
 pub(super) struct Prepared {
     grid: Grid,
+    /// That of the long runs, if they are asked for.
+    long: Option<Grid>,
     reference: Method,
     unknowns: usize,
     nodes: usize,
@@ -51,6 +53,8 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     if let Some(value) = options.long.filter(|f| !(*f >= 1.0 && f.is_finite())) {
         return Err(CompareError::Longer { value });
     }
+    let long = options.long.map(|factor| grid.longer(factor));
+    let long = long.transpose()?;
     if options.schemes.is_empty() {
         return Err(CompareError::NoScheme);
     }
@@ -79,6 +83,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
+        long,
         reference,
         unknowns: start.q.len(),
         nodes: job.model.frames().count(),
@@ -129,6 +134,7 @@ pub(super) fn carry_out(
 ) -> Comparison {
     let Prepared {
         grid,
+        long,
         reference,
         unknowns,
         nodes,
@@ -164,7 +170,6 @@ pub(super) fn carry_out(
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let threads = options.threads.map_or(cores, NonZeroUsize::get);
     let threads = threads.min(tasks.len());
-    let long = options.long.map(|factor| grid.longer(factor));
     let first = tasks.len();
     if let Some(long) = &long {
         let steps = long.counts[0];

@@ -177,15 +177,20 @@ fn advance(
         };
         if k == 0 {
             integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+            // The same search once more, by a run that knows nothing of the first one.
+            let mut anew = Progress {
+                kept: None,
+                ..progress.clone()
+            };
+            let asked = model.assemblies();
+            integrate(model, &mut anew, &here, &mut |_, _| (watch.flow)())?;
+            ran.searching = model.assemblies() - asked;
+            searches += 2 * ran.searching;
         }
         let asked = model.assemblies();
         integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
-        let searching = model.assemblies() - asked;
-        if k == 0 {
-            ran.searching = searching;
-        }
-        // The empty part, its twin at the start, and the part itself.
-        searches += searching * if k == 0 { 3 } else { 2 };
+        // The empty part, and the part itself.
+        searches += 2 * (model.assemblies() - asked);
         let mut stopped = false;
         let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
             let flow = (watch.flow)();

@@ -47,6 +47,7 @@ pub const MODELS: &[(&str, &str)] = models![
 
 /// The text of the model that a command line names in place of a file.
 pub fn model(name: &Path) -> Option<&'static str> {
-    let found = MODELS.iter().find(|(known, _)| Path::new(known) == name);
+    let name = name.to_str()?.replace('-', "_");
+    let found = MODELS.iter().find(|(known, _)| *known == name);
     found.map(|(_, text)| *text)
 }

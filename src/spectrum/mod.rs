@@ -14,6 +14,7 @@ use crate::general;
 use crate::method::PREFIXES;
 use crate::output::{Directory, OutputError};
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
+use pullback_integrators::significant;
 use pullback_integrators::spectrum::{
     self as integrator, Numbers, amplification, characteristic, closed_first_step, closed_form,
     expansion, logarithmic,
@@ -44,7 +45,10 @@ pub enum SpectrumError {
     #[error("{0}")]
     Scheme(#[from] DynamicsError),
     /// Ω from where to where makes no range.
-    #[error("Ω from {from} to {to} is no range: both must lie between {:e} and {:e}, the second one larger", RANGE[0], RANGE[1])]
+    #[error(
+        "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
+        significant(*from), significant(*to), RANGE[0], RANGE[1]
+    )]
     Range {
         /// Smallest.
         from: f64,

@@ -2,13 +2,17 @@
 
 use crate::failure::FailedStep;
 use crate::linear_solver::LinearError;
+use crate::significant;
 use pullback_manifold::system::SystemError;
 
 /// Why an integration in time failed.
 #[derive(Debug, thiserror::Error)]
 pub enum DynamicsError {
     /// A parameter of a scheme outside its range.
-    #[error("{name} = {value:?} is outside its range [{from:.6}, {to:.6}]")]
+    #[error(
+        "{name} = {value:?} is outside its range [{}, {}]",
+        significant(*from), significant(*to)
+    )]
     Parameter {
         /// Its name.
         name: &'static str,
