@@ -167,6 +167,19 @@ fn a_slide_may_start_at_the_end_of_its_chain() {
     }
 }
 
+/// A random state is on another line of its chain, with another corner, than the start.
+#[test]
+fn a_slide_may_start_near_a_node_of_its_chain() {
+    let directory = directory("program_check_node");
+    for start in [0.37, 0.38] {
+        let path = write(&directory, &bead(start));
+        for seed in 0..6 {
+            let report = check::file(&path, seed).unwrap();
+            assert!(report.is_ok(), "{start}\n{}", check::table(&report));
+        }
+    }
+}
+
 /// The third derivative of a curve through points jumps at them, where a closed one starts by default.
 #[test]
 fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {

@@ -67,10 +67,8 @@ fn transport(
     chosen: &[Rotation],
 ) -> Result<(), SystemError> {
     let before = spatial(model, s)?;
-    let segments = model.segments();
     let mut other = s.clone();
-    // A map that is handed over on the occasion has its own laws for that.
-    if model.switch(chosen, &mut other)? == 0 || model.segments() != segments {
+    if model.switch(chosen, &mut other)? == 0 {
         return Ok(());
     }
     let after = spatial(model, &other)?;

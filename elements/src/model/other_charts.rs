@@ -50,6 +50,8 @@ impl Model {
                 complement(&unknowns, s, &(PI..TAU));
             }
         }
+        // A slide enters the line that it was told to recall first, and then the one that it is on.
+        self.update_maps(s.t, s.x.as_slice())?;
         self.update_maps(s.t, s.x.as_slice())?;
         self.start(s.t, s.x.as_slice());
         Ok(())

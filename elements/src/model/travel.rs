@@ -167,12 +167,6 @@ pub(crate) struct Side {
 const NUDGE: f64 = 1e-3;
 
 impl Model {
-    /// Where along their chains the maps that travel are now.
-    pub(crate) fn segments(&self) -> Vec<usize> {
-        let travelling = self.nodes.iter().filter_map(travelling_map);
-        travelling.map(|d| d.map.segment()).collect()
-    }
-
     /// The places where a node's map is handed over next, along each of the coordinates that it reads,
     /// as the configuration last set has all others: the map before and after.
     pub(crate) fn hand_overs(&self, n: u32, t: f64) -> Vec<[Side; 2]> {
