@@ -122,6 +122,28 @@ fn an_exact_solution_comes_from_a_file() {
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("there is no row for t = "), "{said}");
+    // What it says twice it says once, and something.
+    let text = precession();
+    let (head, body) = text.split_once('\n').unwrap();
+    let (first, _) = body.split_once('\n').unwrap();
+    let name = head.rsplit(',').next().unwrap();
+    let last = first.rsplit(',').next().unwrap();
+    let other = first.strip_suffix(last).unwrap().to_owned() + "7.5";
+    for (wrong, word) in [
+        (
+            text.replacen("t,", &format!("{name},t,"), 1),
+            "is there twice",
+        ),
+        (format!("{head}\n{other}\n{body}"), "contradict each other"),
+        ("t\n0\n".to_owned(), "nothing is known in it but times"),
+        (text.replacen("t,", "\u{feff}time,", 1), "column `time`"),
+    ] {
+        std::fs::write(&file, &wrong).unwrap();
+        let refused = compare(&model, &[&steps[..], &exact].concat());
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said}");
+    }
 }
 
 #[test]

@@ -100,6 +100,16 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
     let (_, head) = lines
         .next()
         .ok_or_else(|| refuse("it is empty".to_owned()))?;
+    // Some programs write a mark of byte order first.
+    let head = head.trim_start_matches('\u{feff}');
+    let names: Vec<&str> = head.split(',').map(str::trim).collect();
+    let twice = names
+        .iter()
+        .enumerate()
+        .find(|(k, name)| names[..*k].contains(name));
+    if let Some((_, name)) = twice {
+        return Err(refuse(format!("column `{name}` is there twice")));
+    }
     let columns: Vec<Column> = head
         .split(',')
         .map(|name| column(name.trim(), nodes).map_err(&refuse))
@@ -107,6 +117,9 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
     let Some(of_time) = columns.iter().position(|c| matches!(c, Column::Time)) else {
         return Err(refuse("it has no column `t`".to_owned()));
     };
+    if columns.len() == 1 {
+        return Err(refuse("nothing is known in it but times".to_owned()));
+    }
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (k, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let cells = line.split(',').map(|cell| {
@@ -134,6 +147,10 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
                  {n} (this is k = {k})"
             )));
         };
+        let mut same = rows.iter().filter(|row| (row[of_time] - t).abs() <= near);
+        if same.any(|other| other[..] != row[..] && other[of_time] == row[of_time]) {
+            return Err(refuse(format!("rows for t = {t} contradict each other")));
+        }
         samples.push(sample(t, row, &columns, nodes.len()));
     }
     let name = format!("exact, {}", path.display());

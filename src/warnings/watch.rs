@@ -155,7 +155,7 @@ impl Watch {
             format!(
                 "forces are no larger than rounding errors at load parameter {}: the residual (force \
                  {force:.1e}, moment {moment:.1e}) cannot be made smaller with such stiffnesses, and \
-                 forces and reactions of this size, and what they move, have no correct digits. Load \
+                 forces and reactions of this size, and what they move, have few correct digits or none. Load \
                  it more, or make stiff parts softer or rigid",
                 significant(t)
             )
