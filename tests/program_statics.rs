@@ -1,8 +1,10 @@
 //! What a run in statics records and warns of.
 #![allow(clippy::unwrap_used)]
 
+mod closures_support;
 mod program_support;
 
+use closures_support::{CLOSURES, GROUND, arm, hinge, joint};
 use program_support::{MODEL, directory, history, number, program, read, results, with, write};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -111,65 +113,22 @@ fn a_path_plays_in_the_order_of_its_rows() {
 #[test]
 fn a_spring_that_parts_hold_at_the_start_is_in_balance() {
     // Without a load the reactions are rounding errors of nothing, and measure no residual.
-    let file = r#"
-        [nodes]
-        ground = [0, 0, 0]
-        [[joints]]
-        name = "A"
-        type = "revolute"
-        master = "ground"
-        axis = [0, 0, 1]
-        spring = { k = 60 }
-        [[joints]]
-        name = "a"
-        type = "offset"
-        master = "A"
-        place = [0.31, 1.04, 0]
-        [[joints]]
-        name = "B"
-        type = "revolute"
-        master = "a"
-        axis = [0, 0, 1]
-        spring = { k = 60 }
-        [[joints]]
-        name = "b"
-        type = "offset"
-        master = "B"
-        place = [1.26, 1.37, 0]
-        [[joints]]
-        name = "D"
-        type = "revolute"
-        master = "ground"
-        axis = [0, 0, 1]
-        spring = { k = 60 }
-        [[joints]]
-        name = "d"
-        type = "offset"
-        master = "D"
-        place = [1.26, 1.37, 0]
-        [[joints]]
-        name = "C"
-        type = "prismatic"
-        master = "d"
-        axis = [0.3, 1, 0]
-        child = "b"
-        closure = "multipliers"
-        spring = { k = 60 }
-        [[springs]]
-        name = "stay"
-        nodes = ["d", "a"]
-        stiffness = 18
-        rest_length = 1.1
-        [[loads]]
-        node = "a"
-        force = [0.3, -1, 0]
-        [[supports]]
-        node = "ground"
-        fix = "all"
-        [analysis.static]
-        steps = 2
-    "#;
-    let (rows, result, _) = run("statics_strained", file);
+    let k = "spring = { k = 60 }";
+    let closed = format!("axis = [0.3, 1, 0]\nchild = \"b\"\n{}\n{k}", CLOSURES[1]);
+    let file = [
+        GROUND,
+        &hinge("A", "ground", k),
+        &arm("a", "A", [0.31, 1.04, 0.0]),
+        &hinge("B", "a", k),
+        &arm("b", "B", [1.26, 1.37, 0.0]),
+        &hinge("D", "ground", k),
+        &arm("d", "D", [1.26, 1.37, 0.0]),
+        &joint("C", "prismatic", "d", &closed),
+        "[[springs]]\nname = \"stay\"\nnodes = [\"d\", \"a\"]\nstiffness = 18\nrest_length = 1.1\n",
+        "[[loads]]\nnode = \"a\"\nforce = [0.3, -1, 0]\n",
+        "[analysis.static]\nsteps = 2\n",
+    ];
+    let (rows, result, _) = run("statics_strained", &file.concat());
     assert_eq!(result["warnings"].to_string(), "[]");
     let strain = 0.95_f64.hypot(0.33) - 1.1;
     let energy = number(&rows[0], "strain_energy");
