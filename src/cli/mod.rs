@@ -4,13 +4,12 @@ mod compare;
 mod gallery;
 mod spectrum;
 
-use crate::input::{Plan, Registry};
+use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
 use crate::solve::Advance;
 use crate::terminal::{self, Interrupt, Progress};
 use clap::{Parser, Subcommand};
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use pullback_integrators::significant;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
@@ -247,18 +246,8 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
 }
 
 /// Prints a refusal with the place in the file.
-fn complain(error: &dyn Diagnostic) {
-    let theme = if io::stderr().is_terminal() {
-        GraphicalTheme::unicode()
-    } else {
-        GraphicalTheme::unicode_nocolor()
-    };
-    let mut text = String::new();
-    let handler = GraphicalReportHandler::new_themed(theme).with_width(100);
-    match handler.render_report(&mut text, error) {
-        Ok(()) => eprintln!("{text}"),
-        Err(_) => eprintln!("error: {error}"),
-    }
+fn complain(error: &InputError) {
+    eprintln!("{}", error.report(io::stderr().is_terminal()));
 }
 
 fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -> u8 {

@@ -1,7 +1,7 @@
 //! Why a model file is refused: what is wrong, where it stands, what would be right.
 
 use super::registry::BoxedError;
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use pullback_elements::beam::SectionError;
 use pullback_elements::body::BodyError;
 use pullback_elements::model::ModelError;
@@ -235,7 +235,8 @@ pub struct InputError {
     pub problem: Box<Problem>,
     /// Bytes of the text it concerns.
     pub span: Option<Range<usize>>,
-    text: Option<NamedSource<String>>,
+    /// Name and text of the file.
+    source: Option<(String, String)>,
 }
 
 impl InputError {
@@ -244,7 +245,7 @@ impl InputError {
         Self {
             problem: Box::new(problem),
             span: None,
-            text: None,
+            source: None,
         }
     }
 
@@ -264,17 +265,32 @@ impl InputError {
         Self {
             problem: Box::new(problem),
             span,
-            text: Some(NamedSource::new(name, text.to_owned()).with_language("toml")),
+            source: Some((name.to_owned(), text.to_owned())),
         }
     }
 
     /// Line and column of the place, from 1.
     pub fn line_column(&self) -> Option<(usize, usize)> {
         let start = self.span.as_ref()?.start;
-        let before = self.text.as_ref()?.inner().get(..start)?;
+        let before = self.source.as_ref()?.1.get(..start)?;
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
         Some((line, column))
+    }
+
+    /// The refusal with its place in the file and advice, for a terminal.
+    pub fn report(&self, color: bool) -> String {
+        let message = self.to_string();
+        let mut report = Group::with_title(Level::ERROR.primary_title(&message));
+        if let (Some((name, text)), Some(span)) = (&self.source, &self.span) {
+            let here = AnnotationKind::Primary.span(span.clone()).label("here");
+            report = report.element(Snippet::source(text).path(name).annotation(here));
+        }
+        if let Some(advice) = self.problem.advice() {
+            report = report.element(Level::HELP.message(advice));
+        }
+        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        renderer.render(&[report])
     }
 }
 
@@ -285,23 +301,3 @@ impl fmt::Display for InputError {
 }
 
 impl std::error::Error for InputError {}
-
-impl Diagnostic for InputError {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.problem
-            .advice()
-            .map(|a| Box::new(a) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.text.as_ref().map(|t| t as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.span.clone()?;
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
-            Some("here".to_owned()),
-            span,
-        ))))
-    }
-}

@@ -1,0 +1,181 @@
+//! `check::model`: a right model passes from many seeds, whatever its units and stiffness ratios.
+
+#![allow(non_snake_case)]
+
+use crate::support::{coupled, section};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::beam::Section;
+use pullback_elements::body::RigidBody;
+use pullback_elements::check::{self, Options};
+use pullback_elements::inertia::Inertia;
+use pullback_elements::joint::{offset, revolute, slide, spherical, universal};
+use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::model::{Dof, Line, Model, ModelBuilder, Straight};
+use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
+use pullback_elements::time::{Constant, Sine};
+
+fn sine(amplitude: f64) -> Sine {
+    Sine {
+        amplitude,
+        omega: 2.3,
+        phase: 0.4,
+        offset: 0.1,
+    }
+}
+
+/// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
+/// joint, a slide, springs, a bushing, loads of all kinds and a driven support.
+fn everything() -> Model {
+    let mut b = ModelBuilder::new();
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
+    let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
+    let inertia = Inertia::about_centre(
+        0.7,
+        Vector3::new(0.0, 0.02, 0.01),
+        Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.015)),
+    );
+    for (name, ends, order, section) in [
+        ("arm", [root, corner], 2, coupled()),
+        ("leg", [corner, tip], 1, section()),
+    ] {
+        let axis = Straight {
+            from: b.place(ends[0]),
+            to: b.place(ends[1]),
+            second: None,
+            twist: 0.3,
+        };
+        let line = Line {
+            elements: 2,
+            order,
+            section: section.with_inertia(inertia).unwrap(),
+        };
+        b.line(name, &axis, ends, &line).unwrap();
+    }
+    let hinge = revolute(&mut b, "hinge", tip, [1.0, 2.0, -1.0]).unwrap();
+    let far = offset(&mut b, "far", hinge.frame, [0.1, 0.2, 0.3]).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
+    let body = RigidBody::new(2.0, J, Vector3::new(0.05, 0.0, 0.1)).unwrap();
+    b.element("body", body, &[far]).unwrap();
+    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+    b.element("weight", weight, &[far]).unwrap();
+    let law = CoordinateLaw {
+        k: 3.0,
+        k3: 1.0,
+        c: 0.2,
+        x0: 0.1,
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("torsion", spring, &[hinge.angle]).unwrap();
+    let ball = spherical(&mut b, "ball", corner).unwrap();
+    b.element("ball body", body, &[ball.frame]).unwrap();
+    let cross = universal(&mut b, "cross", tip, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    b.element("cross body", body, &[cross.frame]).unwrap();
+    let leg = b.find("leg/1").unwrap();
+    let runner = slide(&mut b, "runner", &[corner, leg, tip], 0.3).unwrap();
+    b.element("runner body", body, &[runner.frame]).unwrap();
+    let places = [tip, root].map(|n| b.place(n));
+    let rope = AxialSpring::new(&places, 4.0, 0.3).unwrap();
+    b.element("rope", rope, &[tip, root]).unwrap();
+    let places = [far, root].map(|n| b.place(n));
+    let K = Matrix6::from_diagonal(&[5.0, 6.0, 7.0, 0.5, 0.6, 0.7].into());
+    let mount = Bushing::new(&places, &Matrix3::identity(), &K, &(K * 0.1)).unwrap();
+    b.element("mount", mount, &[far, root]).unwrap();
+    for (which, k) in [
+        (Which::FollowerForce, 0.0),
+        (Which::SpatialMoment, 1.0),
+        (Which::DeadForce, 2.0),
+        (Which::FollowerMoment, 3.0),
+    ] {
+        let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
+        b.element(format!("load {k}"), load, &[tip]).unwrap();
+    }
+    b.support(root, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
+    b.prescribe(root, Dof::Z, sine(0.2));
+    b.prescribe(root, Dof::RZ, sine(0.5));
+    b.build().unwrap()
+}
+
+#[test]
+fn a_right_model_passes_from_many_seeds() {
+    let mut model = everything();
+    for seed in 0..12 {
+        let options = Options {
+            seed,
+            ..Options::default()
+        };
+        let report = check::model(&mut model, &options);
+        report.assert();
+        assert!(report.rows().len() > 200, "{}", report.rows().len());
+    }
+}
+
+/// A cantilever of slenderness 1e5 in millimetres and newtons: stiffnesses from 1e-4 to 1e6, a soft
+/// spring and a body of grams at its end.
+#[test]
+fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
+    for (length, EA, EI) in [
+        (1000.0, 1e6, 1e-4 * 1e6),
+        (1e-3, 1e10, 1.0),
+        (1.0, 1e10, 1.0),
+    ] {
+        let mut b = ModelBuilder::new();
+        let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
+        let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
+        let axis = Straight {
+            from: b.place(root),
+            to: b.place(tip),
+            second: None,
+            twist: 0.2,
+        };
+        let EI = EI * length * length;
+        let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)) * (1e-6 * length * length);
+        let section = Section::diagonal(EA, [0.4 * EA; 2], EI, [EI, 2.0 * EI]).unwrap();
+        let section = section.with_mass(1e-6, J);
+        let line = Line {
+            elements: 4,
+            order: 1,
+            section,
+        };
+        b.line("rod", &axis, [root, tip], &line).unwrap();
+        b.support(root, &Dof::ALL);
+        let J = Matrix3::from_diagonal(&Vector3::new(1.0, 1.5, 2.0)) * (1e-7 * length * length);
+        let body = RigidBody::new(1e-6, J, Vector3::zeros()).unwrap();
+        b.element("tip mass", body, &[tip]).unwrap();
+        let soft = AxialSpring::new(&[root, tip].map(|n| b.place(n)), 1e-10 * EA, 0.0).unwrap();
+        b.element("soft", soft, &[root, tip]).unwrap();
+        let mut model = b.build().unwrap();
+        for seed in 0..8 {
+            let options = Options {
+                seed,
+                ..Options::default()
+            };
+            check::model(&mut model, &options).assert();
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
+    let mut model = everything();
+    let options = Options::default();
+    let first = check::model(&mut model, &options);
+    assert_eq!(first, check::model(&mut model, &options));
+    assert_ne!(
+        first,
+        check::model(
+            &mut model,
+            &Options {
+                seed: 1,
+                ..options.clone()
+            }
+        )
+    );
+    // The slide is beyond the end of its chain.
+    let way = model.find("runner way").unwrap();
+    let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];
+    q[model.unknown_at(way, 0).unwrap()] = 100.0;
+    let report = check::model(&mut model, &Options { q, ..options });
+    assert!(!report.is_ok());
+    assert!(report.to_string().contains("runner"), "{report}");
+}

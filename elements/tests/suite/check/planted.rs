@@ -1,0 +1,287 @@
+//! Errors planted in components of a model: `check::model` names the component, the block, and how
+//! much of it is missing.
+
+#![allow(non_snake_case)]
+
+use crate::support::{coupled, line};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use pullback_elements::body::RigidBody;
+use pullback_elements::check::{self, Options};
+use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::joint::{Hung, Joint, Offset, Pose, Revolute};
+use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
+use pullback_manifold::check::{Report, Row};
+use pullback_manifold::map::{Kinematics, Map, derived};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Planted {
+    Nothing,
+    /// Ḃ of the joint is half of itself.
+    LostFactor,
+    /// K_σ of the joint has the other sign.
+    SwappedSign,
+    /// The frame does not turn with its master's rotation, but about fixed axes.
+    FixedAxes,
+    /// C of the body is missing: nothing but gyroscopic terms.
+    MissingTangent,
+    /// Ω×JΩ is missing in the body's force.
+    MissingForce,
+}
+
+/// A rigid link with a closed form that overrides the derived one.
+#[derive(Clone)]
+struct Link(Planted);
+
+const C: [f64; 3] = [0.3, -0.2, 0.5];
+
+impl Map<6, 6> for Link {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
+        let mut x = Hung::new(Offset { c: C.into() }).phi(t, q);
+        if self.0 == Planted::FixedAxes {
+            x[2] += q[3] * 0.1;
+        }
+        x
+    }
+
+    fn kinematics(
+        &self,
+        t: f64,
+        q: &SVector<f64, 6>,
+        v: &SVector<f64, 6>,
+        a: &SVector<f64, 6>,
+    ) -> Kinematics<6, 6> {
+        let mut out = derived::kinematics(self, t, q, v, a);
+        if self.0 == Planted::LostFactor {
+            out.B_dot *= 0.5;
+        }
+        out
+    }
+
+    fn geometric_stiffness(
+        &self,
+        t: f64,
+        q: &SVector<f64, 6>,
+        f: &SVector<f64, 6>,
+    ) -> SMatrix<f64, 6, 6> {
+        let K = derived::geometric_stiffness(self, t, q, f);
+        match self.0 {
+            Planted::SwappedSign => -K,
+            _ => K,
+        }
+    }
+}
+
+fn body() -> RigidBody {
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.45));
+    RigidBody::new(2.0, J, Vector3::zeros()).unwrap()
+}
+
+/// A rigid body without some of its gyroscopic terms.
+struct Top(Planted);
+
+impl Element for Top {
+    fn dim(&self) -> usize {
+        6
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        let mut again = Response {
+            r: &mut *out.r,
+            K: out.K.as_deref_mut(),
+            C: match self.0 {
+                Planted::MissingTangent => None,
+                _ => out.C.as_deref_mut(),
+            },
+            M: out.M.as_deref_mut(),
+            r_t: None,
+        };
+        body().evaluate(at, &mut again)?;
+        if self.0 == Planted::MissingForce && !at.v.is_empty() {
+            let [psi, rate] = [at.x, at.v].map(|x| Vector3::new(x[3], x[4], x[5]));
+            let T = so3::tangent(&psi);
+            let Omega = T * rate;
+            let lost = T.tr_mul(&Omega.cross(&(body().inertia().J * Omega)));
+            for k in 0..3 {
+                out.r[3 + k] += lost[k];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A beam with a link at its end that carries a body, and a spinning body beside it.
+fn report(planted: Planted, seed: u64) -> Report {
+    let mut b = ModelBuilder::new();
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let tip = b.node("tip", [1.0, 0.2, 0.1]).unwrap();
+    let axis = Straight {
+        from: b.place(root),
+        to: b.place(tip),
+        second: None,
+        twist: 0.0,
+    };
+    let beams = Line {
+        section: coupled(),
+        ..line(2, 1)
+    };
+    b.line("arm", &axis, [root, tip], &beams).unwrap();
+    b.support(root, &Dof::ALL);
+    let end = b.place(tip) + Vector3::from(C);
+    let far = b
+        .mapped_node("far", end.into(), Link(planted).boxed(), &[tip])
+        .unwrap();
+    b.element("load", body(), &[far]).unwrap();
+    let hub = b.node("hub", [0.0, 0.0, 2.0]).unwrap();
+    b.element("top", Top(planted), &[hub]).unwrap();
+    let options = Options {
+        seed,
+        ..Options::default()
+    };
+    check::model(&mut b.build().unwrap(), &options)
+}
+
+/// Components that fail, each once.
+fn broken(report: &Report) -> Vec<&str> {
+    let mut all: Vec<&str> = (report.failures().into_iter())
+        .map(|row| row.component.as_str())
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+fn failure<'a>(report: &'a Report, component: &str, law: &str) -> &'a Row {
+    let found = report
+        .rows()
+        .iter()
+        .find(|r| r.component == component && r.law == law);
+    let row = found.unwrap_or_else(|| panic!("no {law} of {component}\n{report}"));
+    assert!(!row.passed, "{report}");
+    assert!(!row.blocks.is_empty(), "{report}");
+    row
+}
+
+const SEEDS: std::ops::Range<u64> = 0..4;
+
+#[test]
+fn without_errors_all_is_well() {
+    for seed in SEEDS {
+        report(Planted::Nothing, seed).assert();
+    }
+}
+
+#[test]
+fn a_lost_factor_in_the_rate_of_the_operator() {
+    for seed in SEEDS {
+        let report = report(Planted::LostFactor, seed);
+        assert_eq!(broken(&report), ["joint far (link)", "model"], "{report}");
+        let row = failure(
+            &report,
+            "joint far (link)",
+            "B_dot, B_ddot along the motion",
+        );
+        let block = &row.blocks[0];
+        assert_eq!(block.matrix, "B_dot");
+        assert_eq!(block.rows, "displacement of node far");
+        assert_eq!(block.columns, "rotation of node tip");
+        assert!((block.factor - 0.5).abs() < 1e-6, "{block}");
+        assert!((block.defect / block.right - 0.5).abs() < 1e-6, "{block}");
+        // 2 Bᵀ M Ḃ of what hangs on the tip.
+        let row = failure(&report, "model", "C = -dr/dv");
+        assert!(row.blocks[0].columns.ends_with("node tip"), "{report}");
+        assert!(row.blocks[0].rows.ends_with("node tip"), "{report}");
+    }
+}
+
+#[test]
+fn a_swapped_sign_in_the_geometric_stiffness() {
+    for seed in SEEDS {
+        let report = report(Planted::SwappedSign, seed);
+        assert_eq!(broken(&report), ["joint far (link)", "model"], "{report}");
+        let row = failure(&report, "joint far (link)", "K_sigma = d(B'f)/dq");
+        let block = &row.blocks[0];
+        assert_eq!(block.matrix, "K_sigma");
+        assert_eq!([&block.rows, &block.columns], ["rotation of node tip"; 2]);
+        assert!((block.factor + 1.0).abs() < 1e-6, "{block}");
+        assert!((block.defect / block.right - 2.0).abs() < 1e-6, "{block}");
+        let block = &failure(&report, "model", "K = -dr/dx").blocks[0];
+        assert_eq!([&block.rows, &block.columns], ["rotation of node tip"; 2]);
+    }
+}
+
+#[test]
+fn a_missing_gyroscopic_tangent() {
+    for seed in SEEDS {
+        let report = report(Planted::MissingTangent, seed);
+        assert_eq!(broken(&report), ["element top (top)", "model"], "{report}");
+        for component in broken(&report) {
+            let block = &failure(&report, component, "C = -dr/dv").blocks[0];
+            assert_eq!(block.matrix, "C");
+            assert_eq!([&block.rows, &block.columns], ["rotation of node hub"; 2]);
+            // All of it: the body has nothing else that depends on velocities.
+            assert!(block.factor.abs() < 1e-9, "{block}");
+            assert!((block.defect / block.right - 1.0).abs() < 1e-9, "{block}");
+        }
+    }
+}
+
+/// Ω×JΩ does no work and turns with the body: neither power nor objectivity miss it.
+#[test]
+fn a_missing_gyroscopic_force() {
+    for seed in SEEDS {
+        let report = report(Planted::MissingForce, seed);
+        assert_eq!(broken(&report), ["element top (top)", "model"], "{report}");
+        let row = failure(&report, "element top (top)", "inertia = d/dt dT/dv - dT/dx");
+        assert_eq!(row.blocks.len(), 1, "{report}");
+        assert_eq!(row.blocks[0].rows, "rotation of node hub");
+    }
+}
+
+#[test]
+fn a_frame_that_does_not_turn_with_its_master() {
+    for seed in SEEDS {
+        let report = report(Planted::FixedAxes, seed);
+        let rows = report.failures().into_iter();
+        let failed: Vec<[&str; 2]> = rows.map(|r| [&r.component[..], &r.law[..]]).collect();
+        // A place that depends on a component of Ψ depends on its chart too.
+        let expected = [
+            ["joint far (link)", "frames move rigidly with their masters"],
+            ["model", "change of charts: forces stay"],
+            ["model", "change of charts: motion stays"],
+            ["model", "change of charts: energies and powers stay"],
+        ];
+        assert_eq!(failed, expected, "{report}");
+    }
+}
+
+/// A revolute joint that turns about an axis fixed in space.
+#[derive(Clone)]
+struct Fixed;
+
+impl Joint<7> for Fixed {
+    fn pose<S: Scalar>(&self, _: S, q: &SVector<S, 7>) -> Pose<S> {
+        let master = Pose::of(q, 0);
+        let turn = so3::Quaternion::about(&Vector3::z(), q[6]).product(&master.turn);
+        Pose { turn, ..master }
+    }
+
+    fn released(&self) -> &'static [pullback_elements::joint::Released] {
+        Revolute::new([0.0, 0.0, 1.0]).unwrap().released()
+    }
+}
+
+#[test]
+fn a_joint_with_an_axis_fixed_in_space() {
+    let mut b = ModelBuilder::new();
+    let base = b.node("base", [0.0; 3]).unwrap();
+    b.element("base", body(), &[base]).unwrap();
+    let hinge = b.join("hinge", [0.0; 3], Fixed, &[base]).unwrap();
+    b.element("arm", body(), &[hinge.frame]).unwrap();
+    let report = check::model(&mut b.build().unwrap(), &Options::default());
+    assert_eq!(broken(&report), ["joint hinge (fixed)"], "{report}");
+    let laws: Vec<&str> = report.failures().iter().map(|r| r.law.as_str()).collect();
+    assert_eq!(laws, ["frames move rigidly with their masters"]);
+}

@@ -1,0 +1,325 @@
+//! One line per element and load.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Coupling, at_rest, coupled, section};
+use nalgebra::{Matrix3, Vector3};
+use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
+use pullback_elements::check;
+use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::inertia::Inertia;
+use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::model::frame_along;
+use pullback_elements::time::{Constant, Sine};
+
+fn sine() -> Sine {
+    Sine {
+        amplitude: 1.7,
+        omega: 2.3,
+        phase: 0.4,
+        offset: 0.9,
+    }
+}
+
+/// Places on a quarter of a helix, equidistant in the parameter.
+fn helix(nodes: usize) -> Vec<Vector3<f64>> {
+    (0..nodes)
+        .map(|i| {
+            let u = 1.2 * i as f64 / (nodes - 1) as f64;
+            Vector3::new(u.cos(), u.sin(), 0.4 * u)
+        })
+        .collect()
+}
+
+fn along_helix(xi: f64) -> Matrix3<f64> {
+    let u = 0.6 * (1.0 + xi);
+    frame_along(
+        &Vector3::new(-u.sin(), u.cos(), 0.4),
+        Some(&Vector3::new(0.3 + u, 0.2, 0.9)),
+    )
+}
+
+const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Total, Interpolation::Geodesic];
+
+#[test]
+fn beams() {
+    for nodes in 2..=4 {
+        for section in [section(), coupled()] {
+            for interpolation in INTERPOLATIONS {
+                let beam = interpolation.beam(&helix(nodes), &along_helix, &section);
+                let beam = beam.unwrap();
+                assert_eq!(beam.dim(), 6 * nodes);
+                check::element(&*beam).assert();
+            }
+        }
+    }
+}
+
+/// An inertia per length in which everything couples: mass centre off the axis, products.
+fn eccentric() -> Inertia {
+    Inertia::about_centre(
+        2.3,
+        Vector3::new(0.02, 0.3, -0.2),
+        Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5),
+    )
+    .checked()
+    .unwrap()
+}
+
+#[test]
+fn beams_with_inertia_and_damping() {
+    let damping = Damping {
+        mass: 0.7,
+        stiffness: 0.04,
+    };
+    for nodes in 2..=4 {
+        let plain = coupled().with_inertia(eccentric()).unwrap();
+        let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+        for section in [
+            plain,
+            centred,
+            plain.with_damping(damping).unwrap(),
+            section().with_damping(damping).unwrap(),
+        ] {
+            for interpolation in INTERPOLATIONS {
+                let beam = interpolation.beam(&helix(nodes), &along_helix, &section);
+                check::element(&*beam.unwrap()).assert();
+            }
+        }
+    }
+}
+
+#[test]
+fn the_coupling_of_the_model_tests() {
+    check::element(&Coupling).assert();
+}
+
+#[test]
+fn nodal_loads() {
+    for which in [
+        Which::DeadForce,
+        Which::FollowerForce,
+        Which::SpatialMoment,
+        Which::FollowerMoment,
+    ] {
+        check::element(&NodalLoad::new(which, [0.8, -1.4, 2.2], sine())).assert();
+    }
+}
+
+#[test]
+fn line_loads() {
+    for nodes in 2..=4 {
+        for follower in [false, true] {
+            let amplitude = Box::new(sine());
+            let load = LineLoad::new(&helix(nodes), [0.8, -1.4, 2.2], follower, amplitude);
+            let mut load = load.unwrap();
+            for interpolation in INTERPOLATIONS {
+                load = load.with_interpolation(interpolation);
+                check::element(&load).assert();
+            }
+        }
+    }
+}
+
+/// An element with an error, to see that the kit looks.
+struct Wrong {
+    beam: Box<dyn Element>,
+    error: Error,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Error {
+    None,
+    Tangent,
+    Asymmetric,
+    Energy,
+    Rate,
+    ResidualOfTangent,
+    NeedsVelocity,
+    OldResidual,
+    OldStress,
+}
+
+impl Element for Wrong {
+    fn dim(&self) -> usize {
+        self.beam.dim()
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        self.beam.evaluate(at, out)?;
+        if self.error == Error::Rate
+            && let Some(r_t) = out.r_t.as_deref_mut()
+        {
+            r_t[2] += 0.01;
+        }
+        if self.error == Error::NeedsVelocity && !at.v.is_empty() {
+            out.r[3] += 0.1;
+        }
+        let Some(K) = out.K.as_deref_mut() else {
+            return Ok(());
+        };
+        match self.error {
+            Error::Tangent => K[7] *= 1.001,
+            Error::Asymmetric => {
+                out.r[0] -= 3.0 * at.x[5];
+                K[5 * self.beam.dim()] += 3.0;
+            }
+            Error::ResidualOfTangent => out.r[1] += 1e-9,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn evaluate_from(
+        &self,
+        previous: &[f64],
+        at: &Motion<'_>,
+        out: &mut Response<'_>,
+    ) -> Result<(), ElementError> {
+        self.beam.evaluate_from(previous, at, out)?;
+        match (self.error, out.K.as_deref_mut()) {
+            (Error::OldResidual, _) => out.r[0] += 1e-3 * (at.x[0] - previous[0]),
+            (Error::OldStress, Some(K)) => K[0] += at.x[0] - previous[0],
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        let factor = if self.error == Error::Energy {
+            1.001
+        } else {
+            1.0
+        };
+        factor * self.beam.energy(at)
+    }
+}
+
+#[test]
+fn every_law_of_an_element_finds_its_error() {
+    let failing = |error| {
+        let beam = Beam::along(&helix(2), &along_helix, &section()).unwrap();
+        let report = check::element(&Wrong { beam, error });
+        let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
+        laws.sort();
+        laws.dedup();
+        laws
+    };
+    let found = |error, law: &str| {
+        let laws = failing(error);
+        assert!(laws.iter().any(|l| l == law), "{error:?}: {laws:?}");
+    };
+    assert!(failing(Error::None).is_empty());
+    found(Error::Tangent, "K = -dr/dx");
+    found(Error::Asymmetric, "K symmetric");
+    found(Error::Energy, "r = -dE/dx");
+    found(Error::Rate, "r_t = dr/dt");
+    found(
+        Error::ResidualOfTangent,
+        "r does not depend on what else is asked",
+    );
+    found(Error::NeedsVelocity, "statics is the motion at rest");
+    found(
+        Error::OldResidual,
+        "r does not depend on the previous iterate",
+    );
+    found(Error::OldStress, "K from the previous iterate");
+}
+
+#[test]
+fn beams_refuse_rotations_at_the_edge_of_the_chart() {
+    let beam = Beam::along(&helix(3), &along_helix, &section()).unwrap();
+    let mut x = vec![0.0; 18];
+    for node in 0..3 {
+        x[6 * node + 4] = std::f64::consts::TAU - 1e-4;
+    }
+    assert_eq!(
+        at_rest(&*beam, &x).unwrap_err(),
+        ElementError::OutsideChart {
+            psi: std::f64::consts::TAU - 1e-4
+        }
+    );
+    x.iter_mut().for_each(|x| *x *= 0.9);
+    assert!(at_rest(&*beam, &x).is_ok());
+}
+
+#[test]
+fn a_rigid_motion_of_all_nodes_strains_nothing() {
+    // With the same Ψ at all nodes the interpolation is exact, and so must be Γ = Rᵀx′ − X′ = 0.
+    let places = helix(4);
+    let beam = Beam::along(&places, &along_helix, &coupled()).unwrap();
+    let psi = Vector3::new(1.4, -2.0, 0.7);
+    let R = pullback_manifold::so3::rotation(&psi);
+    let mut x = Vec::new();
+    for p in &places {
+        let d = R * p - p + Vector3::new(3.0, -2.0, 1.0);
+        x.extend_from_slice(d.as_slice());
+        x.extend_from_slice(psi.as_slice());
+    }
+    let (r, _) = at_rest(&*beam, &x).unwrap();
+    assert!(r.iter().all(|r| r.abs() < 1e-11), "{r:?}");
+}
+
+#[test]
+fn loads_are_those_of_their_definition() {
+    let m = Vector3::new(0.8, -1.4, 2.2);
+    let psi = Vector3::new(0.5, 1.1, -0.9);
+    let x = [0.1, 0.2, 0.3, psi.x, psi.y, psi.z];
+    let (R, T) = (
+        pullback_manifold::so3::rotation(&psi),
+        pullback_manifold::so3::tangent(&psi),
+    );
+    for (which, first, expected) in [
+        (Which::DeadForce, 0, m),
+        (Which::FollowerForce, 0, R * m),
+        (Which::SpatialMoment, 3, T * m),
+        (Which::FollowerMoment, 3, T.transpose() * m),
+    ] {
+        let load = NodalLoad::new(which, m.into(), Constant(2.0));
+        assert!(load.is_load());
+        let (r, _) = at_rest(&load, &x).unwrap();
+        let found = Vector3::from_column_slice(&r[first..first + 3]);
+        assert!((found - expected * 2.0).norm() < 1e-14, "{which:?}");
+        let sum: f64 = r.iter().map(|x| x.abs()).sum();
+        assert!((sum - found.abs().sum()).abs() < 1e-15, "{which:?}: {r:?}");
+    }
+}
+
+#[test]
+fn impossible_beams_are_refused_with_their_reason() {
+    let refused = |places: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| match Beam::along(
+        places,
+        frame,
+        &section(),
+    ) {
+        Err(error) => error,
+        Ok(_) => panic!("accepted"),
+    };
+    let x = |x: f64| Vector3::new(x, 0.0, 0.0);
+    let straight = |_: f64| Matrix3::identity();
+    assert_eq!(refused(&[x(0.0)], &straight), BeamError::Nodes(1));
+    assert_eq!(
+        refused(&[1.0, 2.0, 3.0, 4.0, 5.0].map(x), &straight),
+        BeamError::Nodes(5)
+    );
+    for places in [
+        vec![x(1.0), x(1.0)],
+        vec![x(1.0), x(1.0), x(2.0)],
+        vec![x(0.0), x(1.0), x(0.0)],
+        vec![x(0.0), x(1.0), x(1.0), x(2.0)],
+    ] {
+        let error = refused(&places, &straight);
+        assert!(matches!(error, BeamError::ZeroLength { .. }), "{error:?}");
+        assert!(error.to_string().contains("its length is zero"), "{error}");
+    }
+    let backwards = |_: f64| Matrix3::from_diagonal(&Vector3::new(-1.0, -1.0, 1.0));
+    let left_handed = |_: f64| Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
+    let stretched = |_: f64| Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 1.0));
+    let undefined = |_: f64| Matrix3::from_element(f64::NAN);
+    let frames: [&dyn Fn(f64) -> Matrix3<f64>; 4] =
+        [&backwards, &left_handed, &stretched, &undefined];
+    for frame in frames {
+        let error = refused(&[x(0.0), x(1.0)], frame);
+        assert!(matches!(error, BeamError::Orientation { .. }), "{error:?}");
+    }
+}

@@ -1,0 +1,316 @@
+//! Elements by their energies: conformance, and agreement with what was derived by hand.
+
+#![allow(non_snake_case)]
+
+use crate::support::{coupled, section};
+use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
+use pullback_elements::beam::{Beam, BeamError, Damping, Section};
+use pullback_elements::body::RigidBody;
+use pullback_elements::check;
+use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::energy::{
+    ByEnergy, ElasticJoint, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring,
+    Reissner, StrainBeam, strain_beam,
+};
+use pullback_elements::inertia::Inertia;
+use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::model::frame_along;
+use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
+use pullback_elements::time::Sine;
+use pullback_manifold::scalar::Scalar;
+
+fn places() -> [Vector3<f64>; 2] {
+    [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)]
+}
+
+fn frame() -> Matrix3<f64> {
+    let [a, b] = places();
+    frame_along(&(b - a), Some(&Vector3::new(0.3, 0.2, 0.9)))
+}
+
+/// A section in which everything couples, with mass off its axis.
+fn eccentric() -> Section {
+    let J = Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5);
+    let inertia = Inertia::about_centre(2.3, Vector3::new(0.02, 0.3, -0.2), J);
+    coupled().with_inertia(inertia).unwrap()
+}
+
+fn sections() -> [Section; 4] {
+    let damping = Damping {
+        mass: 0.7,
+        stiffness: 0.04,
+    };
+    let centred = section().with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
+    [
+        section(),
+        centred,
+        eccentric(),
+        eccentric().with_damping(damping).unwrap(),
+    ]
+}
+
+fn reissner(section: &Section) -> StrainBeam<Reissner> {
+    strain_beam(Reissner, &places(), &frame(), section).unwrap()
+}
+
+#[test]
+fn beams_in_two_measures_obey_the_laws_of_elements() {
+    for section in sections() {
+        check::element(&reissner(&section)).assert();
+        let other = strain_beam(GreenLagrange, &places(), &frame(), &section).unwrap();
+        check::element(&other).assert();
+    }
+}
+
+#[test]
+fn reissners_beam_is_the_one_that_was_derived_by_hand() {
+    for section in sections() {
+        let hand = Beam::<2>::new(&places(), &|_| frame(), &section).unwrap();
+        check::same(&reissner(&section), &hand).assert();
+    }
+    // Another strain is another beam.
+    let other = strain_beam(GreenLagrange, &places(), &frame(), &section()).unwrap();
+    assert!(!check::same(&other, &reissner(&section())).is_ok());
+}
+
+#[test]
+fn impossible_beams_are_refused() {
+    let one = [places()[0]; 2];
+    let error = strain_beam(Reissner, &one, &frame(), &section()).unwrap_err();
+    assert!(matches!(error, BeamError::ZeroLength { .. }));
+    let error = strain_beam(Reissner, &places(), &-frame(), &section()).unwrap_err();
+    assert!(matches!(error, BeamError::Orientation { .. }));
+}
+
+#[test]
+fn a_rigid_body_by_its_kinetic_energy() {
+    let J = Matrix3::new(0.9, 0.1, -0.05, 0.1, 0.7, 0.02, -0.05, 0.02, 0.5);
+    let hand = RigidBody::new(2.3, J, Vector3::new(0.2, 0.3, -0.2)).unwrap();
+    let body = FrameInertia {
+        inertia: *hand.inertia(),
+        drag: 0.0,
+    };
+    check::element(&body.into_element()).assert();
+    // By hand the statics of a body at the edge of its chart are not asked, so compare within.
+    check::same(&body.into_element(), &hand).assert();
+}
+
+#[test]
+fn springs() {
+    let spring = PolynomialSpring {
+        places: places(),
+        rest_length: 1.1,
+        k: [3.0],
+        c: 0.7,
+    };
+    let hand = AxialSpring::new(&places(), 3.0, 0.7).unwrap();
+    let hand = hand.with_rest_length(1.1).unwrap();
+    check::same(&spring.into_element(), &hand).assert();
+    let hardening = PolynomialSpring {
+        k: [3.0, -0.4, 0.9],
+        places: spring.places,
+        rest_length: 0.8,
+        c: 0.3,
+    };
+    check::element(&hardening.into_element()).assert();
+    // e = 2 at l = 2.8: N = 6 − 1.6 + 7.2, U = 6 − 0.4·8/3 + 0.9·4.
+    let mut x = [0.0; 12];
+    let along = (places()[1] - places()[0]).normalize();
+    x[6..9].copy_from_slice((along * 2.8 + places()[0] - places()[1]).as_slice());
+    let element = hardening.into_element();
+    let r = residual(&element, &x).unwrap();
+    for k in 0..3 {
+        assert!((r[6 + k] + 11.6 * along[k]).abs() < 1e-13);
+        assert!((r[k] - 11.6 * along[k]).abs() < 1e-13);
+    }
+    let energy = element.energy(&rest(&x));
+    assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
+    x[6..9].copy_from_slice((places()[0] - places()[1]).as_slice());
+    assert_eq!(
+        residual(&element, &x).unwrap_err(),
+        ElementError::ZeroLength { length: 0.0 }
+    );
+}
+
+/// The law of a [`CoordinateSpring`].
+struct Cubic(CoordinateLaw);
+
+impl Energies<1> for Cubic {
+    fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
+        let square = (x[0] - self.0.x0).powi(2);
+        (square * (0.25 * self.0.k3) + 0.5 * self.0.k) * square
+    }
+
+    fn dissipation<S: Scalar>(&self, _x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+        v[0] * v[0] * (0.5 * self.0.c)
+    }
+}
+
+#[test]
+fn a_coordinate_spring() {
+    let law = CoordinateLaw {
+        k: 2.0,
+        k3: 0.7,
+        c: 0.4,
+        x0: 0.3,
+    };
+    let hand = CoordinateSpring::new(law).unwrap();
+    check::same(&Cubic(law).into_element(), &hand).assert();
+}
+
+#[test]
+fn a_bushing() {
+    let full = |seed: f64| {
+        let A = Matrix6::from_fn(|i, j| ((6 * i + j) as f64 + seed).sin());
+        A * A.transpose() + Matrix6::identity()
+    };
+    let [a, b] = places();
+    let joint = ElasticJoint {
+        u0: b - a,
+        K: full(0.3),
+        D: full(1.7),
+    };
+    let hand = Bushing::new(&places(), &Matrix3::identity(), &joint.K, &joint.D).unwrap();
+    let joint = joint.into_element();
+    check::element(&joint).assert();
+    check::same(&joint, &hand).assert();
+}
+
+/// A dead force that changes with time: U = −f(t)·d.
+struct Pull(Vector3<f64>, Sine);
+
+impl Energies<6> for Pull {
+    fn potential<S: Scalar>(&self, t: S, x: &SVector<S, 6>) -> S {
+        let Sine {
+            amplitude,
+            omega,
+            phase,
+            offset,
+        } = self.1;
+        let f = (t * omega + phase).sin() * amplitude + offset;
+        -(x[0] * self.0.x + x[1] * self.0.y + x[2] * self.0.z) * f
+    }
+
+    fn is_load(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_load_has_its_rate() {
+    let sine = Sine {
+        amplitude: 1.7,
+        omega: 2.3,
+        phase: 0.4,
+        offset: 0.9,
+    };
+    let f = Vector3::new(0.8, -1.4, 2.2);
+    let pull = Pull(f, sine).into_element();
+    assert!(pull.is_load());
+    check::element(&pull).assert();
+    let mut x = [0.3; 6];
+    x[1] = -0.8;
+    let hand = NodalLoad::new(Which::DeadForce, f.into(), sine);
+    let [(r, r_t), (r_hand, r_t_hand)] = [&pull as &dyn Element, &hand].map(|e| loaded(e, &x));
+    for k in 0..6 {
+        assert!((r[k] - r_hand[k]).abs() < 1e-14, "{r:?}");
+        assert!((r_t[k] - r_t_hand[k]).abs() < 1e-14, "{r_t:?}");
+    }
+}
+
+#[test]
+fn gravity_pulls_with_the_square_of_the_distance() {
+    let gravity = Gravity {
+        place: Vector3::new(3.0, 0.0, 4.0),
+        center: Vector3::zeros(),
+        mu: 50.0,
+        mass: 2.0,
+    };
+    let element = gravity.into_element();
+    check::element(&element).assert();
+    assert!(element.is_load());
+    let r = residual(&element, &[0.0; 6]).unwrap();
+    // 50·2/25 = 4 towards the centre.
+    for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {
+        assert!((r[k] - f).abs() < 1e-14, "{r:?}");
+    }
+    assert!((element.energy(&rest(&[0.0; 6])) + 20.0).abs() < 1e-13);
+    let there = [-3.0, 0.0, -4.0, 0.0, 0.0, 0.0];
+    assert!(residual(&element, &there).is_err());
+}
+
+/// T = ½ v·M(x)v with a part linear in v: the force of a magnetic field.
+struct Charged;
+
+impl Energies<2> for Charged {
+    fn kinetic<S: Scalar>(&self, x: &SVector<S, 2>, v: &SVector<S, 2>) -> S {
+        let mass = x[0].cos() * 0.5 + 2.0;
+        v.dot(v) * mass * 0.5 + x[0] * v[1] * 3.0
+    }
+}
+
+#[test]
+fn a_kinetic_energy_linear_in_the_velocities_turns_the_motion() {
+    let element = Charged.into_element();
+    check::element(&element).assert();
+    // At x₀ = 0 the mass is 2.5 and stationary: r = −2.5 a + 3 (v₁, −v₀).
+    let (x, v, a) = ([0.0, 0.7], [0.4, -0.9], [1.0, 2.0]);
+    let mut r = [0.0; 2];
+    let at = Motion {
+        t: 0.0,
+        x: &x,
+        v: &v,
+        a: &a,
+    };
+    element.evaluate(&at, &mut response(&mut r)).unwrap();
+    assert!((r[0] - (-2.5 - 2.7)).abs() < 1e-14, "{r:?}");
+    assert!((r[1] - (-5.0 - 1.2)).abs() < 1e-14, "{r:?}");
+}
+
+/// Neither kinetic energy nor dissipation.
+struct Nothing;
+
+impl Energies<3> for Nothing {}
+
+#[test]
+fn what_is_not_written_is_zero() {
+    let element: ByEnergy<Nothing, 3> = Nothing.into_element();
+    check::element(&element).assert();
+    let r = residual(&element, &[1.0, 2.0, 3.0]).unwrap();
+    assert_eq!(r, [0.0; 3]);
+}
+
+fn response(r: &mut [f64]) -> Response<'_> {
+    Response {
+        r,
+        K: None,
+        C: None,
+        M: None,
+        r_t: None,
+    }
+}
+
+fn rest(x: &[f64]) -> Motion<'_> {
+    Motion {
+        t: 0.37,
+        x,
+        v: &[],
+        a: &[],
+    }
+}
+
+fn residual(element: &dyn Element, x: &[f64]) -> Result<Vec<f64>, ElementError> {
+    let mut r = vec![0.0; x.len()];
+    element.evaluate(&rest(x), &mut response(&mut r))?;
+    Ok(r)
+}
+
+fn loaded(element: &dyn Element, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut r, mut r_t) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    let mut out = Response {
+        r_t: Some(&mut r_t),
+        ..response(&mut r)
+    };
+    element.evaluate(&rest(x), &mut out).unwrap();
+    (r, r_t)
+}

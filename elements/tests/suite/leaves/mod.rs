@@ -1,0 +1,13 @@
+//! Elements, joints and loads on their own.
+
+mod bodies;
+mod elements;
+mod energy;
+mod energy_wrong;
+mod interpolation;
+mod joint_library;
+mod joints;
+mod line_loads;
+mod reference;
+mod refusals;
+mod springs;

@@ -1,0 +1,6 @@
+//! All integration tests of elements and models, linked once.
+
+mod check;
+mod leaves;
+mod model;
+mod support;

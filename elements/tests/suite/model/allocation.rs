@@ -1,0 +1,139 @@
+//! An evaluation allocates nothing: buffers are made when the model is.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Coupling, Offset, coupled};
+use allocation_counter::measure;
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_elements::beam::{Damping, Interpolation};
+use pullback_elements::body::RigidBody;
+use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
+use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::model::{Dof, Line, ModelBuilder, Straight, frame_along};
+use pullback_elements::spring::{AxialSpring, Bushing};
+use pullback_elements::time::{Constant, Proportional, Table};
+use pullback_manifold::map::Map;
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+#[test]
+fn nothing_is_allocated_after_the_first_evaluation() {
+    let mut b = ModelBuilder::new();
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
+    let axis = Straight {
+        from: b.place(root),
+        to: b.place(end),
+        second: None,
+        twist: 0.2,
+    };
+    let line = Line {
+        elements: 3,
+        order: 2,
+        section: coupled(),
+    };
+    let nodes = b.line("line", &axis, [root, end], &line).unwrap().nodes;
+    // The other interpolation, between the same nodes.
+    let damping = Damping {
+        mass: 0.1,
+        stiffness: 0.2,
+    };
+    let section = coupled().with_mass(2.0, Matrix3::identity());
+    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
+    let frame = frame_along(&(places[1] - places[0]), None);
+    for section in [section, section.with_damping(damping).unwrap()] {
+        for count in [2, 3] {
+            let beam = Interpolation::Geodesic.beam(&places[..count], &|_| frame, &section);
+            let name = format!("geodesic {count} {}", section.damping.mass);
+            b.boxed_element(name, beam.unwrap(), &nodes[..count])
+                .unwrap();
+        }
+    }
+    let offset = Offset([0.0, 0.3, 0.4]).boxed();
+    let slave = b
+        .mapped_node("slave", [3.0, 0.3, 0.4], offset, &[end])
+        .unwrap();
+    b.element("coupling", Coupling, &[nodes[2], slave]).unwrap();
+    let load = NodalLoad::new(Which::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
+    b.element("load", load, &[slave]).unwrap();
+    let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::x()).unwrap();
+    let weight = body.weight([0.0, 0.0, -9.81], Box::new(Proportional(1.0)));
+    b.element("body", body, &[slave]).unwrap();
+    b.element("weight", weight, &[slave]).unwrap();
+    let ends = [b.place(nodes[1]), b.place(slave)];
+    let spring = AxialSpring::new(&ends, 3.0, 1.0).unwrap();
+    b.element("spring", spring, &[nodes[1], slave]).unwrap();
+    let (axes, one) = (Matrix3::identity(), Matrix6::identity());
+    let bushing = Bushing::new(&ends, &axes, &one, &one).unwrap();
+    b.element("bushing", bushing, &[nodes[1], slave]).unwrap();
+    let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
+    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
+    let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
+    let turning = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(Proportional(1.0)));
+    let turning = turning.unwrap().with_interpolation(Interpolation::Geodesic);
+    b.element("wind", wind, &nodes[..3]).unwrap();
+    b.element("geodesic wind", turning, &nodes[..3]).unwrap();
+    let by_energy = PolynomialSpring {
+        places: ends,
+        rest_length: 1.0,
+        k: [3.0, 0.5],
+        c: 0.2,
+    };
+    b.element("energy", by_energy.into_element(), &[nodes[1], slave])
+        .unwrap();
+    let massive = coupled().with_mass(2.0, Matrix3::identity());
+    let frame = frame_along(&(ends[1] - ends[0]), None);
+    let beam = strain_beam(Reissner, &ends, &frame, &massive).unwrap();
+    b.element("beam", beam, &[nodes[1], slave]).unwrap();
+    b.support(root, &[Dof::X, Dof::Y]);
+    for dof in Dof::ROTATIONS {
+        b.prescribe(root, dof, Constant(1.0));
+    }
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    let mut q = vec![0.0; n];
+    // Nodes astride π, so that elements change charts.
+    for (k, &node) in nodes.iter().enumerate().skip(1) {
+        let psi = Vector3::new(1.0, 1.0, 1.0) * (1.7 + 0.05 * k as f64);
+        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
+            q[model.unknown(node, dof).unwrap()] = psi[i];
+        }
+    }
+    let changes = model.change_charts(0.5, &mut q, &mut [], &mut []);
+    assert!(changes.charts > 0 && changes.charts < nodes.len() - 1);
+    let (v, a) = (vec![0.3; n], vec![-0.2; n]);
+    let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
+    let mut S = vec![0.0; model.pattern().len()];
+    let weights = Weights {
+        K: 1.0,
+        C: 2.0,
+        M: 3.0,
+    };
+    let mut all = |model: &mut dyn System| {
+        let rest = Point {
+            t: 0.5,
+            q: &q,
+            v: &[],
+            a: &[],
+        };
+        let moving = Point {
+            v: &v,
+            a: &a,
+            ..rest
+        };
+        for at in [rest, moving] {
+            let out = Evaluation {
+                r: &mut r,
+                S: Some((weights, &mut S)),
+                r_t: Some(&mut r_t),
+            };
+            model.evaluate(at, out).unwrap();
+            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+            let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+            model.evaluate_from(rest, at, out).unwrap();
+        }
+    };
+    all(&mut model);
+    assert_eq!(measure(|| all(&mut model)).count_total, 0);
+    let counted = measure(|| drop(std::hint::black_box(vec![0_u8; 64])));
+    assert_eq!(counted.count_total, 1, "the counter counts");
+}

@@ -1,0 +1,206 @@
+//! Supports, numbering, names, axes and lines of a model.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Idle, Offset, beam, line, simple, straight};
+use nalgebra::{Matrix3, Unit, Vector3};
+use pullback_elements::model::{
+    Arc, Axis, Dof, Model, ModelBuilder, ModelError, NodeId, Straight, frame_along,
+};
+use pullback_manifold::map::Map;
+use pullback_manifold::system::{Kind, System};
+
+fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Model {
+    let (mut b, ends) = simple();
+    support(&mut b, ends);
+    b.build().unwrap()
+}
+
+#[test]
+fn structures_that_can_move_as_rigid_bodies() {
+    let message = |model: Model| model.check_supports().unwrap_err().to_string();
+    let starts = "the part of the structure that contains node a is not supported: it can still \
+                  move as a rigid body (";
+    let ends = "); add supports that prevent this";
+    // A direction has two signs.
+    let motion = |model: Model| {
+        let message = message(model);
+        let inner = message
+            .strip_prefix(starts)
+            .and_then(|m| m.strip_suffix(ends));
+        inner.expect("a motion").replace('-', "")
+    };
+    assert!(
+        built(|b, n| b.support(n[0], &Dof::ALL))
+            .check_supports()
+            .is_ok()
+    );
+    let slides = built(|b, n| b.support(n[0], &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]));
+    assert_eq!(motion(slides), "translation along (1.000, 0.000, 0.000)");
+    // Both ends pinned: it can spin about its axis, which passes through the middle.
+    let spins = built(|b, n| n.iter().for_each(|&n| b.support(n, &Dof::TRANSLATIONS)));
+    assert_eq!(
+        motion(spins),
+        "rotation about the direction (1.000, 0.000, 0.000) through (0.5000, 0.0000, 0.0000)"
+    );
+    // A hinge at b about e3: the axis passes through b, not through the centre.
+    let swings = built(|b, n| {
+        b.support(n[1], &[Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY]);
+    });
+    assert_eq!(
+        motion(swings),
+        "rotation about the direction (0.000, 0.000, 1.000) through (1.0000, 0.0000, 0.0000)"
+    );
+    assert!(message(built(|_, _| ())).starts_with(starts));
+    // Every part by itself; a joint connects, a load does not.
+    let (mut b, ends) = simple();
+    b.support(ends[0], &Dof::ALL);
+    let second = [[0.0, 3.0, 0.0], [1.0, 3.0, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
+    beam(&mut b, "second", second);
+    let error = b.build().unwrap().check_supports().unwrap_err();
+    assert!(matches!(&error, ModelError::Unsupported { node, .. } if node == "[0.0, 3.0, 0.0]"));
+    let (mut b, ends) = simple();
+    b.support(ends[0], &Dof::ALL);
+    let offset = Offset([0.0, 1.0, 0.0]).boxed();
+    let slave = b
+        .mapped_node("slave", [1.0, 1.0, 0.0], offset, &ends[1..])
+        .unwrap();
+    let far = b.node("far", [1.0, 2.0, 0.0]).unwrap();
+    beam(&mut b, "second", [slave, far]);
+    assert!(b.build().unwrap().check_supports().is_ok());
+}
+
+#[test]
+fn unknowns_have_numbers_names_and_kinds() {
+    let (mut b, ends) = simple();
+    let hinge = b.coordinates("hinge", &[Kind::Angle, Kind::Other]).unwrap();
+    // Six coordinates that a joint releases are no frame: their charts are never changed.
+    let six = b.coordinates("six", &[Kind::Other; 6]).unwrap();
+    b.element("idle", Idle(14), &[ends[1], hinge, six]).unwrap();
+    b.support(ends[0], &[Dof::X, Dof::RX]);
+    let mut model = b.build().unwrap();
+    assert_eq!(model.pattern().dim(), 4 + 6 + 2 + 6);
+    assert_eq!(model.unknown(ends[0], Dof::X), None);
+    assert_eq!(model.unknown(ends[0], Dof::Y), Some(0));
+    assert_eq!(model.unknown(ends[1], Dof::RZ), Some(9));
+    assert!(model.is_prescribed(ends[0], Dof::RX) && !model.is_prescribed(ends[0], Dof::RY));
+    assert_eq!(model.name(0), "node a, displacement along e2");
+    assert_eq!(model.name(9), "node b, rotation about e3");
+    assert_eq!(model.name(11), "hinge, coordinate 2");
+    assert_eq!(model.name(12), "six, coordinate 1");
+    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.kind(i));
+    assert_eq!(
+        kinds,
+        [
+            Kind::Length,
+            Kind::Angle,
+            Kind::Angle,
+            Kind::Angle,
+            Kind::Other,
+            Kind::Other
+        ]
+    );
+    assert_eq!(model.frames().count(), 2);
+    assert_eq!(model.find("hinge"), Some(hinge));
+    assert_eq!(model.find("none"), None);
+    assert_eq!(model.length(), 1.0);
+    assert_eq!(model.element_count(), 2);
+    let mut q = vec![0.0; 18];
+    q[12..].fill(4.0);
+    let before = q.clone();
+    model.change_charts(0.0, &mut q, &mut [], &mut []);
+    assert_eq!(q, before);
+    // Largest entries: lengths are measured by the model.
+    let mut r = vec![0.0; 18];
+    (r[1], r[8]) = (-3.0, 2.0);
+    let largest = model.largest_entries(&r, 2);
+    assert_eq!(
+        largest[0],
+        ("node a, displacement along e3".to_owned(), -3.0)
+    );
+    assert_eq!(largest[1], ("node b, rotation about e2".to_owned(), 2.0));
+}
+
+#[track_caller]
+fn is_frame(R: &Matrix3<f64>) {
+    assert!((R.tr_mul(R) - Matrix3::identity()).norm() < 1e-14, "{R}");
+    assert!((R.determinant() - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn axes_carry_right_handed_frames_along_their_tangent() {
+    let tangent = Vector3::new(1.0, 2.0, -0.5);
+    let second = Vector3::new(0.3, 0.1, 2.0);
+    for second in [None, Some(second), Some(tangent * 3.0)] {
+        let R = frame_along(&tangent, second.as_ref());
+        is_frame(&R);
+        assert!((R.column(0) - tangent.normalize()).norm() < 1e-15);
+    }
+    // E₂ in the plane of tangent and second, on its side.
+    let R = frame_along(&tangent, Some(&second));
+    assert!(R.column(1).dot(&second) > 0.0 && R.column(2).dot(&second).abs() < 1e-15);
+    // Without one: E₃ up; for a vertical beam, along e2.
+    assert_eq!(frame_along(&Vector3::x(), None), Matrix3::identity());
+    assert!(frame_along(&tangent, None).column(2).z > 0.0);
+    assert_eq!(frame_along(&Vector3::z(), None).column(2), Vector3::y());
+
+    let pretwisted = Straight {
+        from: Vector3::new(1.0, 0.0, 0.0),
+        to: Vector3::new(1.0, 0.0, 4.0),
+        second: Some(Vector3::x()),
+        twist: 1.2,
+    };
+    let (x, R) = pretwisted.at(0.25);
+    assert_eq!(x, Vector3::new(1.0, 0.0, 1.0));
+    is_frame(&R);
+    // Turned by 0.3 about the axis e3 from E₂ = e1.
+    assert!((R.column(1) - Vector3::new(0.3_f64.cos(), 0.3_f64.sin(), 0.0)).norm() < 1e-15);
+
+    for angle in [1.5, -1.5] {
+        let arc = Arc {
+            from: Vector3::new(2.0, 0.0, 1.0),
+            center: Vector3::new(0.0, 0.0, 3.0),
+            axis: Unit::new_normalize(Vector3::z()),
+            angle,
+            second: Some(Vector3::z()),
+        };
+        for u in [0.0, 0.4, 1.0] {
+            let (x, R) = arc.at(u);
+            let (s, c) = (angle * u).sin_cos();
+            assert!((x - Vector3::new(2.0 * c, 2.0 * s, 1.0)).norm() < 1e-14);
+            is_frame(&R);
+            let tangent = Vector3::new(-s, c, 0.0) * angle.signum();
+            assert!((R.column(0) - tangent).norm() < 1e-14);
+            assert!((R.column(1) - Vector3::z()).norm() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_line_makes_nodes_and_elements_in_order() {
+    let mut b = ModelBuilder::new();
+    let ends = [
+        b.node("a", [0.0; 3]).unwrap(),
+        b.node("b", [6.0, 0.0, 0.0]).unwrap(),
+    ];
+    let axis = straight(&b, ends);
+    let made = b.line("l", &axis, ends, &line(2, 3)).unwrap();
+    let names: Vec<&str> = made.nodes.iter().map(|&n| b.node_name(n)).collect();
+    assert_eq!(names, ["a", "l/1", "l/2", "l/3", "l/4", "l/5", "b"]);
+    for (k, &n) in made.nodes.iter().enumerate() {
+        assert_eq!(b.place(n), Vector3::new(k as f64, 0.0, 0.0));
+    }
+    let model = b.build().unwrap();
+    assert_eq!(
+        model.element(made.elements[0]),
+        ("l:1", made.nodes[..4].to_vec())
+    );
+    assert_eq!(
+        model.element(made.elements[1]),
+        ("l:2", made.nodes[3..].to_vec())
+    );
+    // Blocks are numbered along the line; elements do not couple across it: the first node meets
+    // the last of its element, not the end of the line.
+    assert!(model.pattern().find(0, 3).is_some());
+    assert_eq!(model.pattern().find(0, 6), None);
+}

@@ -1,0 +1,437 @@
+//! Nothing physical may jump when charts change: energy, strains, forces, velocities.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Twin, coupled};
+use nalgebra::{Matrix3, Vector3};
+use pullback_elements::beam::Beam;
+use pullback_elements::element::{Motion, Response, SectionState};
+use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight, frame_along};
+use pullback_elements::time::{Constant, Table, TimeFunction};
+use pullback_manifold::check::Random;
+use pullback_manifold::map::Map;
+use pullback_manifold::quotients::Quotients;
+use pullback_manifold::so3;
+use pullback_manifold::system::{Evaluation, Point, System};
+use std::f64::consts::PI;
+
+const EXACT: f64 = 1e-12;
+
+/// Reference places of five nodes: two elements of order two, or four of order one.
+const NODES: usize = 5;
+
+fn place(k: usize) -> Vector3<f64> {
+    Vector3::new(0.5 * k as f64, 0.0, 0.0)
+}
+
+/// What cannot depend on charts.
+#[derive(Clone, Debug)]
+struct Physical {
+    energy: f64,
+    states: Vec<SectionState>,
+    /// Force and moment at each node in the spatial frame.
+    forces: Vec<[Vector3<f64>; 2]>,
+}
+
+#[track_caller]
+fn same(what: &str, a: &Physical, b: &Physical) {
+    let gap = (a.energy - b.energy).abs() / b.energy;
+    assert!(gap < EXACT, "{what}: energy {gap:e}");
+    assert_eq!(a.states.len(), b.states.len());
+    for (x, y) in a.states.iter().zip(&b.states) {
+        for (name, x, y) in [
+            ("place", x.place, y.place),
+            ("Gamma", x.Gamma, y.Gamma),
+            ("K", x.K, y.K),
+            ("N", x.N, y.N),
+            ("M", x.M, y.M),
+        ] {
+            let gap = (x - y).norm() / y.norm();
+            assert!(gap < EXACT, "{what}: {name} {gap:e}");
+        }
+        assert!((x.frame - y.frame).norm() < EXACT, "{what}: frame");
+    }
+    for kind in 0..2 {
+        let size: f64 = b.forces.iter().map(|f| f[kind].norm()).fold(0.0, f64::max);
+        for (k, (x, y)) in a.forces.iter().zip(&b.forces).enumerate() {
+            let gap = (x[kind] - y[kind]).norm() / size;
+            assert!(gap < EXACT, "{what}: node {k}, kind {kind}: {gap:e}");
+        }
+    }
+}
+
+/// Displacements and rotation vectors: bent, stretched, and turned by θ about e as a whole; `psi` on
+/// the sheet of θ e.
+fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
+    let mut e = Vector3::zeros();
+    random.direction(1.0, e.as_mut_slice());
+    let turn = so3::rotation(&(e * theta));
+    (0..NODES)
+        .map(|k| {
+            let bend: Vector3<f64> = random.vector::<3>() * 0.3;
+            let moved = turn * (place(k) + random.vector::<3>() * 0.05);
+            let R = turn * so3::rotation(&bend);
+            [moved - place(k), so3::log_rotation(&R, &(e * theta))]
+        })
+        .collect()
+}
+
+/// A beam of `NODES` nodes, with inner nodes on a line in the builder's order.
+fn model(order: usize) -> (Model, Vec<NodeId>) {
+    let mut b = ModelBuilder::new();
+    let from = b.node("from", place(0).into()).unwrap();
+    let to = b.node("to", place(NODES - 1).into()).unwrap();
+    let axis = Straight {
+        from: place(0),
+        to: place(NODES - 1),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: (NODES - 1) / order,
+        order,
+        section: coupled(),
+    };
+    let nodes = b.line("line", &axis, [from, to], &line).unwrap().nodes;
+    (b.build().unwrap(), nodes)
+}
+
+fn coordinates(model: &Model, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
+    let mut q = vec![0.0; model.pattern().dim()];
+    for (&node, [d, psi]) in nodes.iter().zip(values) {
+        for k in 0..3 {
+            q[model.unknown(node, Dof::TRANSLATIONS[k]).unwrap()] = d[k];
+            q[model.unknown(node, Dof::ROTATIONS[k]).unwrap()] = psi[k];
+        }
+    }
+    q
+}
+
+fn at(q: &[f64]) -> Point<'_> {
+    Point {
+        t: 0.0,
+        q,
+        v: &[],
+        a: &[],
+    }
+}
+
+fn take(model: &Model, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|k, _| from[model.unknown(node, dofs[k]).unwrap()])
+}
+
+fn physical(model: &mut Model, nodes: &[NodeId], q: &[f64]) -> Physical {
+    let mut r = vec![0.0; q.len()];
+    model.evaluate(at(q), Evaluation::residual(&mut r)).unwrap();
+    let forces = nodes
+        .iter()
+        .map(|&n| {
+            let psi = take(model, n, Dof::ROTATIONS, q);
+            let moment = take(model, n, Dof::ROTATIONS, &r);
+            // A covector for Ψ is T m: m is the spatial moment.
+            [
+                take(model, n, Dof::TRANSLATIONS, &r),
+                so3::tangent_inverse(&psi) * moment,
+            ]
+        })
+        .collect();
+    Physical {
+        energy: model.strain_energy(0.0),
+        states: model.section_states(0.0).into_iter().map(|s| s.1).collect(),
+        forces,
+    }
+}
+
+/// The same by elements alone, each in the chart in which its largest angle is smallest.
+fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
+    let mut out = Physical {
+        energy: 0.0,
+        states: Vec::new(),
+        forces: vec![[Vector3::zeros(); 2]; NODES],
+    };
+    let frame = frame_along(&Vector3::x(), None);
+    for first in (0..NODES - 1).step_by(order) {
+        let own = first..=first + order;
+        let places: Vec<Vector3<f64>> = own.clone().map(place).collect();
+        let beam = Beam::along(&places, &|_| frame, &coupled()).unwrap();
+        let largest = |switch: bool| {
+            own.clone()
+                .map(|k| chart(&values[k][1], switch).norm())
+                .fold(0.0, f64::max)
+        };
+        let switch = largest(true) < largest(false);
+        let gap = (largest(true) - largest(false)).abs();
+        assert!(gap > 1e-3, "the case does not tell: {gap}");
+        let x: Vec<f64> = own
+            .clone()
+            .flat_map(|k| {
+                let [d, psi] = values[k];
+                let psi = chart(&psi, switch);
+                [d.x, d.y, d.z, psi.x, psi.y, psi.z]
+            })
+            .collect();
+        let motion = Motion {
+            t: 0.0,
+            x: &x,
+            v: &[],
+            a: &[],
+        };
+        let mut r = vec![0.0; x.len()];
+        let mut response = Response {
+            r: &mut r,
+            K: None,
+            C: None,
+            M: None,
+            r_t: None,
+        };
+        beam.evaluate(&motion, &mut response).unwrap();
+        out.energy += beam.energy(&motion);
+        beam.section_states(&motion, &mut out.states);
+        for (k, (x, r)) in own.zip(x.chunks(6).zip(r.chunks(6))) {
+            let psi = Vector3::from_column_slice(&x[3..]);
+            out.forces[k][0] += Vector3::from_column_slice(&r[..3]);
+            out.forces[k][1] += so3::tangent_inverse(&psi) * Vector3::from_column_slice(&r[3..]);
+        }
+    }
+    out
+}
+
+fn chart(psi: &Vector3<f64>, switch: bool) -> Vector3<f64> {
+    if switch { so3::complement(psi) } else { *psi }
+}
+
+/// Angles of the whole, from well below π to well beyond; nodes bend by up to 0.5 about them.
+const ANGLES: [f64; 7] = [2.5, 2.8, 3.0, 3.2, 3.4, 3.7, 4.0];
+
+#[test]
+fn changes_of_chart_leave_everything_physical_alone() {
+    let mut random = Random::new(21);
+    let mut mixed = 0;
+    for order in [1, 2] {
+        for theta in ANGLES {
+            let what = format!("order {order}, {theta} rad");
+            let values = configuration(theta, &mut random);
+            let expected = by_elements(&values, order);
+            let beyond = values.iter().filter(|v| v[1].norm() > PI).count();
+            mixed += usize::from(beyond != 0 && beyond != NODES);
+
+            // As given: nodes beyond π go over.
+            let (mut m, nodes) = model(order);
+            let mut q = coordinates(&m, &nodes, &values);
+            m.start(0.0, &q);
+            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
+            assert_eq!(changes.charts, beyond, "{what}");
+            let first = physical(&mut m, &nodes, &q);
+            same(&what, &first, &expected);
+            // Settled: nothing more to do.
+            let before = q.clone();
+            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
+            assert_eq!((changes.charts, changes.residual), (0, false), "{what}");
+            assert_eq!(q, before);
+
+            // All in the other chart, and back.
+            let complement: Vec<_> = values
+                .iter()
+                .map(|[d, psi]| [*d, so3::complement(psi)])
+                .collect();
+            q = coordinates(&m, &nodes, &complement);
+            m.start(0.0, &q);
+            let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
+            assert_eq!(changes.charts, NODES - beyond, "{what}");
+            same(&what, &physical(&mut m, &nodes, &q), &expected);
+            let gap = q.iter().zip(&before).map(|(a, b)| (a - b).abs());
+            assert!(gap.fold(0.0, f64::max) < 1e-14, "{what}");
+        }
+    }
+    assert!(
+        mixed >= 4,
+        "only {mixed} cases have nodes on both sides of π"
+    );
+}
+
+#[test]
+fn the_way_a_node_is_stored_does_not_matter() {
+    // Every second node follows a master that stores the complement: no element can do without a
+    // change of chart, whatever the angle.
+    let mut random = Random::new(22);
+    for theta in ANGLES {
+        let values = configuration(theta, &mut random);
+        let expected = by_elements(&values, 1);
+        let mut b = ModelBuilder::new();
+        let mut own = Vec::new();
+        let mut beam_nodes = Vec::new();
+        for k in 0..NODES {
+            let node = b.node(format!("n{k}"), place(k).into()).unwrap();
+            own.push(node);
+            beam_nodes.push(if k % 2 == 1 {
+                b.mapped_node(format!("twin {k}"), place(k).into(), Twin.boxed(), &[node])
+                    .unwrap()
+            } else {
+                node
+            });
+        }
+        let frame = frame_along(&Vector3::x(), None);
+        for k in 0..NODES - 1 {
+            let beam = Beam::along(&[place(k), place(k + 1)], &|_| frame, &coupled()).unwrap();
+            b.boxed_element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
+                .unwrap();
+        }
+        let mut m = b.build().unwrap();
+        let mut q = coordinates(&m, &own, &values);
+        m.start(0.0, &q);
+        m.change_charts(0.0, &mut q, &mut [], &mut []);
+        same(
+            &format!("{theta} rad"),
+            &physical(&mut m, &own, &q),
+            &expected,
+        );
+    }
+}
+
+/// Ω = TΨ̇ and A = TΨ̈ + ṪΨ̇ of a node.
+fn rates(psi: &Vector3<f64>, v: &Vector3<f64>, a: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let c = Quotients::new(psi.norm());
+    let T = so3::tangent(psi);
+    [T * v, T * a + so3::T_dot_psi_dot(v, psi, &c)]
+}
+
+#[test]
+fn velocities_and_accelerations_change_with_the_chart() {
+    let mut random = Random::new(23);
+    for theta in [2.5, 3.2, 4.0] {
+        let values = configuration(theta, &mut random);
+        let (mut m, nodes) = model(1);
+        let q0 = coordinates(&m, &nodes, &values);
+        let n = q0.len();
+        let (mut v0, mut a0, mut b0) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for x in [&mut v0, &mut a0, &mut b0] {
+            random.fill(x);
+        }
+        let (mut q, mut v, mut a, mut b) = (q0.clone(), v0.clone(), a0.clone(), b0.clone());
+        m.change_charts(0.0, &mut q, &mut v, &mut [&mut a, &mut b]);
+        // With velocities alone, or none, the same is done to what is there.
+        let (mut q2, mut v2) = (q0.clone(), v0.clone());
+        m.change_charts(0.0, &mut q2, &mut v2, &mut []);
+        assert_eq!((&q, &v), (&q2, &v2));
+        let mut q3 = q0.clone();
+        m.change_charts(0.0, &mut q3, &mut [], &mut []);
+        assert_eq!(q, q3);
+        for &node in &nodes {
+            let of = |x: &[f64]| take(&m, node, Dof::ROTATIONS, x);
+            let psi = of(&q);
+            assert!(psi.norm() <= PI);
+            let gap = so3::rotation(&psi) - so3::rotation(&of(&q0));
+            assert!(gap.norm() < 1e-14);
+            for (second, second0) in [(&a, &a0), (&b, &b0)] {
+                let now = rates(&psi, &of(&v), &of(second));
+                let before = rates(&of(&q0), &of(&v0), &of(second0));
+                for (x, y) in now.iter().zip(before) {
+                    assert!((x - y).norm() < 1e-13 * (1.0 + y.norm()), "{x}{y}");
+                }
+            }
+            // Displacements are not touched.
+            for (x, x0) in [(&q, &q0), (&v, &v0), (&a, &a0)] {
+                let d = |x: &[f64]| take(&m, node, Dof::TRANSLATIONS, x);
+                assert_eq!(d(x), d(x0));
+            }
+        }
+    }
+}
+
+#[test]
+fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
+    // In the plane: RX and RY are held at zero, and stay so under the change.
+    let build = |held: Box<dyn TimeFunction>| {
+        let mut b = ModelBuilder::new();
+        let ends = [0, 1].map(|k| b.node(format!("n{k}"), place(k).into()).unwrap());
+        let frame = frame_along(&Vector3::x(), None);
+        let beam = Beam::along(&[place(0), place(1)], &|_| frame, &coupled()).unwrap();
+        b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
+        b.prescribe_boxed(ends[1], Dof::RX, held);
+        b.prescribe(ends[1], Dof::RY, Constant(0.0));
+        (b.build().unwrap(), ends[1])
+    };
+    let (mut m, node) = build(Box::new(Constant(0.0)));
+    let mut q = vec![0.0; m.pattern().dim()];
+    let u = m.unknown(node, Dof::RZ).unwrap();
+    q[u] = 3.4;
+    let mut v = vec![0.0; q.len()];
+    v[u] = 0.7;
+    let changes = m.change_charts(0.0, &mut q, &mut v, &mut []);
+    assert_eq!(changes.charts, 1);
+    assert!((q[u] - (3.4 - 2.0 * PI)).abs() < 1e-15);
+    assert!(
+        (v[u] - 0.7).abs() < 1e-15,
+        "about a fixed axis the rate stays"
+    );
+    // Held elsewhere, now or later.
+    let later = Table::ramp(1.0, 2.0, 0.1).unwrap();
+    let held: [Box<dyn TimeFunction>; 2] = [Box::new(Constant(0.1)), Box::new(later)];
+    for held in held {
+        let (mut m, node) = build(held);
+        let u = m.unknown(node, Dof::RZ).unwrap();
+        q[u] = 3.4;
+        let changes = m.change_charts(0.0, &mut q, &mut [], &mut []);
+        assert_eq!((changes.charts, q[u]), (0, 3.4));
+    }
+}
+
+#[test]
+fn reactions_are_forces_and_moments_in_space() {
+    // A beam stretched and sheared, and turned as a whole: N and N × g in closed form. Beyond π all
+    // three nodes are in the other chart; where the two driven ones are, the start has seen to.
+    for (angle, changes) in [(0.8, 0), (3.0, 0), (3.5, 1), (5.0, 1)] {
+        reactions(angle, changes);
+    }
+}
+
+fn reactions(angle: f64, changes: usize) {
+    let psi = Vector3::new(2.0, -1.0, 2.0) / 3.0 * angle;
+    let R = so3::rotation(&psi);
+    let Gamma = Vector3::new(0.1, 0.05, -0.02);
+    let g = Vector3::x() + Gamma;
+    let (mut b, C) = (ModelBuilder::new(), coupled().C);
+    let nodes = [0, 1, 2].map(|k| b.node(format!("n{k}"), place(k).into()).unwrap());
+    let displaced = |k: usize| R * g * place(k).x - place(k);
+    for k in 0..2 {
+        let places = [place(k), place(k + 1)];
+        let beam = Beam::along(&places, &|_| Matrix3::identity(), &coupled()).unwrap();
+        b.boxed_element(format!("beam {k}"), beam, &nodes[k..k + 2])
+            .unwrap();
+        for i in 0..3 {
+            b.prescribe(nodes[k], Dof::TRANSLATIONS[i], Constant(displaced(k)[i]));
+            b.prescribe(nodes[k], Dof::ROTATIONS[i], Constant(psi[i]));
+        }
+    }
+    let mut m = b.build().unwrap();
+    let mut q = vec![0.0; 6];
+    for i in 0..3 {
+        q[m.unknown(nodes[2], Dof::TRANSLATIONS[i]).unwrap()] = displaced(2)[i];
+        q[m.unknown(nodes[2], Dof::ROTATIONS[i]).unwrap()] = psi[i];
+    }
+    m.start(0.0, &q);
+    let found = m.change_charts(0.0, &mut q, &mut [], &mut []);
+    assert_eq!(found.charts, changes);
+    let mut r = [0.0; 6];
+    m.evaluate(at(&q), Evaluation::residual(&mut r)).unwrap();
+    let reactions = m.reactions();
+    assert_eq!(reactions.len(), 2);
+    assert_eq!(reactions[0].node, "n0");
+    assert_eq!(reactions[0].prescribed, [true; 6]);
+    // The support pulls back with −N; the couple of the shear is shared by both ends, and the
+    // torque and bending that the coupled section adds are those of the end.
+    let N: Vector3<f64> = C.fixed_view::<3, 3>(0, 0) * Gamma;
+    let M: Vector3<f64> = C.fixed_view::<3, 3>(3, 0) * Gamma;
+    let couple = R * N.cross(&g) * 0.5;
+    #[track_caller]
+    fn near(found: Vector3<f64>, expected: Vector3<f64>, size: f64) {
+        let gap = (found - expected).norm() / size;
+        assert!(gap < EXACT, "{gap:e}: {found}{expected}");
+    }
+    let (force, moment) = (R * N, couple * 0.5 - R * M);
+    near(reactions[0].force, -force, force.norm());
+    near(reactions[0].moment, moment, moment.norm());
+    // Between two equal beams the forces balance, the couples add.
+    near(reactions[1].force, Vector3::zeros(), force.norm());
+    near(reactions[1].moment, couple, moment.norm());
+}

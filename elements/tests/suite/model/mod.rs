@@ -1,0 +1,10 @@
+//! Assembled models.
+
+mod allocation;
+mod bodies;
+mod builder;
+mod charts;
+mod charts_rows;
+mod refusals;
+mod tangent;
+mod weights;

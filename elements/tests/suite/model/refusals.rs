@@ -1,0 +1,340 @@
+//! What a model refuses, and with which words.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Idle, Offset, Twin, line, simple, straight};
+use nalgebra::{SVector, Vector3};
+use pullback_elements::beam::BeamError;
+use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::joint::constant_velocity;
+use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::model::{Dof, Model, ModelBuilder, ModelError};
+use pullback_elements::time::{Constant, Proportional};
+use pullback_manifold::implicit::{Choice, Implicit, Solved};
+use pullback_manifold::map::{Linear, Map};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+
+#[track_caller]
+fn says<T>(outcome: Result<T, ModelError>, message: &str) {
+    let Err(error) = outcome else {
+        panic!("accepted");
+    };
+    assert_eq!(error.to_string(), message);
+}
+
+#[test]
+fn nodes_that_cannot_be() {
+    says(
+        ModelBuilder::new().build(),
+        "a model needs at least one node",
+    );
+    let mut b = ModelBuilder::new();
+    let a = b.node("a", [1.0, 2.0, 3.0]).unwrap();
+    b.node("b", [0.0; 3]).unwrap();
+    says(
+        b.node("a", [0.0; 3]),
+        "node a is defined twice; give each node its own name",
+    );
+    says(
+        b.coordinates("b", &[Kind::Angle]),
+        "node b is defined twice; give each node its own name",
+    );
+    says(
+        b.node("c", [0.0, f64::NAN, 1.0]),
+        "node c has a coordinate that is not finite: [0.0, NaN, 1.0]",
+    );
+    assert_eq!(b.find("a"), Ok(a));
+    assert_eq!(
+        (b.node_name(a), b.place(a)),
+        ("a", Vector3::new(1.0, 2.0, 3.0))
+    );
+    says(b.find("x"), "there is no node x; known nodes: a, b");
+    for k in 0..20 {
+        b.node(format!("n{k}"), [0.0; 3]).unwrap();
+    }
+    let error = b.find("x").unwrap_err().to_string();
+    assert!(error.ends_with("n8, n9, ..."), "{error}");
+}
+
+#[test]
+fn elements_that_do_not_fit() {
+    let (mut b, ends) = simple();
+    says(
+        b.element("spring", Idle(9), &ends),
+        "element spring has 9 coordinates, but its nodes (a, b) have 12 together",
+    );
+    says(
+        b.element("net", Idle(102), &[ends[0]; 17]),
+        "element net has 17 nodes; at most 16 are possible",
+    );
+    let mut other = ModelBuilder::new();
+    for k in 0..5 {
+        other.node(format!("{k}"), [0.0; 3]).unwrap();
+    }
+    let foreign = other.find("4").unwrap();
+    says(
+        b.element("stray", Idle(6), &[foreign]),
+        "element stray refers to a node of another model builder",
+    );
+    says(
+        b.mapped_node("slave", [0.0; 3], Twin.boxed(), &[foreign]),
+        "joint at node slave refers to a node of another model builder",
+    );
+    b.prescribe(foreign, Dof::X, Constant(0.0));
+    says(
+        b.build(),
+        "a support or driven motion refers to a node of another model builder",
+    );
+}
+
+#[test]
+fn joints_that_do_not_fit() {
+    let (mut b, ends) = simple();
+    says(
+        b.mapped_node("slave", [0.0; 3], Twin.boxed(), &ends),
+        "the map of the joint at node slave takes 6 coordinates to 6, but it must take the 12 of \
+         its masters (a, b) to 6",
+    );
+    let slave = b
+        .mapped_node("slave", [0.0; 3], Twin.boxed(), &ends[..1])
+        .unwrap();
+    b.support(slave, &[Dof::RY]);
+    let load = NodalLoad::new(Which::DeadForce, [1.0; 3], Constant(1.0));
+    b.element("load", load, &[slave]).unwrap();
+    says(
+        b.build(),
+        "node slave, rotation about e2 follows from other nodes through a joint and cannot be \
+         prescribed; prescribe a coordinate of its masters a",
+    );
+}
+
+/// c² + s² = 1.
+#[derive(Clone)]
+struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - 1.0)
+    }
+}
+
+/// What is offered instead of a coordinate that follows can be prescribed, and not what it is picked from.
+#[test]
+fn coordinates_that_follow_from_coordinates_that_follow() {
+    let cases = [
+        (
+            Choice::Split,
+            "bead x follows from the equations that bead is solved from and cannot be \
+             prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
+             coordinates be independent for good (`Choice::Fixed`) and prescribe that",
+        ),
+        (
+            Choice::Fixed,
+            "bead x follows from other nodes through a joint and cannot be prescribed; \
+             prescribe a coordinate of its masters q",
+        ),
+    ];
+    for (choice, message) in cases {
+        let (mut b, _) = simple();
+        let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, [0.8, 0.6], choice).unwrap();
+        let q = b.coordinates("q", &[Kind::Other]).unwrap();
+        let both = b.mapped_coordinates("bead", &[Kind::Length; 2], map.boxed(), &[q]);
+        let pick = Linear::<2, 1>::pick(0, 0.8).boxed();
+        let x = b.mapped_coordinates("bead x", &[Kind::Length], pick, &[both.unwrap()]);
+        b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));
+        says(b.build(), message);
+    }
+}
+
+#[test]
+fn shafts_against_each_other_have_no_direction_of_tilt() {
+    let e = [0.3, -0.2, 0.9];
+    let couple = |second: [f64; 3]| {
+        let (mut b, ends) = simple();
+        constant_velocity(&mut b, "coupling", ends[1], [e, second])
+    };
+    says(
+        couple(e.map(|x| -2.0 * x)),
+        "joint coupling: its two axes are opposite: one shaft would be turned by \
+         180° against the other, and in which direction is not known; reverse one axis",
+    );
+    assert!(couple(e.map(|x| 2.0 * x)).is_ok());
+}
+
+#[test]
+fn lines_that_do_not_fit() {
+    let mut b = ModelBuilder::new();
+    let ends = [
+        b.node("a", [0.0; 3]).unwrap(),
+        b.node("b", [1.0, 0.0, 0.0]).unwrap(),
+    ];
+    let twin = b.node("twin", [0.0; 3]).unwrap();
+    let axis = straight(&b, ends);
+    says(
+        b.line("l", &axis, ends, &line(0, 1)),
+        "line l: needs at least one element",
+    );
+    says(
+        b.line("l", &axis, ends, &line(2, 4)),
+        "line l: elements of order 4 do not exist; choose 1, 2 or 3",
+    );
+    says(
+        b.line("l", &axis, [ends[0], twin], &line(2, 1)),
+        "line l: its end is [1.0, 0.0, 0.0], but node twin stands 1.000e0 away at [0.0, 0.0, 0.0]",
+    );
+    says(
+        b.line("l", &axis, [ends[1], ends[1]], &line(2, 1)),
+        "line l: its start is [0.0, 0.0, 0.0], but node b stands 1.000e0 away at [1.0, 0.0, 0.0]",
+    );
+    let point = straight(&b, [ends[0], twin]);
+    let error = b.line("l", &point, [ends[0], twin], &line(1, 1));
+    let source = BeamError::ZeroLength { at: [0.0; 3] };
+    assert_eq!(
+        error.clone().unwrap_err(),
+        ModelError::Beam {
+            element: "l:1".to_owned(),
+            source
+        }
+    );
+    says(
+        error,
+        "element l:1: its length is zero: nodes at [0.0, 0.0, 0.0] coincide",
+    );
+}
+
+#[test]
+fn supports_that_cannot_be() {
+    let (mut b, ends) = simple();
+    b.support(ends[0], &Dof::ALL);
+    b.prescribe(ends[0], Dof::RZ, Proportional(1.0));
+    says(
+        b.build(),
+        "node a, rotation about e3 is prescribed twice; remove one of the supports or driven \
+         motions that name it",
+    );
+    // A coordinate that a node does not have is not that of the next node.
+    let (mut b, ends) = simple();
+    let angle = b.coordinates("hinge", &[Kind::Angle]).unwrap();
+    b.element("hinge spring", Idle(7), &[angle, ends[0]])
+        .unwrap();
+    b.support(angle, &[Dof::Y]);
+    says(
+        b.build(),
+        "node hinge has 1 coordinates, so there is no number 2 to prescribe",
+    );
+}
+
+#[test]
+fn nodes_that_nothing_holds_on_to() {
+    let (mut b, _) = simple();
+    let lost = b.node("lost", [5.0; 3]).unwrap();
+    let load = NodalLoad::new(Which::DeadForce, [1.0; 3], Constant(1.0));
+    b.element("load", load, &[lost]).unwrap();
+    says(
+        b.build(),
+        "node lost carries no element (loads do not count); connect it or remove it",
+    );
+    let (mut b, ends) = simple();
+    let offset = Offset([0.0, 1.0, 0.0]).boxed();
+    let slave = b
+        .mapped_node("slave", [1.0, 1.0, 0.0], offset, &ends[1..])
+        .unwrap();
+    // A load alone is what an offset is for, or nothing at all: a place to look at.
+    let load = || NodalLoad::new(Which::DeadForce, [1.0, 2.0, 4.0], Constant(1.0));
+    b.element("load", load(), &[slave]).unwrap();
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    assert_eq!(n, 12);
+    let (q, mut r) = (vec![0.0; n], vec![0.0; n]);
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &[],
+        a: &[],
+    };
+    model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+    // The force and its moment c × f about the master, c = (0, 1, 0).
+    assert_eq!(r[6..], [1.0, 2.0, 4.0, 4.0, 0.0, -1.0]);
+    let (mut b, ends) = simple();
+    b.mapped_node("slave", [1.0, 1.0, 0.0], Twin.boxed(), &ends[1..])
+        .unwrap();
+    b.build().unwrap();
+}
+
+/// Forces that are not finite, and a map with an edge.
+struct Broken;
+
+impl Element for Broken {
+    fn dim(&self) -> usize {
+        6
+    }
+
+    fn evaluate(&self, _: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        out.r[4] = f64::NAN;
+        Ok(())
+    }
+}
+
+#[derive(Clone)]
+struct Bounded;
+
+impl Map<6, 6> for Bounded {
+    fn phi<S: pullback_manifold::scalar::Scalar>(
+        &self,
+        _t: S,
+        q: &nalgebra::SVector<S, 6>,
+    ) -> nalgebra::SVector<S, 6> {
+        *q
+    }
+
+    fn margin(&self, _t: f64, q: &nalgebra::SVector<f64, 6>) -> f64 {
+        1.0 - q[0]
+    }
+}
+
+#[test]
+fn points_outside_a_domain_are_refused_by_name() {
+    fn evaluate(model: &mut Model, q: &[f64]) -> String {
+        let mut r = vec![0.0; q.len()];
+        let at = Point {
+            t: 0.0,
+            q,
+            v: &[],
+            a: &[],
+        };
+        let outcome = model.evaluate(at, Evaluation::residual(&mut r));
+        outcome.map_or_else(|e: SystemError| e.to_string(), |()| "fine".to_owned())
+    }
+    let (b, _) = simple();
+    let mut model = b.build().unwrap();
+    let mut q = vec![0.0; 12];
+    let psi = std::f64::consts::TAU - 2e-4;
+    (q[3], q[9]) = (psi, psi);
+    assert_eq!(
+        evaluate(&mut model, &q),
+        "element beam:1 left the domain of its chart (it moved or turned too far at once): take \
+         smaller steps"
+    );
+    let (mut b, ends) = simple();
+    b.element("broken", Broken, &ends[1..]).unwrap();
+    assert_eq!(
+        evaluate(&mut b.build().unwrap(), &[0.0; 12]),
+        "node b, rotation about e2 gives a value that is not finite: a function of a joint, an \
+         element or a load has no value or derivative there (`check` names it)"
+    );
+    let (mut b, ends) = simple();
+    let slave = b
+        .mapped_node("slave", [1.0, 0.0, 0.0], Bounded.boxed(), &ends[1..])
+        .unwrap();
+    b.element("idle", Idle(6), &[slave]).unwrap();
+    let mut model = b.build().unwrap();
+    let mut q = vec![0.0; 12];
+    assert_eq!(evaluate(&mut model, &q), "fine");
+    q[6] = 1.5;
+    assert_eq!(
+        evaluate(&mut model, &q),
+        "joint at node slave left the domain of its chart (it moved or turned too far at once): take \
+         smaller steps"
+    );
+}

@@ -1,0 +1,369 @@
+//! The assembled model as a system: its tangent is that of its residual, in whatever charts.
+
+#![allow(non_snake_case)]
+
+use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
+use nalgebra::{DVector, Vector3};
+use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
+use pullback_manifold::check::{self, Random, State, dense};
+use pullback_manifold::map::Map;
+use pullback_manifold::system::{Evaluation, Kind, Point, System, Weights};
+use std::f64::consts::PI;
+
+fn sine(amplitude: f64) -> Sine {
+    Sine {
+        amplitude,
+        omega: 2.3,
+        phase: 0.4,
+        offset: 0.1,
+    }
+}
+
+/// An L of two lines: a clamped one with quadratic elements and one with a free end, under loads.
+fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
+    let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
+    let straight = |b: &ModelBuilder, from, to| Straight {
+        from: b.place(from),
+        to: b.place(to),
+        second: None,
+        twist: 0.3,
+    };
+    let line = |elements, order, section| Line {
+        elements,
+        order,
+        section,
+    };
+    let axis = straight(b, root, corner);
+    b.line("arm", &axis, [root, corner], &line(2, 2, coupled()))
+        .unwrap();
+    let axis = straight(b, corner, tip);
+    let leg = b
+        .line("leg", &axis, [corner, tip], &line(2, 1, section()))
+        .unwrap();
+    for (which, k) in [
+        (Which::FollowerForce, 0.0),
+        (Which::SpatialMoment, 1.0),
+        (Which::DeadForce, 2.0),
+        (Which::FollowerMoment, 3.0),
+    ] {
+        let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
+        b.element(format!("load {k}"), load, &[tip]).unwrap();
+    }
+    let own = [leg.nodes[0], leg.nodes[1]];
+    let places = own.map(|n| b.place(n));
+    let wind = LineLoad::new(&places, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    b.element("wind", wind, &own).unwrap();
+    [root, corner, tip]
+}
+
+/// States of a model's n unknowns near a configuration.
+fn around(model: &Model, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
+    let n = model.pattern().dim();
+    let mut random = Random::new(5);
+    let mut out = Vec::new();
+    for k in 0..2 {
+        let mut moved = q.clone();
+        moved
+            .iter_mut()
+            .for_each(|x| *x += random.range(-spread, spread));
+        out.push((format!("{k}, at rest"), State::statics(0.6, moved.clone())));
+        let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
+        random.fill(v.as_mut_slice());
+        random.fill(a.as_mut_slice());
+        let (t, x) = (0.6, moved);
+        out.push((format!("{k}, moving"), State { t, x, v, a }));
+    }
+    out
+}
+
+fn check_around(what: &str, model: &mut Model, q: &DVector<f64>, spread: f64) {
+    let states = around(model, q, spread);
+    check::system(what, model, &states).assert();
+}
+
+/// A configuration in which every node's rotation vector is `psi`.
+fn turned(model: &Model, psi: impl Fn(usize) -> Vector3<f64>) -> DVector<f64> {
+    let mut q = DVector::zeros(model.pattern().dim());
+    let frames: Vec<NodeId> = model.frames().map(|(n, _)| n).collect();
+    for (k, &node) in frames.iter().enumerate() {
+        let psi = psi(k);
+        for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
+            if let Some(u) = model.unknown(node, dof) {
+                q[u] = psi[i];
+            }
+        }
+    }
+    q
+}
+
+#[test]
+fn a_clamped_frame() {
+    let mut b = ModelBuilder::new();
+    let [root, ..] = frame_model(&mut b);
+    b.support(root, &Dof::ALL);
+    let mut model = b.build().unwrap();
+    assert_eq!(model.pattern().dim(), 6 * 6);
+    assert!(!model.is_symmetric());
+    let zero = DVector::zeros(36);
+    check_around("clamped frame", &mut model, &zero, 0.4);
+}
+
+#[test]
+fn partly_prescribed_and_driven_coordinates() {
+    let mut b = ModelBuilder::new();
+    let [root, corner, tip] = frame_model(&mut b);
+    b.support(root, &[Dof::X, Dof::Z, Dof::RY]);
+    b.prescribe(corner, Dof::Y, sine(0.3));
+    b.prescribe(corner, Dof::RX, sine(0.8));
+    for dof in Dof::ROTATIONS {
+        b.prescribe(tip, dof, sine(0.5));
+    }
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    assert_eq!(n, 7 * 6 - 8);
+    check_around("driven frame", &mut model, &DVector::zeros(n), 0.4);
+}
+
+#[test]
+fn a_rotation_driven_past_a_turn() {
+    // About an axis that wanders, so that taking off a turn changes the rates too; at t = 0.6 the
+    // tip has turned by 7.1 rad.
+    let mut b = ModelBuilder::new();
+    let [root, _, tip] = frame_model(&mut b);
+    b.support(root, &Dof::ALL);
+    b.prescribe(tip, Dof::RX, Proportional(8.0));
+    b.prescribe(tip, Dof::RY, sine(3.0));
+    b.prescribe(tip, Dof::RZ, Proportional(7.0));
+    let psi = |t: f64| Vector3::new(8.0 * t, sine(3.0).at(t)[0], 7.0 * t);
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    let mut q = DVector::zeros(n);
+    model.start(0.6, q.as_slice());
+    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    assert_eq!(changes.charts, 0, "the start has done it");
+    check_around("driven past a turn", &mut model, &q, 0.2);
+    // The last of these states is at t = 0.6.
+    let found = model.node_state(tip);
+    let expected = nalgebra::Rotation3::new(psi(0.6));
+    assert!((found.R - expected.matrix()).norm() < 1e-13);
+    assert!((found.psi.norm() - (psi(0.6).norm() - 2.0 * PI)).abs() < 1e-14);
+    // Back: 4.2 rad is nearer to one turn than to none, 2.2 rad is not. And forth.
+    for (t, charts) in [(0.3, 0), (0.1, 1), (0.3, 1)] {
+        let changes = model.change_charts(t, q.as_mut_slice(), &mut [], &mut []);
+        assert_eq!(changes.charts, charts, "{} rad", psi(t).norm());
+    }
+}
+
+#[test]
+fn nodes_that_follow_through_maps() {
+    // The leg hangs on the corner by an offset that grows with time; the tip follows two masters.
+    let mut b = ModelBuilder::new();
+    let root = b.node("root", [0.0; 3]).unwrap();
+    let corner = b.node("corner", [1.0, 0.0, 0.0]).unwrap();
+    let angle = b.coordinates("angle", &[Kind::Angle]).unwrap();
+    let offset = Offset([0.0, 0.3, 0.4]).boxed();
+    let slave = b
+        .mapped_node("slave", [1.0, 0.3, 0.4], offset, &[corner])
+        .unwrap();
+    let tip = b.node("tip", [1.0, 1.0, 1.0]).unwrap();
+    let pin = b
+        .mapped_node("pin", [0.0, 0.0, 1.0], TwoTurn.boxed(), &[tip, angle])
+        .unwrap();
+    let far = b.node("far", [-1.0, 0.5, 1.0]).unwrap();
+    for (name, ends) in [
+        ("arm", [root, corner]),
+        ("leg", [slave, tip]),
+        ("hand", [pin, far]),
+        // Slave and master in one element: their blocks meet.
+        ("brace", [corner, slave]),
+    ] {
+        let axis = Straight {
+            from: b.place(ends[0]),
+            to: b.place(ends[1]),
+            second: None,
+            twist: 0.0,
+        };
+        let line = Line {
+            elements: 1,
+            order: 1,
+            section: section(),
+        };
+        b.line(name, &axis, ends, &line).unwrap();
+    }
+    // Residuals that depend on velocities and accelerations, symmetric in nothing.
+    b.element("coupling", Coupling, &[slave, pin]).unwrap();
+    b.element("coupling 2", Coupling, &[corner, tip]).unwrap();
+    let load = NodalLoad::new(Which::FollowerForce, [1.0, -2.0, 0.5], sine(1.0));
+    b.element("load", load, &[slave]).unwrap();
+    b.support(root, &Dof::ALL);
+    b.prescribe(corner, Dof::RZ, sine(0.4));
+    b.prescribe(corner, Dof::X, sine(0.2));
+    let mut model = b.build().unwrap();
+    let n = model.pattern().dim();
+    assert_eq!(n, 4 + 1 + 6 + 6);
+    check_around("joints", &mut model, &DVector::zeros(n), 0.4);
+}
+
+/// A chain of `count` beams with couplings in velocities and accelerations; clamped at the start.
+fn chain(count: usize) -> (Model, Vec<NodeId>) {
+    let mut b = ModelBuilder::new();
+    let from = b.node("0", [0.0; 3]).unwrap();
+    let to = b.node("end", [count as f64, 0.0, 0.0]).unwrap();
+    let axis = Straight {
+        from: b.place(from),
+        to: b.place(to),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: count,
+        order: 1,
+        section: coupled(),
+    };
+    let nodes = b.line("chain", &axis, [from, to], &line).unwrap().nodes;
+    for pair in nodes.windows(2) {
+        b.element("coupling", Coupling, pair).unwrap();
+    }
+    let places = [b.place(nodes[0]), b.place(nodes[1])];
+    let wind = LineLoad::new(&places, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    b.element("wind", wind, &nodes[..2]).unwrap();
+    (b.build().unwrap(), nodes)
+}
+
+#[test]
+fn nodes_astride_pi() {
+    let (mut model, nodes) = chain(3);
+    let e = Vector3::new(0.36, 0.48, -0.8);
+    // 2.7, 3.1, 3.3, 3.5 rad: the last two are stored as their complements.
+    let angles = [2.7, 3.1, 3.3, 3.5];
+    let mut q = turned(&model, |k| {
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+        e * angles[at.unwrap()]
+    });
+    model.start(0.6, q.as_slice());
+    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    // The start has found the charts of the elements; only nodes are stored anew.
+    assert_eq!((changes.charts, changes.residual), (2, false));
+    // Small disturbances: the charts of nodes and elements stay, as they do within a step.
+    check_around("astride pi", &mut model, &q, 0.05);
+    let u = model.unknown(nodes[3], Dof::RZ).unwrap();
+    assert!((q[u] - e.z * (3.5 - 2.0 * PI)).abs() < 1e-14);
+}
+
+#[test]
+fn mapped_nodes_stored_in_the_other_chart() {
+    // Twin stores the complement of its master's rotation: elements must change charts of nodes
+    // that have no coordinates of their own, and pull back twice.
+    let mut b = ModelBuilder::new();
+    let places = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.5, 0.0]];
+    let masters = [0, 1, 2].map(|k| b.node(format!("m{k}"), places[k]).unwrap());
+    let twin = b
+        .mapped_node("twin", places[1], Twin.boxed(), &masters[1..2])
+        .unwrap();
+    for (name, ends) in [("a", [masters[0], twin]), ("b", [twin, masters[2]])] {
+        let axis = Straight {
+            from: b.place(ends[0]),
+            to: b.place(ends[1]),
+            second: None,
+            twist: 0.0,
+        };
+        let line = Line {
+            elements: 1,
+            order: 1,
+            section: coupled(),
+        };
+        b.line(name, &axis, ends, &line).unwrap();
+        b.element(format!("coupling {name}"), Coupling, &ends)
+            .unwrap();
+    }
+    b.prescribe(masters[1], Dof::RY, sine(0.3));
+    let mut model = b.build().unwrap();
+    let mut q = turned(&model, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
+    model.start(0.6, q.as_slice());
+    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    assert_eq!(changes.charts, 0);
+    check_around("twin", &mut model, &q, 0.1);
+}
+
+#[test]
+fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
+    let (mut model, nodes) = chain(2);
+    let e = Vector3::new(0.36, 0.48, -0.8);
+    let mut q = turned(&model, |k| {
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+        e * [2.9, 3.1, 3.3][at.unwrap()]
+    });
+    model.start(0.6, q.as_slice());
+    model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    let mut random = Random::new(2);
+    let n = q.len();
+    let mut d = DVector::zeros(n);
+    random.direction(1.0, d.as_mut_slice());
+    random.fill(q.as_mut_slice());
+    let mut tangent = |previous: Option<&DVector<f64>>| {
+        let at = |q| Point {
+            t: 0.6,
+            q,
+            v: &[],
+            a: &[],
+        };
+        let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
+        let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
+        match previous {
+            None => model.evaluate(at(q.as_slice()), out),
+            Some(from) => model.evaluate_from(at(from.as_slice()), at(q.as_slice()), out),
+        }
+        .unwrap();
+        (r, dense(model.pattern(), &S))
+    };
+    let (r, K) = tangent(None);
+    let mut report = check::Report::new("previous iterate");
+    report.slope("K", "chain", 2.0, 0.05, K.norm(), |step| {
+        let (same, from) = tangent(Some(&(&q - &d * step)));
+        assert_eq!(same, r);
+        (from - &K).norm()
+    });
+    report.assert();
+    let (_, K_again) = tangent(None);
+    assert_eq!(K, K_again, "the previous iterate is forgotten");
+}
+
+#[test]
+fn conservative_models_are_symmetric_also_with_changed_charts() {
+    let mut b = ModelBuilder::new();
+    let ends = [[0.0; 3], [1.0, 0.5, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: 2,
+        order: 2,
+        section: coupled(),
+    };
+    let nodes = b.line("line", &axis, ends, &line).unwrap().nodes;
+    let load = NodalLoad::new(Which::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
+    b.element("load", load, &ends[1..]).unwrap();
+    let mut model = b.build().unwrap();
+    assert!(model.is_symmetric());
+    let mut q = turned(&model, |k| {
+        let at = nodes
+            .iter()
+            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+        Vector3::new(1.0, -2.0, 2.0) / 3.0 * (2.8 + 0.2 * at.unwrap() as f64)
+    });
+    model.start(0.6, q.as_slice());
+    model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    // check::system holds a system that claims it to symmetry.
+    check_around("conservative", &mut model, &q, 0.05);
+}

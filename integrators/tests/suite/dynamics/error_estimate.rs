@@ -1,0 +1,56 @@
+//! The estimate of the local error beside the error that a step has.
+
+#![allow(non_snake_case)]
+
+use crate::support::dynamics::*;
+use pullback_integrators::dynamics::{Adaptivity, DynamicOptions, Scheme, integrate};
+
+const OMEGA: f64 = 2.0;
+
+/// The estimate over the error of q in a step of size h of q̈ = −ω² q from the time ¼ on, until when
+/// the algorithmic acceleration, which starts as q̈, has settled; the estimate is read from the size
+/// that the next step is given.
+fn estimate_over_error(scheme: Scheme, h: f64) -> f64 {
+    let equal = DynamicOptions {
+        scheme,
+        ..DynamicOptions::new(0.25, h)
+    };
+    let oscillator = || Oscillator::new(1.0, OMEGA * OMEGA);
+    let before = run(oscillator(), 0.7, -1.1, &equal);
+    let step = |tolerance: f64| {
+        let options = DynamicOptions {
+            to: 0.25 + h,
+            adaptivity: Some(Adaptivity {
+                tolerance,
+                max_step: 1.0,
+            }),
+            ..equal
+        };
+        let mut progress = before.clone();
+        integrate(&mut oscillator(), &mut progress, &options, &mut onward).unwrap();
+        assert_eq!(progress.summary.steps, before.summary.steps + 1);
+        assert_eq!(progress.summary.inaccurate, 0);
+        progress
+    };
+    let (sin, cos) = (OMEGA * h).sin_cos();
+    let exact = before.state.q[0] * cos + before.state.v[0] / OMEGA * sin;
+    let error = (step(1.0).state.q[0] - exact).abs();
+    // With a tolerance near the error the size of the next step is at neither of its limits.
+    let tolerance = 1.5 * error;
+    let factor = step(tolerance).next_step / h;
+    assert!(factor > 0.3 && factor < 2.0, "at a limit: {factor}");
+    tolerance * (0.9 / factor).powi(3) / error
+}
+
+#[test]
+fn the_estimate_is_the_local_error_of_small_steps() {
+    let newmark = Scheme::newmark(0.3, 0.5).unwrap();
+    for scheme in schemes().into_iter().chain([newmark]) {
+        let gaps =
+            [64.0, 128.0, 256.0, 512.0].map(|n| (estimate_over_error(scheme, 1.0 / n) - 1.0).abs());
+        // It tends to the error with h.
+        for slope in slopes(&gaps) {
+            assert!((slope - 1.0).abs() < 0.2, "{scheme}: {gaps:?}");
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Runs in time: failing and adaptive steps, copies that go on, what is refused.
+
+#![allow(non_snake_case)]
+
+use crate::support::dynamics::*;
+use pullback_integrators::dynamics::{
+    Adaptivity, DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, StepReport,
+    Tangent, integrate, start,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// A system that cannot be evaluated where it would have moved far in one step.
+struct Skittish(Pendulum, f64);
+
+impl System for Skittish {
+    fn pattern(&self) -> &BlockPattern {
+        self.0.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        if (at.q[0] - self.1).abs() > 0.2 {
+            return Err(SystemError::OutsideChart {
+                edge: pullback_manifold::system::CHART_EDGE,
+                what: "the pendulum".to_owned(),
+                margin: 0.2 - (at.q[0] - self.1).abs(),
+            });
+        }
+        self.0.evaluate(at, out)
+    }
+
+    fn change_charts(
+        &mut self,
+        _: f64,
+        q: &mut [f64],
+        _: &mut [f64],
+        _: &mut [&mut [f64]],
+    ) -> pullback_manifold::system::ChartChanges {
+        self.1 = q[0];
+        Default::default()
+    }
+}
+
+#[test]
+fn failed_steps_are_halved_and_grow_back() {
+    let mut system = Skittish(Pendulum::new(), 1.5);
+    let mut progress = Progress::new(start(&system, 0.0, &[1.5], &[]).unwrap());
+    let options = DynamicOptions::new(2.0, 0.25);
+    let mut sizes = Vec::new();
+    let mut observe = |_: &mut Skittish, step: &StepReport<'_>| {
+        sizes.push(step.step_size);
+        ControlFlow::Continue(())
+    };
+    integrate(&mut system, &mut progress, &options, &mut observe).unwrap();
+    assert_eq!(progress.state.t, 2.0);
+    assert!(progress.summary.failed > 0);
+    let smallest = sizes.iter().copied().fold(1.0, f64::min);
+    let after = sizes.iter().position(|&s| s == smallest).unwrap();
+    assert!(smallest < 0.1 && sizes[after..].iter().any(|&s| s > 1.5 * smallest));
+    // Nowhere to go: the error names the step, the time and the cause.
+    let mut stuck = Skittish(Pendulum::new(), 1.5);
+    let mut progress = Progress::new(start(&stuck, 0.0, &[1.5], &[100.0]).unwrap());
+    let options = DynamicOptions {
+        min_step: 0.1,
+        ..options
+    };
+    let error = integrate(&mut stuck, &mut progress, &options, &mut onward).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("step 1 failed between time 0 (start) and 0.125"),
+        "{text}"
+    );
+    assert!(text.contains("the pendulum left the domain"), "{text}");
+    assert_eq!(
+        progress.state.q,
+        [1.5],
+        "the state is that of the last accepted step"
+    );
+}
+
+#[test]
+fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
+    let mut system = Pendulum::new();
+    // Nothing measures the forces of this system: it is solved down to rounding errors, by a kept
+    // tangent with a contraction of 0.091 in log(ε)/log(0.091) = 15 corrections.
+    for (tangent, most) in [(Tangent::Every, 5), (Tangent::Once, 15)] {
+        let options = DynamicOptions {
+            newton: NewtonOptions {
+                tangent,
+                relative: 1e-13,
+                ..NewtonOptions::default()
+            },
+            ..DynamicOptions::new(0.3, 0.3)
+        };
+        let mut progress = Progress::new(start(&system, 0.0, &[2.0], &[1.0]).unwrap());
+        let mut history = Vec::new();
+        let mut observe = |_: &mut Pendulum, step: &StepReport<'_>| {
+            history = step.residuals.iter().map(|i| i.residual[1]).collect();
+            ControlFlow::Continue(())
+        };
+        integrate(&mut system, &mut progress, &options, &mut observe).unwrap();
+        assert!(progress.summary.iterations <= most, "{history:?}");
+        let first = history[0];
+        let scaled: Vec<f64> = history.iter().map(|r| r / first).collect();
+        if tangent == Tangent::Every {
+            // rₖ₊₁ ≤ c rₖ² with a moderate c until rounding.
+            for pair in scaled.windows(2).filter(|p| p[1] > 1e-14) {
+                assert!(pair[1] < 2.0 * pair[0] * pair[0], "{scaled:?}");
+            }
+            assert_eq!(
+                progress.summary.factorisations,
+                1 + progress.summary.iterations
+            );
+        } else {
+            assert_eq!(progress.summary.factorisations, 2);
+        }
+    }
+}
+
+#[test]
+fn a_run_goes_on_from_a_copy_to_the_last_bit() {
+    for scheme in [Scheme::default(), Scheme::chung_hulbert(0.5).unwrap()] {
+        for adaptivity in [
+            None,
+            Some(Adaptivity {
+                tolerance: 1e-5,
+                max_step: 0.2,
+            }),
+        ] {
+            let options = DynamicOptions {
+                scheme,
+                adaptivity,
+                ..DynamicOptions::new(3.0, 0.07)
+            };
+            let mut system = Pendulum::new();
+            let mut whole = Progress::new(start(&system, 0.0, &[1.0], &[2.0]).unwrap());
+            let mut copy = None;
+            let mut observe = |_: &mut Pendulum, step: &StepReport<'_>| {
+                if step.progress.summary.steps == 17 {
+                    copy = Some(step.progress.clone());
+                }
+                ControlFlow::Continue(())
+            };
+            integrate(&mut system, &mut whole, &options, &mut observe).unwrap();
+            let mut rest = copy.unwrap();
+            integrate(&mut Pendulum::new(), &mut rest, &options, &mut onward).unwrap();
+            assert_eq!(whole, rest);
+        }
+    }
+}
+
+#[test]
+fn adaptive_steps_follow_the_error() {
+    let exact = [0.986_291_751_131_875_f64, -0.165_010_853_125_541];
+    let mut last = f64::INFINITY;
+    for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
+        let options = DynamicOptions {
+            adaptivity: Some(Adaptivity {
+                tolerance,
+                max_step: 0.5,
+            }),
+            ..DynamicOptions::new(1.0, 0.3)
+        };
+        let end = run(Pendulum::new(), -TAU / 4.0, 0.0, &options);
+        assert!(end.summary.inaccurate > 0, "the first step is too large");
+        let error = (end.state.q[0] - exact[0].atan2(-exact[1])).abs();
+        // Global errors go like the power 2/3 of local ones.
+        assert!(
+            error < 20.0 * tolerance.powf(2.0 / 3.0) && error < last,
+            "{error}"
+        );
+        last = error;
+    }
+}
+
+#[test]
+fn parameters_and_options_are_refused_with_their_range() {
+    let says = |r: Result<Scheme, DynamicsError>, text: &str| {
+        let error = r.unwrap_err().to_string();
+        assert!(error.contains(text), "{error}");
+    };
+    says(
+        Scheme::newmark(0.25, 0.4),
+        "Newmark's gamma = 0.4 is outside its range [0.5, 1]",
+    );
+    says(
+        Scheme::newmark(0.0, 0.5),
+        "Newmark's beta = 0.0 is outside its range [0.01, 1]",
+    );
+    says(
+        Scheme::hht(-0.4),
+        "alpha of HHT = -0.4 is outside its range [-0.3333333, 0]",
+    );
+    says(Scheme::hht(f64::NAN), "alpha of HHT = NaN");
+    says(Scheme::wbz(1.1), "rho of WBZ = 1.1");
+    says(Scheme::chung_hulbert(-0.1), "rho of Chung-Hulbert = -0.1");
+    let try_run = |options: DynamicOptions| {
+        let mut system = Pendulum::new();
+        let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
+        integrate(&mut system, &mut progress, &options, &mut onward)
+            .unwrap_err()
+            .to_string()
+    };
+    for (step, to, text) in [
+        (0.0, 1.0, "option step = 0.0 is not usable"),
+        (f64::NAN, 1.0, "option step = NaN"),
+        (0.1, -1.0, "option to = -1.0"),
+        (0.1, f64::INFINITY, "option to = inf"),
+    ] {
+        let found = try_run(DynamicOptions::new(to, step));
+        assert!(found.contains(text), "{found}");
+    }
+    let error = start(&Pendulum::new(), 0.0, &[1.0, 2.0], &[]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "initial coordinates: 2 given where the system has 1 coordinates"
+    );
+    let error = start(&Oscillator::new(1.0, 1.0), 0.0, &[], &[f64::NAN]).unwrap_err();
+    assert_eq!(error.to_string(), "initial velocities: the mass is NaN");
+}
+
+#[test]
+fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
+    // Without mass the coordinate follows its load: x = p/k at once.
+    let mut system = Oscillator::new(0.0, 4.0);
+    system.hat = 1.0;
+    let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
+    let options = DynamicOptions::new(0.5, 0.05);
+    integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
+    assert!((progress.state.q[0] - 0.25).abs() < 1e-12);
+    let mut nothing = Oscillator::new(0.0, 0.0);
+    let mut progress = Progress::new(start(&nothing, 0.0, &[], &[]).unwrap());
+    let error = integrate(&mut nothing, &mut progress, &options, &mut onward).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("no consistent accelerations at time 0.000000"),
+        "{text}"
+    );
+}

@@ -1,0 +1,7 @@
+//! All integration tests of integrators and solvers, linked once.
+
+mod dynamics;
+mod linear_solver;
+mod schemes;
+mod statics;
+mod support;

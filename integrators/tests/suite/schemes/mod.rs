@@ -1,0 +1,5 @@
+//! Schemes: tables, spectra, what they claim.
+
+mod conformance;
+mod spectrum;
+mod tables;

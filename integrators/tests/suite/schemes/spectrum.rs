@@ -1,0 +1,304 @@
+//! Spectra of the step routine against closed forms and published expansions
+//! (reference/spectra.json).
+
+#![allow(non_snake_case)]
+
+use pullback_integrators::dynamics::Scheme;
+use pullback_integrators::spectrum::{
+    FirstStep, Numbers, amplification, characteristic, closed_first_step, closed_form,
+    expansion as theory, logarithmic, point,
+};
+use serde_json::Value;
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("../../reference/spectra.json")).unwrap()
+}
+
+fn scheme(word: &str) -> Scheme {
+    word.parse().unwrap()
+}
+
+const WORDS: [&str; 20] = [
+    "newmark",
+    "newmark:0.3025:0.6",
+    "newmark:0.16666666666666666:0.5",
+    "newmark:0.08333333333333333:0.5",
+    "newmark:0.25:0.6",
+    "hht:-0.1",
+    "hht:0.5",
+    "hht:0.8",
+    "wbz:0",
+    "wbz:0.5",
+    "wbz:0.8",
+    "ga:0",
+    "ga:0.5",
+    "ga:0.8",
+    "ga:1",
+    "bathe",
+    "bathe:0.5",
+    "bathe:0.3",
+    "radau",
+    "central-difference",
+];
+
+fn by_steps(scheme: &Scheme, Omega: f64) -> [f64; 3] {
+    characteristic(amplification(scheme, Omega).unwrap())
+}
+
+fn gap(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_step_routine_has_the_characteristic_polynomials_of_theory() {
+    for word in WORDS {
+        let scheme = scheme(word);
+        // Far beyond its limit an explicit step multiplies rounding errors by Ω⁴.
+        let most = scheme.claims().limit.map_or(1e6, |limit| 1.5 * limit);
+        for Omega in logarithmic(1e-3, most, 46) {
+            let theory = closed_form(&scheme, Omega).unwrap();
+            let found = by_steps(&scheme, Omega);
+            let gap = gap(found, theory);
+            assert!(
+                gap < 1e-12,
+                "{word} at {Omega}: {gap:e} {found:?} {theory:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn chung_hulberts_polynomial_in_its_own_parameter() {
+    // reference: char_poly_CH, W = Ω².
+    for r in [0.0, 0.2, 0.5, 0.8, 1.0] {
+        let scheme = Scheme::chung_hulbert(r).unwrap();
+        for Omega in [0.01, 0.3, 1.0, 3.0, 10.0, 1000.0] {
+            let W: f64 = Omega * Omega;
+            let (r2, r3) = (r * r, r * r * r);
+            let p0 = W - r3 + 3.0 * r + 2.0;
+            let p = [
+                3.0 * W * r + 4.0 * r3 + 3.0 * r2 - 6.0 * r - 5.0,
+                3.0 * W * r2 - 5.0 * r3 - 6.0 * r2 + 3.0 * r + 4.0,
+                W * r3 + 2.0 * r3 + 3.0 * r2 - 1.0,
+            ];
+            let gap = gap(by_steps(&scheme, Omega), p.map(|p| p / p0));
+            assert!(gap < 1e-12, "{r} at {Omega}: {gap:e}");
+        }
+    }
+}
+
+#[test]
+fn spectral_radius_elongation_and_damping_are_those_of_the_table() {
+    let table = reference()["table"].clone();
+    let table = table.as_object().unwrap();
+    assert_eq!(table.len(), 5);
+    for (word, rows) in table {
+        let places = [std::f64::consts::TAU / 10.0, 1.0, 10.0, 100.0];
+        let rows = rows.as_array().unwrap();
+        assert_eq!(rows.len(), places.len());
+        for (row, Omega) in rows.iter().zip(places) {
+            let Numbers {
+                radius,
+                damping,
+                elongation,
+            } = point(&scheme(word), Omega).unwrap().numbers;
+            let found = [radius, elongation.unwrap(), damping.unwrap()];
+            for (k, found) in found.into_iter().enumerate() {
+                let known = row[k].as_f64().unwrap();
+                // Half a unit of the tenth decimal, and 1e-12.
+                assert!(
+                    (found - known).abs() <= 0.51e-10,
+                    "{word} at {Omega}: {found} {known}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn two_pairs_of_schemes_are_one() {
+    for (a, b) in [("hht:0.5", "ga:0.5"), ("wbz:0", "ga:0")] {
+        for Omega in [0.1, 1.0, 10.0] {
+            let gap = gap(by_steps(&scheme(a), Omega), by_steps(&scheme(b), Omega));
+            assert!(gap < 1e-12, "{a} {b} at {Omega}: {gap:e}");
+        }
+    }
+}
+
+/// κ of the period elongation κ Ω² and σ of the damping ratio σ Ω³, reference: expansions; and by how
+/// much they may be off, one of the last digit of what is not a formula (which is cut off there).
+fn expansion(word: &str) -> Option<[[f64; 2]; 2]> {
+    let scheme = scheme(word);
+    let exact = |known: [f64; 2]| Some([known, [1e-12; 2]]);
+    let number = |k: usize| word.split(':').nth(k).map(|x| x.parse::<f64>().unwrap());
+    match word {
+        "bathe" => return Some([[0.04044, 0.0036796], [1e-5, 1e-7]]),
+        "bathe:0.5" => return exact([1.0 / 24.0, 1.0 / 288.0]),
+        // No formula of the reference; what steps say tells.
+        "bathe:0.3" => return None,
+        // Order 3 with the error constant 1/72 of e^z − R(z) (Hairer & Wanner II, IV.3).
+        "radau" => return exact([0.0, 1.0 / 72.0]),
+        _ => {}
+    }
+    let c = scheme.coefficients().unwrap();
+    let (am, af) = (c.alpha_m, c.alpha_f);
+    exact(match word.split(':').next().unwrap() {
+        "ga" => {
+            let r = number(1).unwrap();
+            [
+                (11.0 * r * r - 14.0 * r + 11.0) / (24.0 * (1.0 + r).powi(2)),
+                (1.0 - r).powi(3) / (2.0 * (1.0 + r).powi(3)),
+            ]
+        }
+        "hht" => [
+            (2.0 + 6.0 * af - 9.0 * af * af) / 24.0,
+            af * (1.0 - af).powi(2) / 8.0,
+        ],
+        "wbz" => [
+            (2.0 - 6.0 * am + 3.0 * am * am) / 24.0,
+            -am * (1.0 - am).powi(2) / 8.0,
+        ],
+        // general, with α_m = α_f = 0
+        _ => [(12.0 * c.beta - 1.0) / 24.0, 0.0],
+    })
+}
+
+#[test]
+fn elongation_and_damping_leave_their_expansions_two_orders_higher() {
+    for word in WORDS {
+        let scheme = scheme(word);
+        if scheme.order() < 2 {
+            assert_eq!(theory(&scheme), None);
+            continue;
+        }
+        let [kappa, sigma] = theory(&scheme).unwrap();
+        let rest: Vec<[f64; 2]> = [0.2, 0.1, 0.05]
+            .into_iter()
+            .map(|Omega: f64| {
+                let numbers = point(&scheme, Omega).unwrap().numbers;
+                [
+                    numbers.elongation.unwrap() - kappa * Omega.powi(2),
+                    numbers.damping.unwrap() - sigma * Omega.powi(3),
+                ]
+            })
+            .collect();
+        for (k, order) in [(0, 4.0), (1, 5.0)] {
+            let none = rest.iter().all(|r| r[k].abs() < 1e-13);
+            let slope = (rest[1][k] / rest[2][k]).abs().log2();
+            assert!(
+                none || (slope - order).abs() < 0.2,
+                "{word}: {slope} {rest:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn newmark_with_larger_gamma_damps_in_the_first_order() {
+    // reference: newmark_gamma: ξ̄ = (γ − ½) Ω/2, κ = (48 β + 12 γ² − 36 γ + 11)/96
+    let (beta, gamma) = (0.3025, 0.6);
+    let kappa = (48.0 * beta + 12.0 * gamma * gamma - 36.0 * gamma + 11.0) / 96.0;
+    for Omega in [0.04, 0.02, 0.01] {
+        let numbers = point(&Scheme::newmark(beta, gamma).unwrap(), Omega)
+            .unwrap()
+            .numbers;
+        let xi = numbers.damping.unwrap() / Omega;
+        assert!((xi - 0.05).abs() < 0.1 * Omega, "{xi}");
+        let found = numbers.elongation.unwrap() / Omega.powi(2);
+        assert!((found - kappa).abs() < 0.2 * Omega, "{found} {kappa}");
+    }
+}
+
+#[test]
+fn the_trapezoidal_rule_and_the_central_difference_keep_amplitudes() {
+    for Omega in [0.1, 0.5, 1.0, 1.9] {
+        let trapezoidal = point(&Scheme::default(), Omega).unwrap().numbers;
+        // tan(ω̄h/2) = Ω/2
+        let elongation = Omega / (2.0 * (0.5 * Omega).atan()) - 1.0;
+        assert!((trapezoidal.elongation.unwrap() - elongation).abs() < 1e-12);
+        assert!((trapezoidal.radius - 1.0).abs() < 1e-14);
+        let explicit = point(&Scheme::central_difference(), Omega).unwrap().numbers;
+        // sin(ω̄h/2) = Ω/2
+        let elongation = Omega / (2.0 * (0.5 * Omega).asin()) - 1.0;
+        assert!((explicit.elongation.unwrap() - elongation).abs() < 1e-12);
+        assert!((explicit.radius - 1.0).abs() < 1e-14);
+    }
+    // Beyond Ω = 2 it grows: λ² − (2 − Ω²) λ + 1 = 0.
+    let Omega = 2.1_f64;
+    let b = 1.0 - 0.5 * Omega * Omega;
+    let radius = -b + (b * b - 1.0).sqrt();
+    let found = point(&Scheme::central_difference(), Omega).unwrap().numbers;
+    assert!((found.radius - radius).abs() < 1e-12);
+    assert_eq!(found.elongation, None);
+}
+
+#[test]
+fn first_steps_overshoot_as_they_should() {
+    // reference: first_step_overshoot, limits of large Ω.
+    let Omega = 1e7;
+    let first = |word: &str| point(&scheme(word), Omega).unwrap().first_step;
+    let close = |found: f64, known: f64, what: &str| {
+        assert!((found - known).abs() < 1e-12, "{what}: {found} {known}");
+    };
+    for r in [0.0, 0.3, 0.5, 0.8, 1.0] {
+        let step = first(&format!("ga:{r}"));
+        close(step.from_rest[0], r * (r * r - 3.0) / 2.0, "CH place");
+        let rate = -(1.0 - r) * (1.0 - r) / 4.0;
+        close(step.from_rest[1] / Omega, rate, "CH velocity");
+        close(step.from_origin[0] / Omega, 0.0, "CH place by velocity");
+        close(
+            step.from_origin[1],
+            (r * r - 2.0 * r - 1.0) / 2.0,
+            "CH velocity by velocity",
+        );
+        close(first(&format!("wbz:{r}")).from_rest[0], -r, "WBZ");
+        if r >= 0.5 {
+            let hht = -(r.powi(3) + 3.0 * r * r - r + 1.0) / (4.0 * r);
+            close(first(&format!("hht:{r}")).from_rest[0], hht, "HHT");
+        }
+    }
+    let trapezoidal = first("newmark");
+    close(trapezoidal.from_rest[0], -1.0, "trapezoidal rule");
+    close(trapezoidal.from_rest[1] / Omega, 0.0, "trapezoidal rule");
+}
+
+/// A whole step by the routine, against the equations of one step; velocities over ω grow with Ω.
+#[test]
+fn first_steps_are_those_of_the_closed_form() {
+    for word in WORDS {
+        for Omega in [1e-3, 0.1, 1.0, 1.9, 10.0, 1e3, 1e7] {
+            let scheme = scheme(word);
+            let steps = point(&scheme, Omega).unwrap().first_step;
+            let closed = closed_first_step(&scheme, Omega).unwrap();
+            let all = |step: FirstStep| step.from_rest.into_iter().chain(step.from_origin);
+            for (found, known) in all(steps).zip(all(closed)) {
+                let gap = (found - known).abs() / (1.0 + Omega.max(known.abs()));
+                assert!(gap < 1e-12, "{word} at {Omega}: {steps:?} {closed:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn expansions_are_those_of_the_reference() {
+    let mut count = 0;
+    for word in WORDS {
+        let (Some(all), Some([known, close])) = (theory(&scheme(word)), expansion(word)) else {
+            continue;
+        };
+        count += 1;
+        for k in 0..2 {
+            let gap = (all[k] - known[k]).abs();
+            assert!(gap < close[k], "{word}: {all:?}");
+        }
+    }
+    assert_eq!(count, WORDS.len() - 3);
+}
+
+#[test]
+fn impossible_places_are_refused() {
+    for Omega in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = point(&Scheme::default(), Omega).unwrap_err().to_string();
+        assert!(error.contains("option Omega"), "{error}");
+    }
+}

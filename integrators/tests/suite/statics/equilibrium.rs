@@ -1,0 +1,324 @@
+//! Statics on systems small enough to be solved by hand: no beam is known here.
+
+#![allow(non_snake_case)]
+
+use crate::support::statics::{Scalar, TIGHT};
+use pullback_integrators::statics::{
+    ArcLengthOptions, Cause, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
+};
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use std::ops::ControlFlow;
+
+/// Shallow two-bar truss of von Mises, height 1, with Green's strain: λ P = w (w − 1)(w − 2).
+///
+/// It snaps at w = 1 ∓ 1/√3 with f = ±2/(3√3).
+fn truss() -> Scalar {
+    Scalar::new(1.0, |w| {
+        [
+            w * (w - 1.0) * (w - 2.0),
+            (w - 1.0) * (w - 2.0) + w * (w - 2.0) + w * (w - 1.0),
+        ]
+    })
+}
+
+fn ignore<Y: ?Sized>(_: &mut Y, _: &Step<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+const LIMIT: f64 = 0.384_900_179_459_750_5; // 2/(3√3)
+
+fn trace(q: &mut Vec<f64>, options: &ArcLengthOptions) -> Vec<(usize, f64, f64)> {
+    let options = &ArcLengthOptions {
+        newton: TIGHT,
+        ..options.clone()
+    };
+    let mut found = Vec::new();
+    let summary = trace_path(&mut truss(), q, options, &mut |_, step| {
+        if let Some(event) = step.event {
+            found.push((event, step.t, step.q[0]));
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(summary.summary.finished, "{summary:?}");
+    found
+}
+
+#[test]
+fn the_truss_snaps_through_and_back() {
+    let options = ArcLengthOptions {
+        events: vec![(Event::TurningPoint, false), (Event::Load(0.5), true)],
+        ..ArcLengthOptions::default()
+    };
+    let mut q = vec![0.0];
+    let there = trace(&mut q, &options);
+    let back_options = ArcLengthOptions {
+        from: 0.5,
+        forward: false,
+        events: vec![(Event::TurningPoint, false), (Event::Load(-0.5), true)],
+        ..ArcLengthOptions::default()
+    };
+    let back = trace(&mut q, &back_options);
+    let root = 1.0 / 3.0_f64.sqrt();
+    for (path, signs) in [(&there, [1.0, -1.0]), (&back, [-1.0, 1.0])] {
+        assert_eq!(path.len(), 3);
+        for (k, sign) in signs.into_iter().enumerate() {
+            let (event, load, w) = path[k];
+            assert_eq!(event, 0);
+            assert!((load - sign * LIMIT).abs() < 1e-12, "{load}");
+            assert!((w - (1.0 - sign * root)).abs() < 1e-5, "{w}");
+        }
+    }
+    assert!((there[2].1 - 0.5).abs() < 1e-12);
+    assert!((back[2].1 + 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn the_truss_is_unstable_between_its_limit_points() {
+    let root = 1.0 / 3.0_f64.sqrt();
+    let options = ArcLengthOptions {
+        events: vec![
+            (Event::TurningPoint, false),
+            (Event::Load(0.2), false),
+            (Event::Load(0.5), true),
+        ],
+        ..ArcLengthOptions::default()
+    };
+    let mut seen = [0; 3];
+    trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
+        if step.event == Some(0) {
+            seen[2] += 1;
+            return ControlFlow::Continue(());
+        }
+        let expected = usize::from((step.q[0] - 1.0).abs() < root);
+        assert_eq!(step.unstable, Some(expected), "w = {}", step.q[0]);
+        seen[expected] += 1;
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(seen[0] > 5 && seen[1] > 5 && seen[2] == 2, "{seen:?}");
+}
+
+#[test]
+fn coordinates_are_located_as_often_as_they_are_passed() {
+    let options = ArcLengthOptions {
+        events: vec![
+            (
+                Event::Coordinate {
+                    unknown: 0,
+                    value: 1.5,
+                },
+                false,
+            ),
+            (Event::Load(0.5), true),
+        ],
+        ..ArcLengthOptions::default()
+    };
+    let found = trace(&mut vec![0.0], &options);
+    assert_eq!(found.len(), 2);
+    // f(1.5) = 1.5 · 0.5 · (−0.5).
+    assert!((found[0].1 + 0.375).abs() < 1e-11);
+}
+
+#[test]
+fn load_control_stops_at_a_limit_point_and_says_where() {
+    let error = solve_statics(
+        &mut truss(),
+        &mut vec![],
+        &StaticOptions {
+            to: 0.5,
+            max_step: 0.05,
+            ..StaticOptions::default()
+        },
+        &mut |_, step| {
+            // No step may have jumped across: the branch before the limit has w < 1 − 1/√3.
+            assert!(step.t <= LIMIT || step.q[0] > 2.0);
+            if step.q[0] > 1.0 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        },
+    );
+    // Beyond the limit load equilibrium exists on the far branch (w > 2): reaching it is right,
+    // failing is right, anything else is not.
+    match error {
+        Ok(summary) => assert!(summary.t > LIMIT),
+        Err(StaticsError::Step(failed)) => {
+            assert!(
+                failed.from <= LIMIT && failed.to >= LIMIT - 1e-4,
+                "{failed}"
+            );
+            assert!(failed.to_string().contains("the crown, downwards"));
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn newton_converges_quadratically() {
+    let mut spring = Scalar::new(2.0, |w| [w + w * w * w, 1.0 + 3.0 * w * w]);
+    let mut q = vec![];
+    let mut residuals = Vec::new();
+    let options = StaticOptions {
+        newton: TIGHT,
+        ..StaticOptions::equal_steps(1)
+    };
+    let summary = solve_statics(&mut spring, &mut q, &options, &mut |_, step| {
+        residuals = step.residuals.iter().map(|i| i.residual[0]).collect();
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    // 2 = w + w³ has the solution 1.
+    assert!((q[0] - 1.0).abs() < 1e-12);
+    // By hand: 2, 1.3846, 1.0826, 1.0048, 1.0000171, 1 + 2.2e-10, 1.
+    assert_eq!(summary.iterations, 7);
+    // |r_{k+1}| ≤ |f″| / (2 f′²) r_k², with f″/(2f′²) ≤ 6w/(2(1+3w²)²) ≤ 0.65.
+    for pair in residuals.windows(2).skip(1) {
+        assert!(pair[1] <= 0.65 * pair[0] * pair[0] + 1e-15, "{residuals:?}");
+    }
+}
+
+#[test]
+fn easy_steps_grow_and_the_end_is_met_exactly() {
+    let mut spring = Scalar::new(1.0, |w| [w, 1.0]);
+    let mut steps = Vec::new();
+    let mut q = vec![];
+    let options = StaticOptions {
+        first_step: 0.1,
+        max_step: 0.4,
+        ..StaticOptions::default()
+    };
+    let summary = solve_statics(&mut spring, &mut q, &options, &mut |_, step| {
+        steps.push(step.step_size);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(summary.finished);
+    assert_eq!(summary.t, 1.0);
+    assert_eq!(steps.len(), 4);
+    for (step, wanted) in steps.iter().zip([0.1, 0.2, 0.4, 0.3]) {
+        assert!((step - wanted).abs() < 1e-15);
+    }
+    assert!((q[0] - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_value_that_is_not_finite_fails_with_its_name() {
+    let mut spring = Scalar::new(1.0, |w| [if w > 0.55 { f64::NAN } else { w }, 1.0]);
+    let error = solve_statics(
+        &mut spring,
+        &mut vec![],
+        &StaticOptions::default(),
+        &mut ignore,
+    )
+    .unwrap_err();
+    let StaticsError::Step(failed) = error else {
+        panic!("{error}");
+    };
+    assert!(failed.from <= 0.55 && failed.from > 0.54, "{failed}");
+    assert!(failed.rejected > 10);
+    assert!(matches!(
+        failed.cause,
+        Cause::System(SystemError::NotFinite { .. })
+    ));
+    assert!(failed.to_string().contains("the spring"));
+}
+
+/// Two coordinates, of which nothing holds the second.
+struct Loose(BlockPattern);
+
+impl System for Loose {
+    fn pattern(&self) -> &BlockPattern {
+        &self.0
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        // A spring between the two and none to the ground.
+        let f = at.q[0] - at.q[1];
+        out.r.copy_from_slice(&[at.t - f, f]);
+        if let Some((_, S)) = out.S {
+            S.copy_from_slice(&[1.0, -1.0, -1.0, 1.0]);
+        }
+        if let Some(r_t) = out.r_t {
+            r_t.copy_from_slice(&[1.0, 0.0]);
+        }
+        Ok(())
+    }
+
+    fn name(&self, i: usize) -> String {
+        ["the cart", "the trailer"][i].to_owned()
+    }
+}
+
+#[test]
+fn a_mechanism_is_found_and_named() {
+    let mut system = Loose(BlockPattern::new(&[1, 1], [[0, 1]]));
+    let error = solve_statics(
+        &mut system,
+        &mut vec![],
+        &StaticOptions::default(),
+        &mut ignore,
+    )
+    .unwrap_err();
+    let StaticsError::Step(failed) = error else {
+        panic!("{error}");
+    };
+    let Cause::Linear { mechanism, .. } = &failed.cause else {
+        panic!("{failed}");
+    };
+    // The rigid motion: both move alike.
+    assert_eq!(mechanism.len(), 2);
+    assert!((mechanism[0].1 - mechanism[1].1).abs() < 1e-6);
+    let text = failed.to_string();
+    assert!(
+        text.contains("the cart") && text.contains("the trailer"),
+        "{text}"
+    );
+}
+
+#[test]
+fn senseless_options_are_refused_by_name() {
+    for (options, name) in [
+        (
+            StaticOptions {
+                first_step: f64::NAN,
+                ..StaticOptions::default()
+            },
+            "first_step",
+        ),
+        (
+            StaticOptions {
+                max_step: 0.0,
+                ..StaticOptions::default()
+            },
+            "max_step",
+        ),
+        (
+            StaticOptions {
+                to: f64::INFINITY,
+                ..StaticOptions::default()
+            },
+            "to",
+        ),
+    ] {
+        let error = solve_statics(&mut truss(), &mut vec![], &options, &mut ignore).unwrap_err();
+        assert!(
+            matches!(error, StaticsError::Option { name: n, .. } if n == name),
+            "{error}"
+        );
+    }
+    let options = ArcLengthOptions {
+        first_step: -1.0,
+        ..ArcLengthOptions::default()
+    };
+    let error = trace_path(&mut truss(), &mut vec![], &options, &mut ignore).unwrap_err();
+    assert!(matches!(
+        error,
+        StaticsError::Option {
+            name: "first_step",
+            ..
+        }
+    ));
+}

@@ -1,0 +1,4 @@
+//! Equilibria and paths.
+
+mod equilibrium;
+mod newton_damping;

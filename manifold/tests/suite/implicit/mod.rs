@@ -1,0 +1,6 @@
+//! Maps defined by equations.
+
+mod closed;
+mod flat;
+mod solved;
+mod steep;

@@ -1,0 +1,7 @@
+//! All integration tests of charts and maps, linked once.
+
+mod check;
+mod implicit;
+mod maps;
+mod rotations;
+mod support;

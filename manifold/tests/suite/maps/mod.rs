@@ -1,0 +1,5 @@
+//! Derivatives of maps and pull-backs through them.
+
+mod jets;
+mod phase;
+mod pullback;

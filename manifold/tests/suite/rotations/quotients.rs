@@ -1,0 +1,372 @@
+//! The quotients against an independent double-double oracle and a table of 30 digits.
+//!
+//! Bounds are relative to the value itself, also beside its zeros.
+
+use crate::support::double_double::{Dd, series};
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use pullback_manifold::jet::{Grad, Hess, Taylor};
+use pullback_manifold::quotients::{
+    InverseQuotients, Quotients, SERIES_LIMIT, TangentQuotients, cos_sqrt, half_angle,
+    inverse_quotients, log_factor, one_minus_cos, psi_minus_sin, sinc,
+};
+use std::f64::consts::{PI, TAU};
+
+const NAMES: [&str; 14] = [
+    "sinc",
+    "one_minus_cos",
+    "c1",
+    "c2",
+    "c3",
+    "c4",
+    "c5",
+    "dc1",
+    "dc2",
+    "dc3",
+    "g",
+    "a3",
+    "a1",
+    "a2",
+];
+
+fn bound(name: &str) -> f64 {
+    match name {
+        "dc1" | "dc2" | "dc3" | "a1" | "a2" => 1e-13,
+        _ => 1e-14,
+    }
+}
+
+fn evaluate(psi: f64) -> [f64; 14] {
+    let q = Quotients::new(psi);
+    let a = InverseQuotients::new(psi);
+    [
+        q.sinc,
+        q.one_minus_cos,
+        q.c1,
+        q.c2,
+        q.c3,
+        q.c4,
+        q.c5,
+        q.dc1,
+        q.dc2,
+        q.dc3,
+        a.g,
+        a.a3,
+        a.a1,
+        a.a2,
+    ]
+}
+
+fn oracle(psi: Dd) -> [Dd; 14] {
+    let z = psi * psi;
+    let quarter = z * Dd(0.25, 0.0);
+    let s = series(0, 1, quarter);
+    let s2 = s * s;
+    let f0 = series(0, 3, z);
+    // (S5 − 4 S6), the numerator of a₂: Σ (−z)^j (2j+2)/(2j+6)! = Σ (−z)^j/(2j+5)! − 4 Σ (−z)^j/(2j+6)!.
+    let numerator = series(0, 5, z) + series(0, 6, z) * Dd(-4.0, 0.0);
+    [
+        series(0, 1, z),
+        series(0, 2, z),
+        -series(1, 1, z),
+        -series(1, 2, z),
+        -series(1, 3, z),
+        -series(0, 2, z),
+        f0,
+        series(2, 1, z),
+        series(2, 2, z),
+        series(2, 3, z),
+        series(0, 0, quarter) / s,
+        series(1, 1, quarter) / (s * Dd(4.0, 0.0)),
+        -(f0 / s2),
+        numerator / s2,
+    ]
+}
+
+fn relative(value: f64, exact: Dd) -> f64 {
+    let d = Dd(value, 0.0) + -exact;
+    (d.0 / exact.0).abs()
+}
+
+fn reference() -> serde_json::Value {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../tests/reference/so3_coefficients.json"
+    );
+    let text = std::fs::read_to_string(path).expect("reference file");
+    serde_json::from_str(&text).expect("valid JSON")
+}
+
+fn table_name(name: &str) -> String {
+    if name.starts_with('d') {
+        format!("{name}_over_psi")
+    } else {
+        name.to_owned()
+    }
+}
+
+fn number(row: &serde_json::Value, key: &str) -> f64 {
+    row[key]
+        .as_str()
+        .expect("decimal text")
+        .parse()
+        .expect("a number")
+}
+
+/// The decimal of the table, which need not be an `f64`.
+fn decimal(text: &str) -> Dd {
+    let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let mantissa: f64 = format!("{whole}{fraction}").parse().expect("digits");
+    let places = fraction.len() as i32 - exponent.parse::<i32>().expect("exponent");
+    Dd(mantissa, 0.0) / Dd(10f64.powi(places), 0.0)
+}
+
+#[test]
+fn agree_with_the_table() {
+    let data = reference();
+    let rows = data["values"].as_array().expect("rows");
+    assert_eq!(rows.len(), 30);
+    for row in rows {
+        let exact_psi = decimal(row["psi"].as_str().expect("decimal text"));
+        let psi = exact_psi.0;
+        let values = evaluate(psi);
+        let (here, there) = (oracle(Dd(psi, 0.0)), oracle(exact_psi));
+        for (k, name) in NAMES.iter().enumerate() {
+            let expected = number(row, &table_name(name));
+            let error = relative(expected, there[k]);
+            assert!(error <= 2e-16, "oracle: {name} at {psi}: {error:e}");
+            // Beside a zero or a pole the step from the decimal to its nearest f64 shows.
+            let moved = Dd(expected, 0.0) + here[k] + -there[k];
+            let error = relative(values[k], moved);
+            assert!(error <= bound(name) + 2e-16, "{name} at {psi}: {error:e}");
+        }
+    }
+    let limits = &data["limits_at_zero"];
+    for (name, value) in NAMES.iter().zip(evaluate(0.0)) {
+        let text = limits[table_name(name)].as_str().expect("fraction");
+        let (p, q) = text.split_once('/').unwrap_or((text, "1"));
+        let expected = p.parse::<f64>().expect("p") / q.parse::<f64>().expect("q");
+        assert!((value / expected - 1.0).abs() <= 3e-16, "{name} at 0");
+    }
+}
+
+/// Sweep points: dense, and by units in the last place and upwards around every threshold and zero.
+fn sweep() -> Vec<f64> {
+    let edge = TAU - 0.1;
+    let n = 30_000;
+    let mut points: Vec<f64> = (0..=n)
+        .map(|i| edge * f64::from(i) / f64::from(n))
+        .collect();
+    let zeros = [PI, 4.493_409_457_909_064, 5.763_459_196_894_55];
+    let mut centres = vec![SERIES_LIMIT.sqrt()];
+    for r in zeros {
+        centres.extend([r, r - 0.125, r + 0.125]);
+    }
+    for c in centres {
+        let mut step = f64::EPSILON * c;
+        for k in 0..200 {
+            points.extend([c + step * f64::from(k), c - step * f64::from(k)]);
+        }
+        while step < 0.2 {
+            points.extend([c + step, c - step]);
+            step *= 1.25;
+        }
+    }
+    points.extend((0..300).map(|i| 2.0 * 10f64.powi(-i)));
+    points.retain(|&p| (0.0..=edge).contains(&p));
+    points
+}
+
+#[test]
+fn agree_with_the_oracle_everywhere() {
+    let mut worst = [(0.0, 0.0); 14];
+    for psi in sweep() {
+        let exact = oracle(Dd(psi, 0.0));
+        for (k, value) in evaluate(psi).into_iter().enumerate() {
+            let error = relative(value, exact[k]);
+            assert!(
+                error <= bound(NAMES[k]),
+                "{} at {psi:?}: {error:e}",
+                NAMES[k]
+            );
+            if error > worst[k].0 {
+                worst[k] = (error, psi);
+            }
+        }
+        let t = TangentQuotients::new(psi * psi);
+        // As functions of z: relative to the largest value, z itself being rounded.
+        for (value, k) in [(t.sinc, 0), (t.one_minus_cos, 1), (t.psi_minus_sin, 6)] {
+            assert!(
+                (value - exact[k].0).abs() <= 4e-16,
+                "{} of z, {psi}",
+                NAMES[k]
+            );
+        }
+    }
+    for (name, (error, psi)) in NAMES.iter().zip(worst) {
+        println!("{name:14} worst relative error {error:8.1e} at {psi}");
+    }
+}
+
+/// Value and three derivatives in z of a function, by a nested jet.
+macro_rules! derivatives {
+    ($f:expr, $x:expr) => {{
+        type Jet = Taylor<Grad<f64, 1>>;
+        let x = Jet {
+            v: Grad::variable($x, 0),
+            d: Grad { v: 1.0, g: [0.0] },
+            dd: Grad { v: 0.0, g: [0.0] },
+        };
+        let y: Jet = $f(x);
+        assert!((y.v.g[0] - y.d.v).abs() <= 1e-15 * y.d.v.abs());
+        [y.v.v, y.d.v, y.dd.v, y.dd.g[0]]
+    }};
+}
+
+#[test]
+fn derivatives_in_z_are_exact() {
+    let mut points: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.0191).collect();
+    points.extend([
+        SERIES_LIMIT,
+        SERIES_LIMIT.next_down(),
+        1e-8,
+        1e-300,
+        4.0 * SERIES_LIMIT,
+    ]);
+    for z in points {
+        let exact = |m: usize, z: f64| {
+            let z = Dd(z, 0.0);
+            std::array::from_fn::<f64, 4, _>(|n| series(n, m, z).0 * (-0.5f64).powi(n as i32))
+        };
+        // Here z is the argument and its root is rounded, so a bound relative to the value would
+        // fail beside a zero; relative to the limit at z = 0, the largest value, it is fair.
+        let check = |name: &str, value: [f64; 4], m: usize, z: f64| {
+            let (e, limit) = (exact(m, z), exact(m, 0.0));
+            for n in 0..4 {
+                let error = (value[n] - e[n]).abs() / limit[n].abs();
+                let tolerance = if n == 0 { 1e-14 } else { 1e-13 };
+                assert!(
+                    error <= tolerance,
+                    "{name} derivative {n} at z = {z}: {error:e}"
+                );
+            }
+        };
+        check("sinc", derivatives!(sinc, z), 1, z);
+        check("one_minus_cos", derivatives!(one_minus_cos, z), 2, z);
+        check("psi_minus_sin", derivatives!(psi_minus_sin, z), 3, z);
+        // cos √z has D cos ψ = −sin ψ/ψ: derivative n of it is −½ derivative n−1 of sinc.
+        let c = derivatives!(cos_sqrt, z);
+        let s = exact(1, z);
+        assert_abs_diff_eq!(c[0], z.sqrt().cos(), epsilon = 4e-16);
+        for n in 1..4 {
+            assert!((c[n] + 0.5 * s[n - 1]).abs() <= 1e-14, "cos {n} at {z}");
+        }
+        let (w, f) = half_angle(z);
+        assert_abs_diff_eq!(w, (0.5 * z.sqrt()).cos(), epsilon = 3e-16);
+        assert_abs_diff_eq!(f, 0.5 * exact(1, 0.25 * z)[0], epsilon = 3e-16);
+    }
+}
+
+#[test]
+fn derivatives_of_the_inverse_are_exact() {
+    // With ′ = d/dz: the Riccati equation 2z a₃′ = ¼ − 3a₃ + z a₃² and its derivatives, whose
+    // cancellation at small z double-double outweighs; g = 1 − z a₃.
+    for i in 1..1500 {
+        let x = 0.026 * f64::from(i);
+        if x > (TAU - 0.1).powi(2) {
+            break;
+        }
+        let z = Dd(x, 0.0);
+        let k = |v: f64| Dd(v, 0.0);
+        let quarter = z * k(0.25);
+        let a = series(1, 1, quarter) / (series(0, 1, quarter) * k(4.0));
+        let d1 = (k(0.25) + k(-3.0) * a + z * a * a) * k(0.5) / z;
+        let d2 = (k(-5.0) * d1 + a * a + k(2.0) * z * a * d1) / (k(2.0) * z);
+        let d3 = (k(-7.0) * d2 + k(4.0) * a * d1 + k(2.0) * z * (d1 * d1 + a * d2)) / (k(2.0) * z);
+        let a3 = derivatives!(|z| inverse_quotients(z).1, x);
+        let g = derivatives!(|z| inverse_quotients(z).0, x);
+        for (n, exact) in [a, d1, d2, d3].into_iter().enumerate() {
+            let error = relative(a3[n], exact);
+            let tolerance = if n == 0 { 1e-14 } else { 1e-13 };
+            assert!(
+                error <= tolerance,
+                "a3 derivative {n} at z = {x}: {error:e}"
+            );
+        }
+        let exact_g = [
+            k(1.0) + -(z * a),
+            -(a + z * d1),
+            -(k(2.0) * d1 + z * d2),
+            -(k(3.0) * d2 + z * d3),
+        ];
+        for n in 0..4 {
+            let error = (g[n] - exact_g[n].0).abs() / exact_g[n].0.abs().max(0.1);
+            assert!(error <= 1e-13, "g derivative {n} at z = {x}: {error:e}");
+        }
+    }
+    // Limits at zero: g = 1 − z/12 − z²/720 − z³/30240 − …, a₃ = 1/12 + z/720 + z²/30240 + z³/1209600.
+    let a3 = derivatives!(|z| inverse_quotients(z).1, 0.0);
+    let g = derivatives!(|z| inverse_quotients(z).0, 0.0);
+    let limits = [1.0 / 12.0, 1.0 / 720.0, 2.0 / 30_240.0, 6.0 / 1_209_600.0];
+    let limits_g = [1.0, -1.0 / 12.0, -2.0 / 720.0, -6.0 / 30_240.0];
+    for n in 0..4 {
+        assert_relative_eq!(a3[n], limits[n], epsilon = 0.0, max_relative = 1e-15);
+        assert_relative_eq!(g[n], limits_g[n], epsilon = 0.0, max_relative = 1e-15);
+    }
+}
+
+#[test]
+fn log_factor_is_exact() {
+    // L(cos h) = 2h/sin h, and (1−w²)L′ = wL − 2, (1−w²)L″ = 3wL′ + L, (1−w²)L‴ = 5wL″ + 4L′,
+    // whose cancellation near w = 1 double-double outweighs.
+    let mut points: Vec<f64> = (1..3000).map(|i| 1.0 - f64::from(i) / 1550.0).collect();
+    points.extend([
+        0.5,
+        0.5f64.next_up(),
+        0.5f64.next_down(),
+        1.0 - 1e-3,
+        1.0 - 1e-4,
+    ]);
+    for w in points {
+        let k = |v: f64| Dd(v, 0.0);
+        // h = acos w to double-double by Newton steps on the series of the cosine.
+        let mut h = k(w.acos());
+        for _ in 0..3 {
+            let z = h * h;
+            h = h + (series(0, 0, z) + k(-w)) / (h * series(0, 1, z));
+        }
+        let s2 = k(1.0) + -(k(w) * k(w));
+        let f = k(2.0) / series(0, 1, h * h);
+        let f1 = (k(w) * f + k(-2.0)) / s2;
+        let f2 = (k(3.0) * k(w) * f1 + f) / s2;
+        let f3 = (k(5.0) * k(w) * f2 + k(4.0) * f1) / s2;
+        let value = derivatives!(log_factor, w);
+        for (n, exact) in [f, f1, f2, f3].into_iter().enumerate() {
+            let tolerance = if n == 0 { 1e-14 } else { 1e-13 };
+            let error = relative(value[n], exact);
+            assert!(error <= tolerance, "derivative {n} at w = {w}: {error:e}");
+        }
+        assert!(relative(log_factor(w), f) <= 1e-14);
+    }
+    // At w = 1: 2 Σ n!/(3/2)_n ((1−w)/2)^n, terms 1, 2/3 x, 8/15 x², 16/35 x³.
+    let at_one = derivatives!(log_factor, 1.0);
+    let limits = [2.0, -2.0 / 3.0, 8.0 / 15.0, -24.0 / 35.0];
+    for n in 0..4 {
+        assert_relative_eq!(at_one[n], limits[n], epsilon = 0.0, max_relative = 1e-15);
+    }
+    let beyond = 1.0 + 4.0 * f64::EPSILON;
+    assert!((log_factor(beyond) - (2.0 - (beyond - 1.0) * 2.0 / 3.0)).abs() < 1e-15);
+}
+
+#[test]
+fn orders_of_jets_agree() {
+    // The same number whichever jet asks for it.
+    for x in [0.0, 1e-9, 0.3, 5.0, 7.0, 20.0, 35.0] {
+        let g = sinc(Grad::<f64, 1>::variable(x, 0));
+        let h = sinc(Hess::<1>::variable(x, 0));
+        let d = derivatives!(sinc, x);
+        assert_abs_diff_eq!(g.v, sinc(x), epsilon = 3e-16);
+        assert_eq!([g.v, g.g[0]], [d[0], d[1]]);
+        assert_eq!([h.v, h.g[0], h.h[0][0]], [d[0], d[1], d[2]]);
+    }
+}

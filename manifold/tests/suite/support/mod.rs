@@ -1,0 +1,82 @@
+//! Joints written as maps of a few lines, and the reference file.
+
+#![allow(non_snake_case, dead_code)]
+
+pub mod double_double;
+
+use nalgebra::{SMatrix, SVector, Vector3};
+use pullback_manifold::map::Map;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3;
+use serde_json::Value;
+
+/// Rigid link: d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2).
+#[derive(Clone)]
+pub struct Offset(pub [f64; 3]);
+
+impl Map<6, 6> for Offset {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
+        let psi = Vector3::new(q[3], q[4], q[5]);
+        let c = Vector3::from(self.0).map(S::constant);
+        let u = so3::rotation(&psi) * c - c;
+        SVector::<S, 6>::new(q[0] + u.x, q[1] + u.y, q[2] + u.z, q[3], q[4], q[5])
+    }
+
+    fn margin(&self, _t: f64, q: &SVector<f64, 6>) -> f64 {
+        std::f64::consts::TAU - Vector3::new(q[3], q[4], q[5]).norm()
+    }
+}
+
+/// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the sheet of its own product of quaternions.
+#[derive(Clone)]
+pub struct Revolute {
+    pub axis: Vector3<f64>,
+}
+
+impl Map<4, 3> for Revolute {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 4>) -> SVector<S, 3> {
+        let half = q[3] * 0.5;
+        let joint = so3::Quaternion {
+            w: half.cos(),
+            v: self.axis.map(S::constant) * half.sin(),
+        };
+        let master = so3::quaternion(&Vector3::new(q[0], q[1], q[2]));
+        so3::log_quaternion(&master.product(&joint))
+    }
+}
+
+/// The rows of a section of the reference tensors.
+pub fn reference(section: &str) -> Vec<Value> {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../tests/reference/tensors.json"
+    );
+    let text = std::fs::read_to_string(path).expect("reference file");
+    let data: Value = serde_json::from_str(&text).expect("valid JSON");
+    data[section].as_array().expect("rows").clone()
+}
+
+pub fn vector<const N: usize>(v: &Value) -> SVector<f64, N> {
+    assert_eq!(v.as_array().map(Vec::len), Some(N));
+    SVector::from_fn(|i, _| v[i].as_f64().expect("number"))
+}
+
+pub fn matrix<const R: usize, const C: usize>(v: &Value) -> SMatrix<f64, R, C> {
+    assert_eq!(v.as_array().map(Vec::len), Some(R));
+    SMatrix::from_fn(|i, j| v[i][j].as_f64().expect("number"))
+}
+
+/// Largest difference relative to the largest entry expected.
+#[track_caller]
+pub fn relative<const R: usize, const C: usize>(
+    name: &str,
+    found: &SMatrix<f64, R, C>,
+    expected: &SMatrix<f64, R, C>,
+    tolerance: f64,
+) {
+    let error = (found - expected).amax() / expected.amax();
+    assert!(
+        error <= tolerance,
+        "{name}: {error:e}\n{found:e}{expected:e}"
+    );
+}

@@ -1,0 +1,104 @@
+//! General solvers of ordinary differential equations in comparisons, built by the feature `diffsol`.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../suite/support/laboratory.rs"]
+mod laboratory;
+
+use laboratory::{bob, compared, model, options, until};
+use nalgebra::Vector3;
+use pullback::compare::{Contender, Exact, Quantity};
+
+const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
+
+#[test]
+fn a_general_solver_swings_the_pendulum() {
+    let file = until(model("pendulum.toml"), 2.0);
+    let asked = Options {
+        exact: Some(Exact::new("Jacobi's elliptic functions", bob)),
+        ..options(&WORDS, &[0.04, 0.02, 0.01])
+    };
+    let comparison = compared(&file, &asked).unwrap();
+    for word in WORDS {
+        let name = word.parse::<Contender>().unwrap().to_string();
+        let rows: Vec<_> = comparison.of(&name).collect();
+        assert_eq!(rows.len(), 3);
+        for row in &rows {
+            assert_eq!(row.failure, None, "{word}");
+            assert_eq!(row.samples.len(), comparison.times + 1);
+            let c = &row.counts;
+            assert!(c.steps > 20 && c.iterations >= c.steps, "{c:?}");
+            assert!(
+                c.evaluations > c.iterations && c.factorisations > c.steps,
+                "{c:?}"
+            );
+        }
+        let errors: Vec<f64> = rows
+            .iter()
+            .map(|r| r.error.unwrap().of(Quantity::Position))
+            .collect();
+        // The tolerance falls to a sixteenth: local errors do, the global ones about.
+        assert!(
+            errors[0] < 1e-3 && errors[2] < 0.25 * errors[0],
+            "{word}: {errors:?}"
+        );
+        assert!(rows[2].counts.steps > rows[0].counts.steps);
+    }
+}
+
+#[test]
+fn a_general_solver_follows_the_heavy_top_through_its_charts() {
+    // published.json, R01: the centre of the top.
+    let exact = [0.6055505613771, 0.5989576817949, -0.52398302743];
+    let file = until(model("heavy_top.toml"), 0.2);
+    let asked = Options {
+        exact: Some(Exact::new("R01", move |sample| {
+            if (sample.t - 0.2).abs() < 1e-12 {
+                // The body's second axis, as its node stands in the joint.
+                sample.energy = 0.0;
+            }
+        })),
+        ..options(&["diffsol-bdf:1e-8", "diffsol-esdirk:1e-8"], &[1e-2, 5e-3])
+    };
+    let comparison = compared(&file, &asked).unwrap();
+    for row in &comparison.rows {
+        assert_eq!(row.failure, None, "{}", row.scheme);
+        assert!(row.counts.chart_changes >= 4, "{:?}", row.counts);
+        let end = row.samples.last().unwrap();
+        let axis: Vector3<f64> = end.nodes.last().unwrap().R.column(1).into();
+        let gap = (axis - Vector3::from(exact)).norm();
+        assert!(gap < 1e-4, "{}: {gap:e} {axis}", row.scheme);
+    }
+}
+
+#[test]
+fn kinks_are_met_and_multipliers_refused() {
+    // A force that ends at 2.5 s: the momentum is its impulse to the solver's tolerance.
+    let mut file = until(model("flying_beam.toml"), 3.0);
+    for line in &mut file.lines {
+        (line.elements, line.order) = (2, 1);
+    }
+    let comparison = compared(&file, &options(&["diffsol-bdf:1e-5"], &[0.1, 0.05])).unwrap();
+    for row in &comparison.rows {
+        assert_eq!(row.failure, None);
+        let end = row.samples.last().unwrap().momenta[0].x;
+        assert!((end - 20.0).abs() < 1e-3, "{end}");
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("child = ", "closure = \"multipliers\"\nchild = ");
+    let file = until(input::parse("four_bar.toml", &text).unwrap(), 0.1);
+    let comparison = compared(&file, &options(&["diffsol-bdf"], &[0.02, 0.01])).unwrap();
+    let said = comparison.rows[0].failure.as_deref().unwrap();
+    assert!(said.contains("is a multiplier"), "{said}");
+}
+
+#[test]
+fn words_name_them_and_their_tolerance() {
+    let known = "diffsol-bdf".parse::<Contender>();
+    assert_eq!(known.unwrap().order(), None);
+    let with: Contender = "diffsol-esdirk:0.00001".parse().unwrap();
+    assert_eq!(with.to_string(), "diffsol-esdirk:0.00001");
+    for word in ["diffsol-bdf:2", "diffsol-bdf:x", "diffsol-bdf:"] {
+        assert!(word.parse::<Contender>().is_err(), "{word}");
+    }
+}

@@ -1,0 +1,199 @@
+//! A gate of `.ci/run`: is docs/formulations.md up to date? Its commands, or cheaper ones for the same rows,
+//! have to give the numbers that it prints. This is no test of what is right: the page is the program's own
+//! earlier output. Orders, errors and energies are held to theory and to publications elsewhere.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::formulations::{commands, results, table};
+use crate::support::program::{directory, read};
+
+/// What is made anew of a model, and which of its tables.
+struct Part {
+    name: &'static str,
+    /// Step sizes in place of those of the command, where not all are made: the largest ones.
+    steps: Option<&'static str>,
+    tables: &'static [&'static str],
+    /// Whether small differences grow over a long run, so that of what it keeps only powers of ten are told.
+    irregular: bool,
+}
+
+const RIGID: &[&str] = &[
+    "Orders of convergence",
+    "Errors",
+    "Errors at equal work",
+    "Cost",
+    "What the motion keeps",
+    "What a long run keeps",
+    "What changes of chart cost",
+];
+const FLEXIBLE: &[&str] = &[
+    "Errors",
+    "Cost",
+    "What the motion keeps",
+    "What a long run keeps",
+];
+
+const PARTS: [Part; 5] = [
+    Part {
+        name: "top",
+        steps: None,
+        tables: RIGID,
+        irregular: false,
+    },
+    Part {
+        name: "free_body",
+        steps: None,
+        tables: RIGID,
+        irregular: false,
+    },
+    Part {
+        name: "elbow",
+        steps: None,
+        tables: FLEXIBLE,
+        irregular: true,
+    },
+    Part {
+        name: "smooth_arm",
+        steps: None,
+        tables: FLEXIBLE,
+        irregular: true,
+    },
+    Part {
+        name: "arm_spherical",
+        steps: Some("0.5x,0.25x"),
+        tables: FLEXIBLE,
+        irregular: true,
+    },
+];
+
+#[test]
+fn the_page_is_up_to_date() {
+    let all: Vec<String> = commands().iter().map(|c| name_of(c).to_owned()).collect();
+    let mut seen = PARTS.map(|part| part.name.to_owned());
+    seen.sort();
+    let mut expected = all.clone();
+    expected.sort();
+    assert_eq!(expected, seen, "all models of the page, and no other");
+    for part in &PARTS {
+        let begun = std::time::Instant::now();
+        let rows = up_to_date(part);
+        println!("{}: {rows} rows, {:.0?}", part.name, begun.elapsed());
+    }
+}
+
+/// Where a command of the page leaves its results.
+fn name_of(command: &str) -> &str {
+    command.rsplit_once("--out ").unwrap().1
+}
+
+/// Compares tables made anew with those of the page; how many rows were.
+fn up_to_date(part: &Part) -> usize {
+    let command = commands().into_iter().find(|c| name_of(c) == part.name);
+    let found = made_anew(&cheaper(command.unwrap(), part.steps), part.name);
+    let printed = results(part.name);
+    let mut rows = 0;
+    for heading in part.tables {
+        let [a, b] = [&found, &printed].map(|text| table(text, heading));
+        assert!(part.steps.is_some() || a.len() == b.len(), "{heading}");
+        compare_tables(part, heading, [&a, &b]);
+        rows += a.len() - 2;
+    }
+    rows
+}
+
+/// A command of the page with these steps, and without times, which are not compared.
+fn cheaper(command: &str, steps: Option<&str>) -> String {
+    let words: Vec<&str> = command.split(' ').filter(|w| *w != "--timed").collect();
+    let at = words.iter().position(|w| *w == "--steps").unwrap() + 1;
+    let mut words = words;
+    if let Some(steps) = steps {
+        assert!(words[at].starts_with(&format!("{steps},")), "{command}");
+        words[at] = steps;
+    }
+    words.join(" ")
+}
+
+/// Makes what a command leaves, in a directory of a test: its tables.
+fn made_anew(command: &str, name: &str) -> String {
+    let out = directory(&format!("formulations_{name}"));
+    // Models that are files lie in docs/formulations.
+    let arguments = command
+        .split(' ')
+        .skip(1)
+        .map(|word| match word.strip_suffix(".toml") {
+            Some(_) => format!("{}/{word}", env!("CARGO_MANIFEST_DIR")),
+            None => word.to_owned(),
+        });
+    let ran = std::process::Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .current_dir(&out)
+        .args(arguments)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    read(out.join(name).join("compare.md"))
+}
+
+/// Numbers of a cell: powers of ten are in raised digits. Of an order the slope; its confidence is scatter.
+fn numbers(heading: &str, cell: &str) -> Vec<f64> {
+    let text = cell.replace("·10<sup>", "e").replace("</sup>", "");
+    let text = text.replace('−', "-");
+    let text = match heading.starts_with("Orders") {
+        true => text.split(" ±").next().unwrap_or(&text),
+        false => &text,
+    };
+    let parts = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
+    parts.filter_map(|part| part.parse().ok()).collect()
+}
+
+fn cells(line: &str) -> Vec<String> {
+    let line = line.replace("\\|", "¦");
+    let cells = line.trim_matches('|').split('|');
+    cells.map(|cell| cell.trim().to_owned()).collect()
+}
+
+/// How many of the first cells name a row.
+fn keys(heading: &str) -> usize {
+    match heading {
+        "Errors" => 3,
+        "Errors at equal work" => 1,
+        _ => 2,
+    }
+}
+
+/// How far a number may be from that on the page: five in a hundred, or ten times the number where it is a
+/// difference of nearly equal ones (trends, balances), what iterations leave, or the end of an irregular motion.
+fn agree(part: &Part, heading: &str, column: &str, [found, printed]: [f64; 2]) -> bool {
+    let long = heading == "What a long run keeps";
+    let rest =
+        (long || column.contains("balance") || column.contains("trend")) && printed.abs() < 1e-3;
+    match rest || (long && part.irregular) {
+        true => found.abs() < 10.0 * printed.abs() && printed.abs() < 10.0 * found.abs(),
+        false => (found - printed).abs() <= 0.05 * printed.abs(),
+    }
+}
+
+/// Compares a table with the one on the page; rows are found by their first cells.
+fn compare_tables(part: &Part, heading: &str, [found, printed]: [&[&str]; 2]) {
+    let (head, keys) = (cells(printed[0]), keys(heading));
+    for line in &found[2..] {
+        let found = cells(line);
+        let what = format!("{}, {heading}: {line}", part.name);
+        let same = |line: &&&str| cells(line)[..keys] == found[..keys];
+        let printed = printed.iter().find(same);
+        let printed = cells(printed.unwrap_or_else(|| panic!("{what}")));
+        for (k, column) in head.iter().enumerate().skip(keys) {
+            // The reference of larger steps is a coarser one, and knows less.
+            let pair = || [&found[k], &printed[k]].into_iter();
+            let unknown = |cell: &String| cell == "–" || cell.contains("&lt;");
+            if column.ends_with("/ s") || (part.steps.is_some() && pair().any(unknown)) {
+                continue;
+            }
+            let [a, b] = [&found[k], &printed[k]].map(|cell| numbers(heading, cell));
+            assert_eq!(a.len(), b.len(), "{what}: {column}");
+            for (a, b) in a.into_iter().zip(b) {
+                let agree = agree(part, heading, column, [a, b]);
+                assert!(agree, "{what}: {column}: {a} and not {b}");
+            }
+        }
+    }
+}

@@ -1,0 +1,432 @@
+//! One constraint, three methods: the map, multipliers and a penalty, against each other and against
+//! closed-form kinematics, an equation of motion of one freedom, and Newton's laws for the pin.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use crate::support::loops::four_bar::*;
+use crate::support::loops::linkage::*;
+use crate::support::loops::*;
+use nalgebra::{DMatrix, DVector, Vector2, Vector3};
+use pullback::elements::constraint::Stiffness;
+use pullback::elements::joint::{offset, revolute};
+use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
+use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
+use pullback::integrators::statics::{NewtonOptions, StaticOptions, solve_statics};
+use pullback::manifold::system::{Evaluation, Point, System, Weights};
+use std::ops::ControlFlow;
+
+/// With dampers, so that what vibrates at first does not stay.
+fn penalty(p: f64) -> Closure {
+    Closure::Penalty(Stiffness { p, tau: 1e-3 })
+}
+
+/// What a run leaves behind.
+struct Outcome {
+    /// Angles of crank, coupler and rocker, and their rates.
+    end: Vec<f64>,
+    /// Force of the coupler on the rocker at the end, as vectors at all times.
+    force: Vec<Vector3<f64>>,
+    /// Largest gap on the way.
+    gap: f64,
+    unknowns: usize,
+    progress: Progress,
+}
+
+/// Starts the linkage with the crank's rate.
+fn started(model: &mut Model, crank: NodeId) -> [Vec<f64>; 2] {
+    let mut q = model.initial().to_vec();
+    let mut v = vec![0.0; q.len()];
+    match model.unknown_at(crank, 0) {
+        Some(u) => {
+            v[u] = CRANK_RATE;
+            let left = model.satisfy(0.0, &mut q, &mut v, &[u]).unwrap();
+            assert!(left < 1e-12, "{left:e}");
+        }
+        None => {
+            let rates = [(crank, 0, CRANK_RATE)];
+            let left = model.fit_coordinate_rates(&q, &mut v, &rates).unwrap();
+            assert!(left < 1e-12, "{left:e}");
+        }
+    }
+    [q, v]
+}
+
+fn go(by: Closure, span: [f64; 2]) -> Outcome {
+    go_with(Scheme::chung_hulbert(0.8).unwrap(), by, span)
+}
+
+fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
+    let mut b = ModelBuilder::new();
+    let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+    let mut model = b.build().unwrap();
+    let unknowns = model.pattern().dim();
+    let [q, v] = started(&mut model, angles[0]);
+    let mut options = tight(scheme, to, step);
+    options.newton.absolute = 1e-12;
+    let [tip, other, pin] =
+        ["tip of the coupler", "tip of the rocker", "C"].map(|n| model.find(n).unwrap());
+    let [coupler, rocker] = closed_form(CRANK_START);
+    let (mut end, mut force, mut gap) = (Vec::new(), Vec::new(), 0.0_f64);
+    let progress = observed(&mut model, [&q, &v], &options, &mut |model, step| {
+        let [a, b, d] = [0, 1, 3].map(|k| model.coordinate(angles[k], 0).unwrap());
+        end = vec![
+            CRANK_START + a[0],
+            coupler + a[0] + b[0],
+            rocker + d[0],
+            a[1],
+            a[1] + b[1],
+            d[1],
+        ];
+        gap = gap.max((model.node_state(tip).place - model.node_state(other).place).norm());
+        let s = &step.progress.state;
+        let at = Point {
+            t: s.t,
+            q: &s.q,
+            v: &s.v,
+            a: &s.a,
+        };
+        let mut r = vec![0.0; s.q.len()];
+        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        force.push(model.joint_force(pin).unwrap()[0]);
+    });
+    Outcome {
+        end,
+        force,
+        gap,
+        unknowns,
+        progress,
+    }
+}
+
+fn flat(force: &Vector3<f64>) -> Vector2<f64> {
+    assert!(force.z.abs() < 1e-9, "{force}");
+    force.xy()
+}
+
+#[test]
+fn multipliers_are_of_order_two_with_their_forces() {
+    let to = 1.6;
+    let exact = four_bar_exact(to);
+    let force = pin_force(exact[0], exact[3]);
+    for by in [Closure::Map, Closure::Multipliers] {
+        let runs = [800, 1600, 3200].map(|n| go(by, [to, to / f64::from(n)]));
+        for run in &runs {
+            let summary = &run.progress.summary;
+            println!(
+                "{by:?}: {} unknowns, gap {:.1e}, error {:.2e}, force {:.2e} of {:.1}, {:.2} iterations a step",
+                run.unknowns,
+                run.gap,
+                gap(&run.end, &exact),
+                (flat(run.force.last().unwrap()) - force).norm(),
+                force.norm(),
+                summary.iterations as f64 / summary.steps as f64,
+            );
+        }
+        let errors: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|run| {
+                let off = (flat(run.force.last().unwrap()) - force).norm();
+                vec![
+                    gap(&run.end[..3], &exact[..3]),
+                    gap(&run.end[3..], &exact[3..]),
+                    off,
+                ]
+            })
+            .collect();
+        let names = ["angles", "rates", "force"];
+        assert_slopes("four-bar", &names, &errors, 2.0, 0.2);
+        assert!(runs.iter().all(|r| r.gap < 1e-11));
+    }
+}
+
+#[test]
+fn stages_with_multipliers_have_the_orders_of_index_three() {
+    // Radau IIA of s stages: 2s − 1 for coordinates, s for velocities, s − 1 for multipliers (Hairer,
+    // Lubich & Roche 1989). Bathe's scheme ends with differences of coordinates that hold the
+    // constraint: of order two at least for coordinates and velocities. Those of its first substep
+    // have an error of the other sign, which the differences that give accelerations divide by h once
+    // more: order one for multipliers.
+    let to = 1.6;
+    let exact = four_bar_exact(to);
+    let force = pin_force(exact[0], exact[3]);
+    let slopes = |word: &str, n: u32| {
+        let scheme: Scheme = word.parse().unwrap();
+        let [coarse, fine] = [n, 2 * n].map(|n| {
+            let run = go_with(scheme, Closure::Multipliers, [to, to / f64::from(n)]);
+            assert!(run.gap < 1e-11, "{word}: {:e}", run.gap);
+            [
+                gap(&run.end[..3], &exact[..3]),
+                gap(&run.end[3..], &exact[3..]),
+                (flat(run.force.last().unwrap()) - force).norm(),
+            ]
+        });
+        println!("{word}: {coarse:?} {fine:?}");
+        [0, 1, 2].map(|k| (coarse[k] / fine[k]).log2())
+    };
+    let near = |slope: f64, order: f64| (slope - order).abs() < 0.25;
+    let radau = slopes("radau", 3200);
+    assert!(
+        near(radau[0], 3.0) && near(radau[1], 2.0) && near(radau[2], 1.0),
+        "{radau:?}"
+    );
+    let bathe = slopes("bathe", 1600);
+    assert!(
+        bathe[0] > 1.75 && bathe[1] > 1.75 && near(bathe[2], 1.0),
+        "{bathe:?}"
+    );
+}
+
+/// Errors against another outcome: angles, rates, the force at the end.
+fn errors(run: &Outcome, limit: &Outcome) -> Vec<f64> {
+    let force = run.force.last().unwrap() - limit.force.last().unwrap();
+    vec![
+        gap(&run.end[..3], &limit.end[..3]),
+        gap(&run.end[3..], &limit.end[3..]),
+        force.norm(),
+    ]
+}
+
+#[test]
+fn a_penalty_is_of_order_one_in_its_compliance() {
+    // At the same steps.
+    let span = [0.4, 1e-3];
+    let limit = go(Closure::Multipliers, span);
+    let runs = [1e6, 2e6, 4e6].map(|p| go(penalty(p), span));
+    let all: Vec<Vec<f64>> = runs.iter().map(|run| errors(run, &limit)).collect();
+    for (run, errors) in runs.iter().zip(&all) {
+        let summary = &run.progress.summary;
+        println!(
+            "{} unknowns, gap {:.1e}, errors {errors:?}, {:.2} iterations a step",
+            run.unknowns,
+            run.gap,
+            summary.iterations as f64 / summary.steps as f64
+        );
+    }
+    assert_slopes("penalty", &["angles", "rates", "force"], &all, 1.0, 0.1);
+}
+
+// In equilibrium -------------------------------------------------------------------------------
+
+/// Crank angle and pin force of the linkage under its weights, a spring on the rocker.
+fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
+    let mut b = ModelBuilder::new();
+    let angles = linkage_by(&mut b, CRANK_START, growing, by);
+    let law = CoordinateLaw {
+        k: 300.0,
+        ..CoordinateLaw::default()
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("spring", spring, &[angles[3]]).unwrap();
+    let mut model = b.build().unwrap();
+    model.check_supports().unwrap();
+    let mut q = model.initial().to_vec();
+    let options = StaticOptions {
+        newton: NewtonOptions {
+            relative: 1e-13,
+            ..NewtonOptions::default()
+        },
+        ..StaticOptions::default()
+    };
+    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let (t, v, a) = (1.0, &[][..], &[][..]);
+    let mut r = vec![0.0; q.len()];
+    let at = Point { t, q: &q, v, a };
+    model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+    let pin = model.find("C").unwrap();
+    let force = model.joint_force(pin).unwrap()[0];
+    let crank = model.coordinate(angles[0], 0).unwrap()[0];
+    (CRANK_START + crank, flat(&force))
+}
+
+#[test]
+fn a_loop_in_equilibrium_all_three_ways() {
+    let (crank, force) = equilibrium(Closure::Map);
+    assert!((crank - CRANK_START).abs() > 0.05, "it hardly moves");
+    // The rocker in balance about its foot: r × F + (r/2) × weight = k times its turn.
+    let [_, rocker] = closed_form(crank);
+    let turn = rocker - closed_form(CRANK_START)[1];
+    let r = Vector2::new(rocker.cos(), rocker.sin()) * BARS[2];
+    let weight = Vector2::new(0.0, -G * MASSES[2]);
+    let balance = r.perp(&force) + (r * 0.5).perp(&weight) - 300.0 * turn;
+    assert!(balance.abs() < 1e-8, "{balance:e}");
+    let (by_multipliers, its_force) = equilibrium(Closure::Multipliers);
+    println!(
+        "equilibrium: crank {:.1e} apart, force {:.1e} of {:.1}",
+        crank - by_multipliers,
+        (force - its_force).norm(),
+        force.norm()
+    );
+    assert!((crank - by_multipliers).abs() < 1e-11);
+    assert!((force - its_force).norm() < 1e-9 * force.norm());
+    let all: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
+        .iter()
+        .map(|&p| {
+            let (other, its_force) = equilibrium(penalty(p));
+            println!("penalty {p:e}: {:.2e}", other - crank);
+            vec![(other - crank).abs(), (its_force - force).norm()]
+        })
+        .collect();
+    assert_slopes("statics", &["crank", "force"], &all, 1.0, 0.02);
+}
+
+// Steps ----------------------------------------------------------------------------------------
+
+#[test]
+fn conditioning_does_not_depend_on_the_step() {
+    let mut b = ModelBuilder::new();
+    let angles = linkage_by(&mut b, CRANK_START, at_once, Closure::Multipliers);
+    let mut model = b.build().unwrap();
+    let [q, v] = started(&mut model, angles[0]);
+    let n = q.len();
+    let a = vec![0.0; n];
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &v,
+        a: &a,
+    };
+    let pattern = model.pattern().clone();
+    let mut conditions = [Vec::new(), Vec::new()];
+    for k in 2..8 {
+        let h = 10.0_f64.powi(-k);
+        let weights = Weights {
+            K: 1.0,
+            C: 2.0 / h,
+            M: 4.0 / (h * h),
+        };
+        let (mut r, mut S) = (vec![0.0; n], vec![0.0; pattern.len()]);
+        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+        model.evaluate(at, out).unwrap();
+        let mut scales = vec![1.0; n];
+        let dense = |scales: &[f64]| {
+            let mut A = DMatrix::zeros(n, n);
+            for j in 0..pattern.blocks() {
+                for (i, range) in pattern.column(j) {
+                    let block = &S[range];
+                    let rows = pattern.unknowns(i);
+                    for (c, column) in pattern.unknowns(j).enumerate() {
+                        for (l, row) in rows.clone().enumerate() {
+                            let value = block[l + c * rows.len()];
+                            A[(row, column)] = value * scales[row] * scales[column];
+                        }
+                    }
+                }
+            }
+            A
+        };
+        let condition = |A: DMatrix<f64>| {
+            let values = A.singular_values();
+            values.max() / values.min()
+        };
+        let raw = condition(dense(&scales));
+        // The solver takes zeros on the diagonal, whatever the step: against a dense solution.
+        let b: Vec<f64> = (0..n).map(|i| (1.3 * i as f64).sin()).collect();
+        let mut solver = AutoSolver::new();
+        solver.analyse(&pattern, Symmetry::General).unwrap();
+        solver.factorise(&S).unwrap();
+        let mut x = b.clone();
+        solver.solve(Some(&S), &mut x).unwrap();
+        println!("step 1e-{k}: {:?}", solver.active());
+        scaling::equilibrate(&pattern, &S, &mut scales, &mut vec![0.0; n]).unwrap();
+        let scaled = DVector::from_fn(n, |i, _| b[i] * scales[i]);
+        let exact = dense(&scales).lu().solve(&scaled).unwrap();
+        let found = DVector::from_fn(n, |i, _| x[i] / scales[i]);
+        assert!((found - &exact).amax() < 1e-12 * exact.amax());
+        conditions[0].push(raw);
+        conditions[1].push(condition(dense(&scales)));
+    }
+    println!("raw {:.1?}, as solved {:.1?}", conditions[0], conditions[1]);
+    let spread = |c: &[f64]| {
+        let least = c.iter().copied().fold(f64::INFINITY, f64::min);
+        c.iter().copied().fold(0.0, f64::max) / least
+    };
+    assert!(spread(&conditions[0]) > 1e8);
+    assert!(spread(&conditions[1]) < 10.0);
+}
+
+// What is refused ------------------------------------------------------------------------------
+
+#[test]
+fn a_scheme_that_damps_nothing_is_refused_by_name() {
+    let run = |scheme: Scheme, by: Closure| {
+        let mut b = ModelBuilder::new();
+        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let mut model = b.build().unwrap();
+        let [q, v] = started(&mut model, angles[0]);
+        let options = tight(scheme, 0.01, 1e-3);
+        let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+            ControlFlow::Continue(())
+        })
+    };
+    for scheme in [
+        Scheme::default(),
+        Scheme::newmark(0.3, 0.6).unwrap(),
+        Scheme::wbz(1.0).unwrap(),
+        Scheme::chung_hulbert(1.0).unwrap(),
+        Scheme::hht(0.0).unwrap(),
+    ] {
+        let error = run(scheme, Closure::Multipliers).unwrap_err();
+        assert!(matches!(error, DynamicsError::Undamped { .. }), "{error}");
+        let said = error.to_string();
+        assert!(
+            said.contains(scheme.name) && said.contains("multipliers of C"),
+            "{said}"
+        );
+        run(scheme, Closure::Map).unwrap();
+    }
+    // (γ + ½)²/4: damped.
+    run(Scheme::newmark(0.3025, 0.6).unwrap(), Closure::Multipliers).unwrap();
+    for rho in [0.0, 0.3, 0.8] {
+        for scheme in [Scheme::wbz(rho), Scheme::chung_hulbert(rho)] {
+            let found = scheme.unwrap().spectral_radius();
+            assert!((found - rho).abs() < 1e-7, "{found} {rho}");
+        }
+    }
+    let hht = Scheme::hht(-0.1).unwrap().spectral_radius();
+    assert!((hht - 0.9 / 1.1).abs() < 1e-7, "{hht}");
+}
+
+#[test]
+fn an_equation_that_followed_at_a_singular_start_only_is_named() {
+    // All bars on one line: there the gap across it follows from nothing else, but the loop is
+    // drawn where its equations have no full rank.
+    let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    let places = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [2.5, 0.0, 0.0],
+        [1.5, 0.0, 0.0],
+    ];
+    let [O, P, Q, D] = places;
+    let A = link(&mut b, "A", ground, [O, P], (1.0, at_once));
+    let B = link(&mut b, "B", A.frame, [P, Q], (1.0, at_once));
+    let rocker = link(&mut b, "D", ground, [D, Q], (1.0, at_once));
+    let tip = offset(&mut b, "tip", B.frame, Q).unwrap();
+    let C = revolute(&mut b, "C", tip, E3).unwrap();
+    let end = offset(&mut b, "end", rocker.frame, Q).unwrap();
+    b.close_by(C.frame, end, Closure::Multipliers).unwrap();
+    let mut model = b.build().unwrap();
+    let note = model.notes()[0].clone();
+    assert!(note.contains("the gap along e1"), "{note}");
+    let zero = vec![0.0; model.pattern().dim()];
+    let mut progress = Progress::new(start(&model, 0.0, &zero, &zero).unwrap());
+    let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.5, 1e-3);
+    let error = integrate(&mut model, &mut progress, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
+    let said = error.to_string();
+    assert!(
+        said.contains("the gap along e1 of element closure of C"),
+        "{said}"
+    );
+    assert!(said.contains("singular position"), "{said}");
+}

@@ -1,0 +1,327 @@
+//! The word `closure` in model files: three methods for one file, what the program says, refuses and
+//! takes up again.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{check, directory, history, number, program, read, refusal, write};
+use pullback::input::assemble_text;
+use pullback::run::{resume, run};
+use std::ops::ControlFlow;
+
+const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
+const CHILD: &str = "child = \"rocker tip\"";
+
+/// The linkage with other words at its closing joint, for a damped scheme.
+fn closed_by(words: &str) -> String {
+    let damped = "scheme = { generalised-alpha = 0.8 }";
+    FOUR_BAR
+        .replace(CHILD, &format!("{CHILD}\n{words}"))
+        .replace("scheme = { newmark = [0.25, 0.5] }", damped)
+        .replace("to = 4", "to = 0.5")
+}
+
+#[test]
+fn one_file_three_methods() {
+    let rows = |name: &str, words: &str, said: &str| {
+        let out = directory(&format!("closures-{name}"));
+        let ran = program(&[&write(&out, &closed_by(words))]);
+        let stdout = String::from_utf8(ran.stdout).unwrap();
+        let stderr = String::from_utf8_lossy(&ran.stderr);
+        assert!(ran.status.success(), "{stderr}");
+        assert!(stdout.contains(said), "{stdout}");
+        // Multipliers tie the closing joint's angle to the links, which have mass.
+        let massless = format!("{stdout}{stderr}").contains("no mass acts");
+        assert_eq!(massless, name == "penalty", "{stdout}{stderr}");
+        history(&out.join("model.out"))
+    };
+    let map = rows("map", "closure = \"map\"", "joint C closes a loop");
+    let multipliers = rows(
+        "multipliers",
+        "closure = \"multipliers\"",
+        "joint C: closed by multipliers; redundant: the gap along e3, the misalignment about e1, \
+         the misalignment about e2",
+    );
+    let penalty = rows(
+        "penalty",
+        "closure = \"penalty\"\npenalty = 1e8\npenalty_damping = 1e-3",
+        "joint C: closed by a penalty of 100000000",
+    );
+    // Behind the start, where the springs of the penalty take up their load.
+    let mut force = 0.0_f64;
+    for ((map, multipliers), penalty) in map.iter().zip(&multipliers).zip(&penalty).skip(10) {
+        for column in ["crank", "rocker", "gap a.x", "gap a.y"] {
+            let [a, b, c] = [map, multipliers, penalty].map(|row| number(row, column));
+            assert!(
+                (a - b).abs() < 1e-4 && (b - c).abs() < 1e-5,
+                "{column}: {a} {b} {c}"
+            );
+        }
+        for column in ["pin.x", "pin.y"] {
+            let [a, b, c] = [map, multipliers, penalty].map(|row| number(row, column));
+            force = force.max(a.abs());
+            assert!(
+                (a - b).abs() < 0.05 && (b - c).abs() < 0.02,
+                "{column}: {a} {b} {c}"
+            );
+        }
+        let gap =
+            |row, k: &str| number(row, &format!("gap a.{k}")) - number(row, &format!("gap b.{k}"));
+        for k in ["x", "y", "z"] {
+            assert!(gap(multipliers, k).abs() < 1e-11);
+            assert!(gap(penalty, k).abs() < 1e-5);
+        }
+    }
+    assert!(force > 20.0, "{force}");
+}
+
+#[test]
+fn values_and_rates_are_satisfied_as_by_the_map() {
+    let turned = |words: &str| {
+        let text = closed_by(words).replace("rate = 4.5", "rate = 4.5\nvalue = 0.7");
+        let mut job = assemble_text("model.toml", &text).unwrap();
+        let at = pullback::manifold::system::Point {
+            t: 0.0,
+            q: &job.start.q,
+            v: &job.start.v,
+            a: &vec![0.0; job.start.q.len()],
+        };
+        job.model.configure(at).unwrap();
+        ["A", "B", "C", "D"].map(|name| {
+            let all: Vec<_> = job
+                .model
+                .released()
+                .map(|(n, s, _)| (n, s.to_owned()))
+                .collect();
+            let (node, _) = all.into_iter().find(|(_, s)| s.starts_with(name)).unwrap();
+            job.model.coordinate(node, 0).unwrap()
+        })
+    };
+    let map = turned("");
+    let penalty = "closure = \"penalty\"\npenalty = 1e6";
+    for words in ["closure = \"multipliers\"", penalty] {
+        let other = turned(words);
+        for (a, b) in map.iter().flatten().zip(other.iter().flatten()) {
+            assert!((a - b).abs() < 1e-11, "{map:?} {other:?}");
+        }
+    }
+    assert_eq!(map[0], [0.7, 4.5]);
+    let both = closed_by("closure = \"multipliers\"").replace(
+        "name = \"B\"\ntype = \"revolute\"",
+        "name = \"B\"\ntype = \"revolute\"\nrate = 3.0",
+    );
+    let said = refusal(&both).to_string();
+    assert!(
+        said.contains("rates") && said.contains("contradict"),
+        "{said}"
+    );
+}
+
+#[test]
+fn nonsense_is_refused_where_it_stands() {
+    let with = |words: &str| closed_by(words);
+    check(
+        &with("closure = \"penalty\""),
+        "closure",
+        "joint \"C\": closure needs penalty",
+        "add it",
+    );
+    check(
+        &with("closure = \"penalty\"\npenalty = -2"),
+        "-2",
+        "penalty = -2 is out of range",
+        "a positive stiffness",
+    );
+    check(
+        &with("closure = \"penalty\"\npenalty = 0"),
+        "0",
+        "penalty = 0 is out",
+        "positive",
+    );
+    check(
+        &with("closure = \"penalty\"\npenalty = 1e6\npenalty_damping = -1"),
+        "-1",
+        "penalty_damping = -1 is out of range",
+        "zero or positive",
+    );
+    check(
+        &with("closure = \"multipliers\"\npenalty = 1e6"),
+        "penalty",
+        "joint \"C\": penalty needs closure = \"penalty\"",
+        "remove this key",
+    );
+    check(
+        &with("penalty_damping = 0.1"),
+        "penalty_damping",
+        "needs closure",
+        "remove",
+    );
+    check(
+        &closed_by("").replace(CHILD, "closure = \"multipliers\""),
+        "closure",
+        "joint \"C\": closure needs child",
+        "add it",
+    );
+    let said = refusal(&with("closure = 3")).to_string();
+    assert!(
+        said.contains("one of the words \"map\", \"multipliers\" and \"penalty\""),
+        "{said}"
+    );
+    let said = refusal(&with("closure = \"lagrange\"")).to_string();
+    assert!(
+        said.contains("lagrange") || said.contains("closure"),
+        "{said}"
+    );
+    // What does not close names the joint and the gap.
+    let apart = with("closure = \"multipliers\"").replacen(
+        "place = [1.2, 1.9, 0]",
+        "place = [1.2, 1.9, 0.3]",
+        1,
+    );
+    check(&apart, "\"C\"", "the gap along e3", "");
+    // A scheme that damps nothing is named when the run begins.
+    let undamped = FOUR_BAR.replace(CHILD, &format!("{CHILD}\nclosure = \"multipliers\""));
+    let out = directory("closures-undamped");
+    let ran = program(&[&write(&out, &undamped)]);
+    let stderr = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert!(!ran.status.success());
+    assert!(
+        stderr.contains("Newmark") && stderr.contains("generalised-alpha 0.8"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn a_penalty_that_drowns_the_model_gets_a_word() {
+    for (penalty, told) in [("1e7", false), ("1e30", true)] {
+        let text = closed_by(&format!("closure = \"penalty\"\npenalty = {penalty}"));
+        let text = text.replace("to = 0.5", "to = 0.02");
+        let out = directory("closures-drowned");
+        let ran = program(&[&write(&out, &text)]);
+        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+        let word = "penalty of C: rounding errors of the gap";
+        assert_eq!(said.contains(word), told, "{penalty}: {said}");
+    }
+}
+
+#[test]
+fn a_resumed_run_with_multipliers_gives_the_same_bits() {
+    let text = closed_by("closure = \"multipliers\"")
+        .replace("to = 0.5", "to = 0.2\ncheckpoint_every = 50");
+    let [straight, broken] = ["closures-straight", "closures-broken"].map(directory);
+    let go_on = |_: &pullback::solve::Advance<'_>| ControlFlow::Continue(());
+    run(&write(&straight, &text), None, &mut { go_on }).unwrap();
+    let model = write(&broken, &text);
+    let mut steps = 0;
+    run(&model, None, &mut |_| {
+        steps += 1;
+        if steps < 110 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    })
+    .unwrap();
+    resume(&model, None, &mut { go_on }).unwrap();
+    let csv = [&straight, &broken].map(|out| read(out.join("model.out/history.csv")));
+    assert!(csv[0] == csv[1], "history.csv differs");
+}
+
+#[test]
+fn the_conformance_kit_passes_models_with_multipliers_and_penalties() {
+    let penalty = "closure = \"penalty\"\npenalty = 50\npenalty_damping = 0.2";
+    for words in ["closure = \"multipliers\"", penalty] {
+        let mut job = assemble_text("model.toml", &closed_by(words)).unwrap();
+        let report = pullback::check::job(&mut job, 0);
+        let table = pullback::check::table(&report);
+        assert!(table.contains("closure of C"), "{table}");
+        assert!(report.failures().is_empty(), "{words}\n{table}");
+    }
+}
+
+/// A double pendulum whose second body flies freely but for a joint.
+const FLYING: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+free = [1.7, 0, 0]
+
+[[joints]]
+name = "A"
+type = "revolute"
+master = "ground"
+axis = [0, 0, 1]
+
+[[joints]]
+name = "arm"
+type = "offset"
+master = "A"
+place = [1, 0, 0]
+
+[[joints]]
+name = "P"
+type = "revolute"
+master = "arm"
+axis = [0, 0, 1]
+{closed}
+
+[[bodies]]
+name = "first"
+node = "A"
+mass = 2
+center = [0.5, 0, 0]
+inertia = [0.01, 0.2, 0.2]
+
+[[bodies]]
+name = "second"
+node = "free"
+mass = 1
+inertia = [0.01, 0.1, 0.1]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[loads]]
+gravity = [0, -9.81, 0]
+
+[analysis.dynamic]
+to = 1
+step = {step}
+scheme = { generalised-alpha = 0.8 }
+
+[[probes]]
+name = "body"
+quantity = "position"
+node = "free"
+"#;
+
+#[test]
+fn bodies_that_fly_are_linked() {
+    let tip = "[[joints]]\nname = \"tip\"\ntype = \"offset\"\nmaster = \"free\"\nplace = [1, 0, 0]";
+    let linked = format!("child = \"tip\"\nclosure = \"multipliers\"\n\n{tip}");
+    let tree = "\n[[joints]]\nname = \"rod\"\ntype = \"offset\"\nmaster = \"P\"\n\
+                place = [1.7, 0, 0]\nchild = \"free\"";
+    let end = |closed: &str, step: &str| {
+        let text = FLYING.replace("{closed}", closed).replace("{step}", step);
+        let out = directory("closures-flying");
+        let ran = program(&[&write(&out, &text)]);
+        assert!(
+            ran.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ran.stderr)
+        );
+        let rows = history(&out.join("model.out"));
+        ["body.x", "body.y"].map(|k| number(rows.last().unwrap(), k))
+    };
+    let gaps = ["0.004", "0.002", "0.001"].map(|step| {
+        let [a, b] = [linked.as_str(), tree].map(|closed| end(closed, step));
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    });
+    for pair in gaps.windows(2) {
+        assert!((pair[0] / pair[1]).log2() > 1.8, "{gaps:?}");
+    }
+    assert!(gaps[2] < 1e-5, "{gaps:?}");
+    // No map closes that.
+    let text = FLYING.replace("{step}", "0.001");
+    let map = format!("child = \"tip\"\n\n{tip}");
+    let said = refusal(&text.replace("{closed}", &map)).to_string();
+    assert!(said.contains("joint P") && said.contains("free"), "{said}");
+}

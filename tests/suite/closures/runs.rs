@@ -1,0 +1,182 @@
+//! Flexible loops, changes of chart and drives that jump: multipliers and penalties against the map.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use crate::support::loops::four_bar::*;
+use crate::support::loops::linkage::*;
+use crate::support::loops::*;
+use nalgebra::Vector3;
+use pullback::elements::model::{Closure, ModelBuilder};
+use pullback::elements::time::Table;
+use pullback::input::assemble_text;
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::system::{Evaluation, Point, System};
+
+// Flexible -------------------------------------------------------------------------------------
+
+const FLEXIBLE: &str = include_str!("../../../examples/models/four_bar_flexible.toml");
+
+/// The flexible linkage under weights that come at once, with other words in its file, for 0.6 s: crank, tip, and the pin's force.
+fn flexible(words: &str, step: f64) -> Vec<f64> {
+    let text = FLEXIBLE.replace(
+        "child = \"coupler tip\"",
+        &format!("child = \"coupler tip\"\n{words}"),
+    );
+    let mut job = assemble_text("flexible.toml", &text).unwrap();
+    let options = tight(Scheme::chung_hulbert(0.3).unwrap(), 0.6, step);
+    let [tip, pin] = ["coupler tip", "C"].map(|n| job.model.find(n).unwrap());
+    let start = [&job.start.q[..], &job.start.v[..]];
+    let mut out = Vec::new();
+    observed(&mut job.model, start, &options, &mut |model, step| {
+        let s = &step.progress.state;
+        let at = Point {
+            t: s.t,
+            q: &s.q,
+            v: &s.v,
+            a: &s.a,
+        };
+        let mut r = vec![0.0; s.q.len()];
+        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        let state = model.node_state(tip);
+        let force = model.joint_force(pin).unwrap()[0];
+        out = [state.place, state.velocity, force]
+            .iter()
+            .flat_map(|x| x.iter().copied())
+            .collect();
+    });
+    out
+}
+
+#[test]
+fn a_flexible_loop_all_three_ways() {
+    let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
+        (0..3)
+            .map(|k| gap(&a[3 * k..3 * k + 3], &b[3 * k..3 * k + 3]))
+            .collect()
+    };
+    let names = ["place", "velocity", "force"];
+    // Different coordinates are integrated: the methods differ by a small part of the steps' error.
+    let by = |words: &str, h: f64| flexible(words, h);
+    let [map, other] = ["", "closure = \"multipliers\""].map(|words| by(words, 2e-3));
+    let finer = by("closure = \"multipliers\"", 1e-3);
+    let (methods, steps) = (apart(&map, &other), apart(&other, &finer));
+    println!("flexible: methods {methods:?} apart, steps {steps:?}");
+    assert!(steps[0] > 1e-8, "{}", steps[0]);
+    for k in 0..3 {
+        assert!(
+            methods[k] < 0.1 * steps[k],
+            "{}: {methods:?} {steps:?}",
+            names[k]
+        );
+    }
+    let limit = flexible("closure = \"multipliers\"", 1e-3);
+    let all: Vec<Vec<f64>> = [1e7, 2e7, 4e7]
+        .iter()
+        .map(|p| {
+            let words = format!("closure = \"penalty\"\npenalty = {p}\npenalty_damping = 1e-3");
+            let errors = apart(&flexible(&words, 1e-3), &limit);
+            println!("flexible, penalty {p}: {errors:?}");
+            errors
+        })
+        .collect();
+    assert_slopes("penalty", &names, &all, 1.0, 0.15);
+}
+
+// Charts, drives, steps ------------------------------------------------------------------------
+
+#[test]
+fn multipliers_go_through_changes_of_chart() {
+    let go = |n: u32| {
+        let mut b = ModelBuilder::new();
+        let (rotation, e) = balls(&mut b, Closure::Multipliers);
+        let mut model = b.build().unwrap();
+        let mut q = model.initial().to_vec();
+        let mut v = vec![0.0; q.len()];
+        let held: Vec<usize> = (0..3)
+            .map(|k| model.unknown_at(rotation, k).unwrap())
+            .collect();
+        for (k, &u) in held.iter().enumerate() {
+            v[u] = 7.0 * e[k];
+        }
+        assert!(model.satisfy(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
+        let scheme = Scheme::chung_hulbert(0.9).unwrap();
+        let options = tight(scheme, 1.5, 1.5 / f64::from(n));
+        let ends = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
+        let (mut place, mut residual) = (Vector3::zeros(), 0.0_f64);
+        let run = observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let [p, q] = ends.map(|n| model.node_state(n).place);
+            place = p;
+            residual = residual.max((p - q).norm());
+        });
+        assert!(residual < 1e-11, "{residual:e}");
+        assert!(
+            run.summary.chart_changes >= 2,
+            "{}",
+            run.summary.chart_changes
+        );
+        place
+    };
+    let map = |n: u32| {
+        let mut b = ModelBuilder::new();
+        let (rotation, e) = balls(&mut b, Closure::Map);
+        let mut model = b.build().unwrap();
+        let mut v = vec![0.0; model.pattern().dim()];
+        let q = v.clone();
+        let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
+        model.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
+        let options = tight(Scheme::default(), 1.5, 1.5 / f64::from(n));
+        let end = model.find("coupler end").unwrap();
+        let mut place = Vector3::zeros();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            place = model.node_state(end).place;
+        });
+        place
+    };
+    // The limit of the map, extrapolated from two steps.
+    let [coarse, fine] = [1000, 2000].map(map);
+    let limit = fine + (fine - coarse) / 3.0;
+    let all: Vec<Vec<f64>> = [400, 800, 1600]
+        .iter()
+        .map(|&n| vec![(go(n) - limit).norm()])
+        .collect();
+    println!("balls by multipliers: {all:?}");
+    assert_slopes("balls", &["place"], &all, 2.0, 0.25);
+}
+
+#[test]
+fn a_drive_that_jumps_strikes_the_whole_loop() {
+    // The crank is driven, and its velocity jumps: the free pendulum on the coupler takes it.
+    let go = |by: Closure, h: f64| {
+        let mut b = ModelBuilder::new();
+        let angles = linkage_by(&mut b, CRANK_START, at_once, by);
+        let tip = b.find("tip of the coupler").unwrap();
+        let from: [f64; 3] = b.place(tip).into();
+        let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
+        let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).angle;
+        let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
+        let drive = Table::new(points).unwrap();
+        b.prescribe_coordinate(angles[0], 0, Box::new(drive));
+        let mut model = b.build().unwrap();
+        let mut q = model.initial().to_vec();
+        let mut v = vec![0.0; q.len()];
+        // Of a model that enforces nothing this takes nothing.
+        model.satisfy(0.0, &mut q, &mut v, &[]).unwrap();
+        let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
+        let mut end = Vec::new();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let [x, x_dot] = model.coordinate(pendulum, 0).unwrap();
+            end = vec![x, x_dot];
+        });
+        end
+    };
+    let all: Vec<Vec<f64>> = [2e-3, 1e-3, 5e-4]
+        .iter()
+        .map(|&h| {
+            let [map, other] = [Closure::Map, Closure::Multipliers].map(|by| go(by, h));
+            println!("struck, step {h}: {map:.4?} {:.1e}", gap(&map, &other));
+            vec![gap(&map, &other)]
+        })
+        .collect();
+    assert_slopes("struck", &["pendulum"], &all, 2.0, 0.3);
+}

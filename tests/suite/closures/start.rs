@@ -1,0 +1,293 @@
+//! Where models begin whose loops are closed by multipliers or a penalty, and loops that are driven:
+//! values and velocities that are kept, noted, or refused by their names.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::closures::{
+    CLOSURES, GROUND, RUN, STATIC, angle, arm, body, failure, hinge, joint, rows, start,
+};
+use crate::support::program::{check, number, refusal};
+use pullback::input::assemble_text;
+use pullback::manifold::system::Point;
+
+/// Crank 1, coupler 1.5, rocker √3.77, ground 1.6; words for crank, coupler and rocker, and how the
+/// last joint closes the loop.
+fn four_bar([a, b, d]: [&str; 3], closure: &str) -> String {
+    [
+        hinge("A", "ground", a),
+        arm("crank tip", "A", [0.0, 1.0, 0.0]),
+        hinge("B", "crank tip", b),
+        arm("coupler tip", "B", [1.2, 1.9, 0.0]),
+        arm("foot", "ground", [1.6, 0.0, 0.0]),
+        hinge("D", "foot", d),
+        arm("rocker tip", "D", [1.2, 1.9, 0.0]),
+        hinge(
+            "C",
+            "coupler tip",
+            &format!("child = \"rocker tip\"\n{closure}"),
+        ),
+        body("A"),
+        body("B"),
+        body("D"),
+        ["A", "B", "D"].map(angle).concat(),
+    ]
+    .concat()
+}
+
+/// Angles of the coupler against the crank and of the rocker at an angle of the crank, on the branch
+/// that is drawn: the coupler's circle about the crank's tip meets the rocker's about its foot.
+fn linkage(crank: f64) -> [f64; 2] {
+    let angles = |crank: f64| {
+        let tip = [-crank.sin(), crank.cos()];
+        let (x, y) = (tip[0] - 1.6, tip[1]);
+        let (d, r, c) = (x.hypot(y), 0.4_f64.hypot(1.9), 1.5);
+        let rocker = y.atan2(x) - ((r * r + d * d - c * c) / (2.0 * r * d)).acos();
+        let end = [1.6 + r * rocker.cos(), r * rocker.sin()];
+        [(end[1] - tip[1]).atan2(end[0] - tip[0]), rocker]
+    };
+    let ([b, d], [b0, d0]) = (angles(crank), angles(0.0));
+    [b - b0 - crank, d - d0]
+}
+
+#[test]
+fn values_are_kept_in_the_order_of_the_file() {
+    let [b, d] = linkage(0.5);
+    for (k, closure) in CLOSURES.iter().enumerate() {
+        // The second one is right to 7 digits.
+        let few = format!("value = {d:.7}");
+        let text = [GROUND, RUN, &four_bar(["value = 0.5", "", &few], closure)].concat();
+        let (at, notes) = start(&text);
+        assert!((at["A angle"][0] - 0.5).abs() < 1e-15, "{closure}: {at:?}");
+        assert!((at["D angle"][0] - d).abs() < 1e-12, "{closure}: {at:?}");
+        let notes = notes.join("\n");
+        assert!(notes.contains("D angle starts at "), "{notes}");
+        assert!(!notes.contains("A angle starts"), "{notes}");
+        let (said, _) = rows(&format!("start-note-{k}"), &text);
+        assert!(said.contains("D angle starts at "), "{said}");
+        // All of them to all digits.
+        let [vb, vd] = [b, d].map(|x| format!("value = {x:?}"));
+        let text = [GROUND, RUN, &four_bar(["value = 0.5", &vb, &vd], closure)].concat();
+        let (at, notes) = start(&text);
+        let notes = notes.join("\n");
+        assert!(!notes.contains("starts at"), "{notes}");
+        for (name, x) in [("A angle", 0.5), ("B angle", b), ("D angle", d)] {
+            assert!((at[name][0] - x).abs() < 1e-14, "{closure}: {name} {at:?}");
+        }
+        // One that nothing closes with: the other one is kept.
+        let text = [
+            GROUND,
+            RUN,
+            &four_bar(["value = 0.5", "", "value = 2.5"], closure),
+        ]
+        .concat();
+        let (at, _) = start(&text);
+        assert!((at["A angle"][0] - 0.5).abs() < 1e-15, "{closure}: {at:?}");
+        assert!((at["D angle"][0] - d).abs() < 1e-12, "{closure}: {at:?}");
+    }
+}
+
+/// Test Set for IVP Solvers (Mazzia & Magherini 2008), II-9: all seven angles are given.
+#[test]
+fn andrews_squeezer_starts_at_its_published_angles() {
+    let text = include_str!("../../../examples/models/squeezer.toml");
+    for closure in CLOSURES {
+        let mut text = text.replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8");
+        for end in ["K3 end", "K4 end", "K6 end"] {
+            let child = format!("child = \"{end}\"");
+            assert!(text.contains(&child));
+            text = text.replace(&child, &format!("{child}\n{closure}"));
+        }
+        let (at, _) = start(&text);
+        for (name, published) in [
+            ("beta", -0.06171389001427645),
+            ("theta", 0.0),
+            ("gamma", 0.45527981916307037),
+            ("phi", 0.22266839016588588),
+            ("delta", 0.48736497954384256),
+            ("omega", -0.22266839016588588),
+            ("epsilon", 1.2305474445498212),
+        ] {
+            let found = at[&format!("{name} angle")][0];
+            assert!(
+                (found - published).abs() < 1e-13,
+                "{closure}: {name} {found}"
+            );
+        }
+    }
+}
+
+/// Two bodies, the second at the end of an arm on a ball joint at the first.
+fn linked(closure: &str, a: &str, b: &str) -> String {
+    [
+        "[nodes]\na = [0, 0, 0]\nb = [1, 0, 0]\n",
+        &body("a"),
+        &body("b"),
+        &joint("ball", "spherical", "a", ""),
+        &arm("arm", "ball", [1.0, 0.0, 0.0]),
+        &joint("weld", "weld", "arm", &format!("child = \"b\"\n{closure}")),
+        &format!("[[initial]]\nnode = \"a\"\n{a}\n[[initial]]\nnode = \"b\"\n{b}\n"),
+        RUN,
+    ]
+    .concat()
+}
+
+#[test]
+fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
+    for closure in &CLOSURES[1..] {
+        let text = linked(closure, "velocity = [0, 1, 0]", "velocity = [0, 3, 0]");
+        let mut job = assemble_text("model.toml", &text).unwrap();
+        let a = vec![0.0; job.start.q.len()];
+        let (t, q, v) = (0.0, &job.start.q, &job.start.v);
+        job.model.configure(Point { t, q, v, a: &a }).unwrap();
+        // The arm between them is 1 long: ω = (3 − 1)/1 about the third axis.
+        let [a, b] = ["a", "b"].map(|n| job.model.node_state(job.model.find(n).unwrap()));
+        for (found, wanted) in [
+            (a.velocity, [0.0, 1.0, 0.0]),
+            (b.velocity, [0.0, 3.0, 0.0]),
+            (b.omega, [0.0, 0.0, 2.0]),
+        ] {
+            let off = (found - nalgebra::Vector3::from(wanted)).amax();
+            assert!(off < 1e-13, "{closure}: {found} for {wanted:?}");
+        }
+        // Along the arm they are equally fast, and b turns as the arm does: the second entry is at
+        // fault.
+        let still = "velocity = [0, 3, 0]\nangular_velocity = [0, 0, 0]";
+        for b in ["velocity = [5, 1, 0]", still] {
+            let text = linked(closure, "velocity = [0, 1, 0]", b);
+            check(&text, "[[initial]]", "loop closed by joint weld", "rate");
+            let place = refusal(&text).span.unwrap().start;
+            assert_eq!(Some(place), text.rfind("[[initial]]"));
+        }
+    }
+}
+
+#[test]
+fn a_driven_crank_moves_a_loop_of_one_freedom() {
+    let drive = "driven = { proportional = 1.2 }";
+    for (k, closure) in CLOSURES[..2].iter().enumerate() {
+        let text = [GROUND, RUN, &four_bar([drive, "", ""], closure)].concat();
+        let (_, rows) = rows(&format!("start-driven-{k}"), &text);
+        assert!(rows.len() > 100);
+        for row in &rows {
+            let [b, d] = linkage(1.2 * number(row, "t"));
+            assert!((number(row, "B") - b).abs() < 1e-9, "{closure}: {row:?}");
+            assert!((number(row, "D") - d).abs() < 1e-9, "{closure}: {row:?}");
+        }
+    }
+    // In statics, with the moment of the drive by virtual work: M δA + F·δx = 0.
+    let probe = "[[probes]]\nname = \"M\"\nquantity = \"joint_moment\"\nnode = \"A\"\n\
+                 [[loads]]\nnode = \"rocker tip\"\nforce = [3, -5, 0]\n";
+    let tip = |crank: f64| {
+        let turned = linkage(crank)[1] + 1.9_f64.atan2(-0.4);
+        let r = 0.4_f64.hypot(1.9);
+        3.0 * r * turned.cos() - 5.0 * r * turned.sin()
+    };
+    let h = 1e-4;
+    let slope = (8.0 * (tip(1.2 + h) - tip(1.2 - h)) - tip(1.2 + 2.0 * h) + tip(1.2 - 2.0 * h))
+        / (12.0 * h);
+    for (k, closure) in CLOSURES[..2].iter().enumerate() {
+        let text = [GROUND, STATIC, &four_bar([drive, "", ""], closure), probe].concat();
+        let (_, rows) = rows(&format!("start-statics-{k}"), &text);
+        let last = rows.last().unwrap();
+        assert!((number(last, "D") - linkage(1.2)[1]).abs() < 1e-9);
+        let moment = number(last, "M.z");
+        assert!((moment + slope).abs() < 1e-8, "{closure}: {moment} {slope}");
+    }
+}
+
+#[test]
+fn drives_that_contradict_each_other_are_named() {
+    let drive = "driven = { proportional = 1 }";
+    for (k, closure) in CLOSURES[..2].iter().enumerate() {
+        let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
+        let said = failure(&format!("start-two-{k}"), &text);
+        assert!(
+            said.contains("A angle") && said.contains("D angle"),
+            "{said}"
+        );
+        assert!(said.contains("drive no more than is free"), "{said}");
+        assert!(!said.contains("singular"), "{said}");
+        // At the start already.
+        let drive = "driven = { constant = 0.3 }";
+        let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
+        let said = refusal(&text).to_string();
+        assert!(
+            said.contains("A angle") && said.contains("D angle"),
+            "{said}"
+        );
+        assert!(said.contains("drive no more than is free"), "{said}");
+    }
+}
+
+#[test]
+fn a_loop_ends_at_supports_that_carry_nothing_else() {
+    for (k, closure) in CLOSURES[..2].iter().enumerate() {
+        // The chain goes round to a node that is only the child of its last joint.
+        let chain = [
+            "[nodes]\nground = [0, 0, 0]\np = [1.6, 0, 0]\n",
+            "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
+            "[[supports]]\nnode = \"p\"\nfix = \"all\"\n",
+            &hinge("A", "ground", "driven = { proportional = 1.2 }"),
+            &arm("crank tip", "A", [0.0, 1.0, 0.0]),
+            &hinge("B", "crank tip", ""),
+            &arm("coupler tip", "B", [1.2, 1.9, 0.0]),
+            &hinge("C", "coupler tip", ""),
+            &arm("rocker foot", "C", [1.6, 0.0, 0.0]),
+            &hinge("D", "rocker foot", &format!("child = \"p\"\n{closure}")),
+            &["A", "B", "C"].map(body).concat(),
+            &["B", "D"].map(angle).concat(),
+            RUN,
+        ];
+        let (_, rows) = rows(&format!("start-chain-{k}"), &chain.concat());
+        for row in &rows {
+            // The ground turns against the rocker.
+            let [b, d] = linkage(1.2 * number(row, "t"));
+            assert!((number(row, "B") - b).abs() < 1e-9, "{closure}: {row:?}");
+            assert!((number(row, "D") + d).abs() < 1e-9, "{closure}: {row:?}");
+        }
+    }
+    // A rocker without mass hangs on a node that nothing else is fixed to.
+    let text = four_bar(["driven = { proportional = 1.2 }", "", ""], CLOSURES[0])
+        .replace(&body("D"), "")
+        .replace(&arm("foot", "ground", [1.6, 0.0, 0.0]), "");
+    let nodes = GROUND.replace("[[supports]]", "foot = [1.6, 0, 0]\n[[supports]]");
+    let foot = "[[supports]]\nnode = \"foot\"\nfix = \"all\"\n";
+    let (_, rows) = rows("start-foot", &[&nodes, foot, RUN, &text].concat());
+    let last = rows.last().unwrap();
+    assert!((number(last, "D") - linkage(0.6)[1]).abs() < 1e-9);
+    // A support of nothing is refused as ever.
+    let text = [&nodes, foot, RUN, &hinge("A", "ground", ""), &body("A")].concat();
+    check(&text, "foot", "node foot carries no element", "");
+}
+
+#[test]
+fn a_rate_in_a_loop_that_is_locked_is_told_so() {
+    for closure in &CLOSURES[1..] {
+        let text = [GROUND, RUN, &four_bar(["rate = 2.0", "", ""], closure)].concat();
+        let tilted = "master = \"foot\"\naxis = [0, 1e-5, 1]";
+        let text = text.replace("master = \"foot\"\naxis = [0, 0, 1]", tilted);
+        assert!(text.contains(tilted));
+        check(
+            &text,
+            "2.0",
+            "the initial rate of A is not possible: its loop leaves it no freedom",
+            "axes and places",
+        );
+    }
+}
+
+#[test]
+fn a_linkage_at_rest_starts_closed_to_rounding_and_stays() {
+    for (k, value) in ["0.1", "0.3", "-0.2"].iter().enumerate() {
+        let value = format!("value = {value}");
+        let text = [GROUND, RUN, &four_bar([&value, "", ""], CLOSURES[1])].concat();
+        let mut job = assemble_text("model.toml", &text).unwrap();
+        let a = vec![0.0; job.start.q.len()];
+        let (t, q, v) = (0.0, &job.start.q, &job.start.v);
+        job.model.configure(Point { t, q, v, a: &a }).unwrap();
+        let violation = job.model.violation().unwrap();
+        assert!(violation < 5e-16, "{violation:e}");
+        let (_, rows) = rows(&format!("start-rest-{k}"), &text);
+        let [first, last] = [rows.first(), rows.last()].map(|r| number(r.unwrap(), "D"));
+        assert!((first - last).abs() < 1e-12, "{first} {last}");
+    }
+}

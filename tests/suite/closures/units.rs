@@ -1,0 +1,342 @@
+//! Closed loops in the units of micromachines and of ships: the same motion at the same steps, with
+//! multipliers as with the map, and linkages where kinematics has them.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, number, program, write};
+use std::f64::consts::PI;
+use toml::{Table, Value};
+
+/// A metre, a kilogram and a second in other units.
+type Units = [f64; 3];
+
+const SI: Units = [1.0; 3];
+const OTHERS: [Units; 9] = [
+    // mm, t, s
+    [1e3, 1e-3, 1.0],
+    // nm, pg, µs
+    [1e9, 1e15, 1e6],
+    // µm, kg, s and km, kg, s
+    [1e6, 1.0, 1.0],
+    [1e-3, 1.0, 1.0],
+    // Gm, kg, s and nm, kg, s
+    [1e-9, 1.0, 1.0],
+    [1e9, 1.0, 1.0],
+    // Masses alone, and atoms.
+    [1.0, 1e-18, 1.0],
+    [1.0, 1e30, 1.0],
+    [1e10, 1e27, 1e15],
+];
+
+/// What the numbers behind a key are multiplied by.
+fn factor(key: &str, [L, M, T]: Units) -> f64 {
+    let F = M * L / (T * T);
+    match key {
+        "place" | "center" => L,
+        "mass" => M,
+        "inertia" => M * L * L,
+        "A_rho" => M / L,
+        "J" => M * L,
+        "EA" | "GA" | "force" => F,
+        "GJ" | "EI" => F * L * L,
+        "gravity" => L / (T * T),
+        "to" | "step" | "end" | "duration" => T,
+        "rate" => 1.0 / T,
+        _ => 1.0,
+    }
+}
+
+/// A value as it stands in a file, its numbers times a factor that the keys inside may replace.
+fn print(value: &Value, times: f64, units: Units) -> String {
+    match value {
+        Value::Integer(x) if times == 1.0 => x.to_string(),
+        Value::Integer(x) => format!("{:e}", *x as f64 * times),
+        Value::Float(x) => format!("{:e}", x * times),
+        Value::Array(all) => {
+            let all = all.iter().map(|v| print(v, times, units));
+            format!("[{}]", all.collect::<Vec<_>>().join(", "))
+        }
+        Value::Table(all) => {
+            let entry = |(key, v): (&String, &Value)| {
+                // What is in a table has factors of its own.
+                let own = if v.is_table() {
+                    1.0
+                } else {
+                    factor(key, units)
+                };
+                format!("{key:?} = {}", print(v, times * own, units))
+            };
+            format!(
+                "{{ {} }}",
+                all.iter().map(entry).collect::<Vec<_>>().join(", ")
+            )
+        }
+        Value::String(text) => format!("{text:?}"),
+        other => format!("{other:?}"),
+    }
+}
+
+/// Steps of a run: time in seconds, linear solutions, and what is asked for.
+#[derive(Debug)]
+struct Step {
+    t: f64,
+    iterations: f64,
+    found: Vec<f64>,
+}
+
+/// A model's run in some units.
+fn run(name: &str, model: &Table, columns: &[&str], units: Units) -> Vec<Step> {
+    let entry = |(key, v): (&String, &Value)| match key.as_str() {
+        // Their keys are names.
+        "nodes" => format!("nodes = {}\n", print(v, units[0], SI)),
+        _ => format!("{key:?} = {}\n", print(v, 1.0, units)),
+    };
+    let text: String = model.iter().map(entry).collect();
+    let out = directory(&format!("units-closures-{name}"));
+    let ran = program(&[&write(&out, &text)]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{name} {units:?}: {said}");
+    let step = |row: &_| Step {
+        t: number(row, "t") / units[2],
+        iterations: number(row, "iterations"),
+        found: columns.iter().map(|c| number(row, c)).collect(),
+    };
+    history(&out.join("model.out")).iter().map(step).collect()
+}
+
+/// Runs a model in all units and compares steps, linear solutions and what has no unit; then hands out
+/// the steps in SI.
+fn compare(name: &str, model: &Table, columns: &[&str]) -> Vec<Step> {
+    let total = |steps: &[Step]| steps.iter().map(|s| s.iterations).sum::<f64>();
+    let expected = run(name, model, columns, SI);
+    for units in OTHERS {
+        let steps = run(name, model, columns, units);
+        assert_eq!(steps.len(), expected.len(), "{name} {units:?}");
+        for (step, expected) in steps.iter().zip(&expected) {
+            let pairs = step.found.iter().zip(&expected.found);
+            let gap = pairs.fold(0.0, |m, (a, b)| f64::max(m, (a - b).abs()));
+            assert!(gap < 1e-12, "{name} {units:?}: {gap:.1e} at t = {}", step.t);
+        }
+        // Residuals of flexible models are about as large as their rounding errors at the end.
+        let [more, all] = [total(&steps), total(&expected)];
+        assert!(
+            (more - all).abs() <= 0.1 * all,
+            "{name} {units:?}: {more}, not {all}"
+        );
+    }
+    let moves = |step: &Step| step.found.iter().any(|x| x.abs() > 1e-3);
+    assert!(expected.last().is_some_and(moves), "{name} moves");
+    expected
+}
+
+/// A model with probes of joints, with all else as it is.
+fn with_probes(text: &str, joints: &[&str]) -> Table {
+    let probe = |joint: &&str| {
+        format!(
+            "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
+        )
+    };
+    let probes: String = joints.iter().map(probe).collect();
+    format!("{text}{probes}").parse().unwrap()
+}
+
+/// A model of the gallery for some damped time, its loop closed at the child of a joint by a word, and
+/// the angles of joints as its only probes.
+fn shortened(text: &str, child: &str, closure: &str, to: &str, joints: &[&str]) -> Table {
+    let start = text.find("[[probes]]").unwrap();
+    let mut model = text[..start]
+        .replace(child, &format!("{child}\nclosure = {closure:?}"))
+        .replace(
+            "scheme = { newmark = [0.25, 0.5] }",
+            "scheme = { generalised-alpha = 0.8 }",
+        )
+        .replace("record_every = 5", "");
+    let from = model.rfind("\nto = ").unwrap();
+    let end = from + 1 + model[from + 1..].find('\n').unwrap();
+    model.replace_range(from..end, &format!("\nto = {to}"));
+    with_probes(&model, joints)
+}
+
+/// The difference of two angles, whole turns aside.
+fn apart(a: f64, b: f64) -> f64 {
+    (a - b - 2.0 * PI * ((a - b) / (2.0 * PI)).round()).abs()
+}
+
+#[test]
+fn a_four_bar_is_where_its_crank_says() {
+    let text = include_str!("../../../examples/models/four_bar.toml");
+    let joints = ["A", "B", "D"];
+    for closure in ["multipliers", "map"] {
+        let model = shortened(text, "child = \"rocker tip\"", closure, "0.04", &joints);
+        let (coupler, rocker, foot) = ([1.2_f64, 0.9_f64], [-0.4_f64, 1.9_f64], [1.6, 0.0]);
+        for step in compare("four-bar", &model, &joints) {
+            let [A, B, D] = step.found[..] else { panic!() };
+            // The point C is where the circles of the coupler and of the rocker meet.
+            let P = [-A.sin(), A.cos()];
+            let d = [foot[0] - P[0], foot[1] - P[1]];
+            let (l, r) = (coupler[0].hypot(coupler[1]), rocker[0].hypot(rocker[1]));
+            let between = d[0].hypot(d[1]);
+            let along = (l * l - r * r + between * between) / (2.0 * between);
+            let across = (l * l - along * along).sqrt();
+            let C = [
+                P[0] + (along * d[0] - across * d[1]) / between,
+                P[1] + (along * d[1] + across * d[0]) / between,
+            ];
+            let turned = |from: [f64; 2], bar: [f64; 2]| {
+                (C[1] - from[1]).atan2(C[0] - from[0]) - bar[1].atan2(bar[0])
+            };
+            let gap = apart(A + B, turned(P, coupler)).max(apart(D, turned(foot, rocker)));
+            assert!(gap < 1e-12, "{closure}: {gap:.1e} at t = {}", step.t);
+        }
+    }
+}
+
+/// Crank and rod of 0.5 and 1.04, the slider on the first axis.
+const SLIDER_CRANK: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+[[joints]]
+name = "crank"
+type = "revolute"
+master = "ground"
+axis = [0, 0, 1]
+rate = 6
+[[joints]]
+name = "crank pin"
+type = "offset"
+master = "crank"
+place = [0.3, 0.4, 0]
+[[joints]]
+name = "rod"
+type = "revolute"
+master = "crank pin"
+axis = [0, 0, 1]
+[[joints]]
+name = "rod end"
+type = "offset"
+master = "rod"
+place = [1.26, 0, 0]
+[[joints]]
+name = "guide"
+type = "offset"
+master = "ground"
+place = [1.26, 0, 0]
+[[joints]]
+name = "slider"
+type = "prismatic"
+master = "guide"
+axis = [1, 0, 0]
+[[joints]]
+name = "wrist"
+type = "revolute"
+master = "slider"
+axis = [0, 0, 1]
+child = "rod end"
+closure = "multipliers"
+[[bodies]]
+name = "crank"
+node = "crank"
+mass = 2
+center = [0.15, 0.2, 0]
+inertia = [[0, 0, 0], [0, 0.04, 0], [0, 0, 0.04]]
+[[bodies]]
+name = "rod"
+node = "rod"
+mass = 1
+center = [0.78, 0.2, 0]
+inertia = [[0, 0, 0], [0, 0.09, 0], [0, 0, 0.09]]
+[[bodies]]
+name = "slider"
+node = "slider"
+mass = 0.8
+[[supports]]
+node = "ground"
+fix = "all"
+[[loads]]
+gravity = [0, -9.81, 0]
+[analysis.dynamic]
+to = 0.2
+step = 0.005
+scheme = { generalised-alpha = 0.8 }
+"#;
+
+#[test]
+fn a_slider_crank_is_where_its_crank_says() {
+    let joints = ["crank", "rod", "wrist"];
+    for closure in ["multipliers", "map"] {
+        let text = SLIDER_CRANK.replace("multipliers", closure);
+        let steps = compare("slider-crank", &with_probes(&text, &joints), &joints);
+        for step in &steps {
+            let [crank, rod, wrist] = step.found[..] else {
+                panic!()
+            };
+            let slope = |angle: f64| -(0.5 / 1.04 * angle.sin()).asin();
+            let start = 0.4_f64.atan2(0.3);
+            let turned = slope(start + crank) - slope(start);
+            let gap = (crank + rod - turned).abs().max((wrist - turned).abs());
+            assert!(gap < 1e-12, "{closure}: {gap:.1e} at t = {}", step.t);
+        }
+    }
+}
+
+#[test]
+fn flexible_linkages_move_alike_in_all_units() {
+    let misaligned = include_str!("../../../examples/models/four_bar_misaligned.toml");
+    let crank = include_str!("../../../examples/models/slider_crank_flexible.toml");
+    for closure in ["multipliers", "map"] {
+        let joints = ["axis B", "axis D"];
+        let child = "child = \"tip of bar 3\"";
+        let model = shortened(misaligned, child, closure, "0.16", &joints);
+        compare("misaligned", &model, &joints);
+        let joints = ["rod", "wrist"];
+        let model = shortened(crank, "child = \"rod end\"", closure, "0.04", &joints);
+        compare("flexible rod", &model, &joints);
+    }
+}
+
+#[test]
+fn a_beam_on_a_pin_bends_alike_in_all_units() {
+    let text = r#"
+[sections.s]
+stiffness = { EA = 1e5, GA = [1e5, 1e5], GJ = 10.0, EI = [10.0, 10.0] }
+[nodes]
+root = [0, 0, 0]
+end = [2, 0, 0]
+pin = [2, 0, 0]
+[[lines]]
+name = "beam"
+from = "root"
+to = "end"
+elements = 8
+section = "s"
+[[joints]]
+name = "hinge"
+type = "revolute"
+master = "pin"
+axis = [0, 0, 1]
+child = "end"
+closure = "multipliers"
+[[supports]]
+node = "root"
+fix = "all"
+[[supports]]
+node = "pin"
+fix = "all"
+[[loads]]
+node = "beam/4"
+force = [0, -10.0, 0]
+[[probes]]
+name = "middle"
+quantity = "rotation"
+node = "beam/4"
+"#;
+    let found = ["multipliers", "map"].map(|closure| {
+        let model = with_probes(&text.replace("multipliers", closure), &["hinge"]);
+        let columns = ["hinge", "middle.z"];
+        compare("pin", &model, &columns).pop().unwrap().found
+    });
+    let [forces, map] = &found;
+    for (a, b) in forces.iter().zip(map) {
+        assert!((a - b).abs() < 1e-10, "{a}, with the map {b}");
+    }
+}

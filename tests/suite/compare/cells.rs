@@ -1,0 +1,170 @@
+//! Cells of the pages of `pullback compare` are the numbers of its JSON, to three digits.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::formulations::table;
+use crate::support::program::{directory, read};
+use serde_json::Value;
+use std::process::Command;
+
+/// Cells of a row in Markdown.
+fn cells(line: &str) -> Vec<String> {
+    let line = line.replace("\\|", "¦");
+    let cells = line.trim_matches('|').split('|');
+    cells.map(|c| c.trim().replace('¦', "|")).collect()
+}
+
+/// A number in a cell: a power of ten is in raised digits.
+fn number(cell: &str) -> f64 {
+    let text = cell.replace("·10<sup>", "e").replace("</sup>", "");
+    let text = text.replace('−', "-");
+    text.parse().unwrap_or_else(|_| panic!("no number: {cell}"))
+}
+
+/// Whether a cell is a number rounded to three digits, or a dash where there is none.
+fn is(cell: &str, value: &Value) -> bool {
+    let Some(value) = value.as_f64() else {
+        return cell == "–";
+    };
+    let unit = 10.0_f64.powf(value.abs().log10().floor() - 2.0);
+    let off = (number(cell) - value).abs();
+    if value == 0.0 {
+        cell == "0"
+    } else {
+        off <= 0.5 * unit * (1.0 + 1e-9)
+    }
+}
+
+const QUANTITIES: [&str; 7] = [
+    "position",
+    "rotation",
+    "velocity",
+    "angular_velocity",
+    "acceleration",
+    "angular_acceleration",
+    "energy",
+];
+
+#[test]
+fn cells_of_pages_are_the_numbers_of_the_json() {
+    let directory = directory("program_compare_cells");
+    let ran = Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .current_dir(&directory)
+        .args("compare pendulum --schemes newmark,ga:0.8,radau --steps 0.1,0.05,0.025 --long 3 -q --out out".split(' '))
+        .output()
+        .unwrap();
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    let [json, text, page] =
+        ["json", "md", "html"].map(|e| read(directory.join("out").join(format!("compare.{e}"))));
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let all = |name: &str| json[name].as_array().unwrap().clone();
+    let (rows, long, orders) = (all("rows"), all("long"), all("orders"));
+    let own = |heading: &str, count: usize| -> Vec<Vec<String>> {
+        let lines = table(&text, heading);
+        assert_eq!(lines.len(), 2 + count, "{heading}");
+        lines[2..].iter().map(|line| cells(line)).collect()
+    };
+    let same = |heading: &str, cell: &str, value: &Value| {
+        assert!(is(cell, value), "{heading}: {cell} and not {value}");
+    };
+    for (cells, row) in own("Errors", 9).iter().zip(&rows) {
+        assert_eq!(cells[0], row["scheme"].as_str().unwrap());
+        same("h", &cells[1], &row["step"]);
+        for (cell, quantity) in cells[3..].iter().zip(QUANTITIES) {
+            let (error, least) = (
+                &row["error"][quantity],
+                &json["reference"]["error"][quantity],
+            );
+            // What is below the error of the reference is only known to be so.
+            match cell.strip_prefix("&lt; ") {
+                Some(cell) => {
+                    assert!(error.as_f64() < least.as_f64());
+                    same(quantity, cell, least);
+                }
+                None => same(quantity, cell, error),
+            }
+        }
+    }
+    for (cells, row) in own("Cost", 9).iter().zip(&rows) {
+        let counts = &row["counts"];
+        for (k, value) in [
+            (2, &counts["steps"]),
+            (3, &counts["rejected"]),
+            (5, &counts["evaluations"]),
+            (6, &row["assemblies"]),
+            (7, &counts["factorisations"]),
+            (8, &counts["chart_changes"]),
+        ] {
+            assert_eq!(cells[k], value.to_string(), "{cells:?}");
+        }
+        let of = |name: &str| counts[name].as_f64().unwrap();
+        let per_step = of("iterations") / of("steps");
+        assert!((number(&cells[4]) - per_step).abs() <= 0.005 + 1e-12);
+        same("time", &cells[9], &row["seconds"]);
+    }
+    for (heading, count, rows) in [
+        ("What the motion keeps", 9, &rows),
+        ("What a long run keeps", 3, &long),
+    ] {
+        for (cells, row) in own(heading, count).iter().zip(rows) {
+            let drift = &row["drift"];
+            let part = |name: &str| -> Value {
+                let part = drift[name]
+                    .as_f64()
+                    .map(|x| x / drift["largest_energy"].as_f64().unwrap());
+                part.map_or(Value::Null, Value::from)
+            };
+            assert_eq!(cells[0], row["scheme"].as_str().unwrap());
+            let values = [
+                row["step"].clone(),
+                drift["energy"].clone(),
+                part("energy"),
+                drift["momentum"].clone(),
+                drift["angular_momentum"].clone(),
+                drift["violation"].clone(),
+                drift["balance"].clone(),
+                part("balance"),
+                part("trend"),
+            ];
+            assert_eq!(cells.len(), 1 + values.len());
+            for (cell, value) in cells[1..].iter().zip(&values) {
+                same(heading, cell, value);
+            }
+        }
+    }
+    for (cells, scheme) in own("Orders of convergence", 3).iter().zip(&orders) {
+        assert_eq!(cells[0], scheme["scheme"].as_str().unwrap());
+        for (cell, quantity) in cells[2..].iter().zip(QUANTITIES) {
+            let found = &scheme["observed"][quantity];
+            let Some(slope) = found["order"].as_f64() else {
+                assert_eq!(cell, "–");
+                continue;
+            };
+            let text = cell.replace("<span class=\"slope\">(", "");
+            let shown = text.split(|c: char| !(c.is_ascii_digit() || ".−".contains(c)));
+            let shown = number(shown.clone().next().unwrap());
+            assert!(
+                (shown - slope).abs() <= 0.005 + 1e-12,
+                "{cell} and not {slope}"
+            );
+            let steps = format!("<small>{} steps</small>", found["points"]);
+            assert!(cell.contains(&steps), "{cell}");
+        }
+    }
+    // The cells of the HTML are those of the Markdown.
+    let found = page.split("<td").skip(1).map(|part| {
+        let (_, cell) = part.split_once('>').unwrap();
+        cell.split("</td>").next().unwrap().trim().to_owned()
+    });
+    let found: Vec<String> = found.collect();
+    let expected = text.split("\n| :--").skip(1).flat_map(|part| {
+        let lines = part.lines().skip(1);
+        lines
+            .take_while(|line| line.starts_with('|'))
+            .flat_map(cells)
+    });
+    assert_eq!(found, expected.collect::<Vec<String>>());
+}

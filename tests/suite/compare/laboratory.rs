@@ -1,0 +1,210 @@
+//! The laboratory of integrators on the models of the gallery: what is exact, how loops hold, and what
+//! a general solver costs.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
+use pullback::compare::{
+    Contender, Exact, Options, Quantity,
+    looked_at, read_exact,
+};
+use pullback::input::{self, Analysis};
+use pullback::method::Method;
+use std::path::Path;
+
+#[test]
+fn an_exact_solution_takes_the_place_of_the_reference() {
+    let file = until(model("pendulum.toml"), 2.0);
+    let steps = [0.02, 0.01, 0.005];
+    let words = ["newmark", "em", "radau"];
+    let by_reference = compared(&file, &options(&words, &steps)).unwrap();
+    let exactly = Options {
+        exact: Some(Exact::new("Jacobi's elliptic functions", bob)),
+        ..options(&words, &steps)
+    };
+    let comparison = compared(&file, &exactly).unwrap();
+    let reference = comparison.reference.as_ref().unwrap();
+    assert_eq!((reference.evaluations, reference.steps), (0, [0.0; 3]));
+    for (word, order) in [("newmark", 2.0), ("em", 2.0), ("radau", 3.0)] {
+        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
+        let found = orders.of(Quantity::Position).unwrap().order;
+        assert!((found - order).abs() < 0.1, "{word}: {found}");
+        // Nothing is said of what is not known.
+        assert!(orders.of(Quantity::Rotation).is_none());
+        let rows = by_reference.of(word).zip(comparison.of(word));
+        for (estimated, exact) in rows {
+            let error = |row: &pullback::compare::Row, q| row.error.unwrap().of(q);
+            assert!(error(exact, Quantity::Rotation).is_nan());
+            // Of the energy there is one value in a model, for both.
+            let [a, b] = [estimated, exact].map(|row| error(row, Quantity::Energy));
+            assert!((a - b).abs() <= 1e-8 + 0.01 * a, "{word}: {a:e} {b:e}");
+        }
+    }
+    let kept = comparison.of("em").next().unwrap().drift.energy.unwrap();
+    let lost = comparison
+        .of("newmark")
+        .next()
+        .unwrap()
+        .drift
+        .energy
+        .unwrap();
+    assert!(kept < 1e-13 && lost > 1e-5, "{kept:e} {lost:e}");
+}
+
+#[test]
+fn an_exact_solution_comes_from_a_file() {
+    let file = until(model("pendulum.toml"), 1.0);
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let steps = [0.02, 0.01];
+    let (nodes, times) = looked_at(&make, &steps).unwrap();
+    let path = std::env::temp_dir().join(format!("pullback_exact_{}.csv", std::process::id()));
+    let write = |head: &str, rows: &[f64]| {
+        let mut text = head.to_owned() + "\n";
+        for &t in rows {
+            let [theta, _] = pendulum(t);
+            text += &format!("{t:e},{:e},0,{:e}\n", -theta.sin(), -theta.cos());
+        }
+        std::fs::write(&path, text).unwrap();
+        read_exact(&path, &nodes, &times)
+    };
+    let head = "t,rod.place.x,rod.place.y,rod.place.z";
+    let exact = write(head, &times).unwrap();
+    let asked = Options {
+        exact: Some(exact),
+        ..options(&["newmark", "radau"], &steps)
+    };
+    let comparison = compared(&file, &asked).unwrap();
+    for (word, order) in [("newmark", 2.0), ("radau", 3.0)] {
+        let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
+        let found = orders.of(Quantity::Position).unwrap().order;
+        assert!((found - order).abs() < 0.2, "{word}: {found}");
+    }
+    for (head, rows, said) in [
+        (
+            "t,bob.place.x,rod.place.y,rod.place.z",
+            &times[..],
+            "no node `bob`",
+        ),
+        (
+            "t,rod.place.x,rod.place.y,rod.height",
+            &times[..],
+            "is none of t, energy",
+        ),
+        (
+            "x,rod.place.x,rod.place.y,rod.place.z",
+            &times[..],
+            "`x` is none of t",
+        ),
+        (head, &times[..10], "there is no row for t ="),
+    ] {
+        let error = write(head, rows).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    std::fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn residuals_of_loops_are_tabulated() {
+    let linkage = |closure: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
+        let text = std::fs::read_to_string(path).unwrap();
+        let text = text.replace("child = ", &format!("{closure}\nchild = "));
+        let file = until(input::parse("four_bar.toml", &text).unwrap(), 0.2);
+        let comparison = compared(&file, &options(&["ga:0.8", "radau"], &[0.02, 0.01])).unwrap();
+        let rows = comparison.rows.iter();
+        rows.map(|row| {
+            assert_eq!(row.failure, None, "{closure}, {}", row.scheme);
+            row.drift.violation.unwrap()
+        })
+        .fold(0.0, f64::max)
+    };
+    // What Newton's method leaves, and the compliance of the penalty, with forces of order 10.
+    assert!(linkage("") < 1e-11);
+    assert!(linkage("closure = \"multipliers\"") < 1e-9);
+    let [soft, stiff] =
+        ["1e5", "1e6"].map(|p| linkage(&format!("closure = \"penalty\"\npenalty = {p}")));
+    assert!((0.05..0.2).contains(&(stiff / soft)), "{soft:e} {stiff:e}");
+    // A model without loops has none.
+    let file = until(model("pendulum.toml"), 0.1);
+    let comparison = compared(&file, &options(&["newmark"], &[0.02, 0.01])).unwrap();
+    assert!(
+        comparison
+            .rows
+            .iter()
+            .all(|row| row.drift.violation.is_none())
+    );
+}
+
+#[test]
+fn momenta_that_are_zero_in_a_plane_are_no_merit() {
+    // The pendulum swings about e2: its momentum has no component there, its angular momentum no other one.
+    let file = until(model("pendulum.toml"), 0.5);
+    let comparison = compared(&file, &options(&["newmark", "em"], &[0.02, 0.01])).unwrap();
+    let zero = [[false, true, false], [true, false, true]];
+    assert_eq!(comparison.zero_momenta, zero);
+    let kept = comparison.reference.as_ref().unwrap().kept;
+    assert!(kept.momentum[1] && kept.angular_momentum[0]);
+    for row in &comparison.rows {
+        assert_eq!(
+            (row.drift.momentum, row.drift.angular_momentum),
+            (None, None)
+        );
+        assert!(row.drift.energy.is_some());
+    }
+    // A free body in space has no such component.
+    let file = until(model("free_body.toml"), 0.1);
+    let comparison = compared(&file, &options(&["newmark"], &[0.004, 0.002])).unwrap();
+    assert_eq!(comparison.zero_momenta, [[true; 3], [false; 3]]);
+    assert!(comparison.rows[0].drift.angular_momentum.is_some());
+}
+
+#[test]
+fn every_model_in_motion_can_be_compared() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let mut names: Vec<String> = std::fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let mut seen = 0;
+    for name in names {
+        let mut file = model(&name);
+        let Analysis::Dynamic(d) = &mut file.analysis else {
+            continue;
+        };
+        seen += 1;
+        let step = d.step;
+        d.to = d.to.min(4.0 * step);
+        let asked = options(&["em:0.8", "bathe", "ga:0.8"], &[2.0 * step, step]);
+        let comparison = compared(&file, &asked).unwrap();
+        assert_eq!(comparison.reference_failure, None, "{name}");
+        for row in &comparison.rows {
+            assert_eq!(row.failure, None, "{name}, {}", row.scheme);
+            let error = row.error.unwrap();
+            assert!(error.0.iter().all(|e| e.is_finite()), "{name}: {error:?}");
+        }
+    }
+    assert!(seen >= 20, "{seen}");
+}
+
+#[test]
+fn words_make_what_is_compared() {
+    let method: Contender = " lie-ga:0.8".parse().unwrap();
+    assert_eq!(
+        method,
+        Contender::Method("lie-ga:0.8".parse::<Method>().unwrap())
+    );
+    assert_eq!(method.order(), Some(2));
+    let unknown = "diffsol-euler"
+        .parse::<Contender>()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        unknown.contains("diffsol-bdf and diffsol-esdirk"),
+        "{unknown}"
+    );
+    let known = "diffsol-bdf".parse::<Contender>();
+    if !cfg!(feature = "diffsol") {
+        let said = known.unwrap_err().to_string();
+        assert!(said.contains("--features diffsol"), "{said}");
+    }
+}

@@ -1,0 +1,399 @@
+//! Comparisons of schemes against exact solutions.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use pullback::compare::{
+    CompareError, Comparison, Options, Quantity, Row, Sample, Values, Watch, compare, run,
+};
+use pullback::input;
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A free symmetrical body: moments of inertia 2, 2 and 1.
+const BODY: &str = r#"
+title = "Free symmetrical body"
+[nodes]
+O = [0, 0, 0]
+[[bodies]]
+name = "body"
+node = "O"
+mass = 1
+inertia = [2, 2, 1]
+[[initial]]
+node = "O"
+angular_velocity = [3, 0, 4]
+[analysis.dynamic]
+to = 2
+step = 0.01
+scheme = { newmark = [0.25, 0.5] }
+"#;
+
+/// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
+const OSCILLATOR: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+[[joints]]
+name = "slider"
+type = "prismatic"
+master = "ground"
+axis = [1, 0, 0]
+spring = { k = 4 }
+value = 0.3
+[[bodies]]
+name = "mass"
+node = "slider"
+mass = 1
+[[supports]]
+node = "ground"
+fix = "all"
+[analysis.dynamic]
+to = 8
+step = 0.01
+scheme = { newmark = [0.25, 0.5] }
+"#;
+
+fn options(schemes: &[&str], steps: &[f64]) -> Options {
+    let schemes = schemes.iter().map(|s| s.parse().unwrap());
+    Options::new(schemes.collect(), steps.to_vec())
+}
+
+fn compared(text: &str, options: &Options) -> Comparison {
+    tried(text, options).unwrap()
+}
+
+fn tried(text: &str, options: &Options) -> Result<Comparison, CompareError> {
+    let file = input::parse("model.toml", text).unwrap();
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    compare(&make, "model.toml", options, &Watch::NOBODY)
+}
+
+/// Root mean square over the samples after the start.
+fn rms(row: &Row, distance: impl Fn(&Sample) -> f64) -> f64 {
+    let samples = &row.samples[1..];
+    let sum: f64 = samples.iter().map(|s| distance(s).powi(2)).sum();
+    (sum / samples.len() as f64).sqrt()
+}
+
+/// Angle of the rotation from one to another: its sine by the skew part, its cosine by the trace.
+fn angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+    let R = a.transpose() * b;
+    let skew = R - R.transpose();
+    let sine = 0.5 * Vector3::new(skew.m32, skew.m13, skew.m21).norm();
+    sine.atan2(0.5 * (R.trace() - 1.0))
+}
+
+/// Landau & Lifshitz, Mechanics, section 33: about the fixed angular momentum J ω₀ with |L|/J₁, about its
+/// own axis with Ω₃ (1 − J₃/J₁).
+fn precession(t: f64) -> Matrix3<f64> {
+    let turn = Rotation3::new(Vector3::new(6.0, 0.0, 4.0) / 2.0 * t);
+    let spin = Rotation3::new(Vector3::z() * (4.0 * (1.0 - 0.5) * t));
+    (turn * spin).into_inner()
+}
+
+/// A reference by sums of spins has nothing in common with the rotation vectors of the schemes, and the same
+/// exact motion.
+#[test]
+fn a_reference_has_a_formulation_of_its_own() {
+    let asked = Options {
+        reference: Some("lie-ga:0.8".parse().unwrap()),
+        ..options(&["newmark"], &[0.02, 0.01])
+    };
+    let comparison = compared(BODY, &asked);
+    let reference = comparison.reference.as_ref().unwrap();
+    assert_eq!(reference.scheme, "lie-ga:0.8");
+    // Charts of increments are centred in every step, those of rotation vectors change a few times.
+    assert!(
+        reference.chart_changes >= 1600,
+        "{}",
+        reference.chart_changes
+    );
+    let off = |s: &Sample| angle(&s.nodes[0].R, &precession(s.t)).powi(2);
+    let own: f64 = reference.samples[1..].iter().map(off).sum();
+    let own = (own / comparison.times as f64).sqrt();
+    let estimate = reference.error.of(Quantity::Rotation);
+    assert!(own <= estimate && estimate < 1e-5, "{own} {estimate}");
+}
+
+#[test]
+fn rotations_of_a_free_body_converge_to_its_exact_precession() {
+    let all = [
+        "newmark",
+        "hht:-0.1",
+        "wbz:0.8",
+        "ga:0.8",
+        "radau",
+        "newmark:0.3025:0.6",
+    ];
+    let comparison = compared(BODY, &options(&all, &[0.02, 0.01, 0.005, 0.0025]));
+    let reference = comparison.reference.as_ref().unwrap();
+    let k = Quantity::Rotation as usize;
+    assert!(reference.extrapolated.0[k]);
+    let own = reference.samples[1..]
+        .iter()
+        .map(|s| angle(&s.nodes[0].R, &precession(s.t)).powi(2));
+    let own = (own.sum::<f64>() / comparison.times as f64).sqrt();
+    // The estimate is an upper bound.
+    let estimate = reference.error.of(Quantity::Rotation);
+    assert!(own <= estimate, "{own} {estimate}");
+    assert!(estimate < 1e-6, "{estimate}");
+    for row in &comparison.rows {
+        assert_eq!(row.failure, None, "{} {}", row.scheme, row.step);
+        // The start is exact, and belongs to the mean.
+        let share = comparison.times as f64 / (comparison.times + 1) as f64;
+        let found = rms(row, |s| angle(&s.nodes[0].R, &precession(s.t))) * share.sqrt();
+        let said = row.error.unwrap().of(Quantity::Rotation);
+        assert!(
+            (found - said).abs() <= estimate + 1e-13,
+            "{}: {found} {said}",
+            row.scheme
+        );
+        assert!(row.counts.chart_changes >= 2);
+    }
+    for scheme in &comparison.orders {
+        let theory = match scheme.scheme.as_str() {
+            "radau" => 3,
+            "newmark:0.3025:0.6" => 1,
+            _ => 2,
+        };
+        assert_eq!(scheme.theory, Some(Values([theory; 7])));
+        for quantity in [Quantity::Rotation, Quantity::AngularVelocity] {
+            let order = scheme.of(quantity).unwrap();
+            let off = (order.order - theory as f64).abs();
+            assert!(
+                off < 0.1,
+                "{} in {}: {order:?}",
+                scheme.scheme,
+                quantity.name()
+            );
+        }
+        // It rests at its place.
+        assert_eq!(scheme.of(Quantity::Position), None);
+    }
+    // A free body keeps everything.
+    let kept = reference.kept;
+    assert!(kept.energy && kept.momentum == [true; 3] && kept.angular_momentum == [true; 3]);
+}
+
+#[test]
+fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
+    let comparison = compared(
+        OSCILLATOR,
+        &options(&["newmark", "ga:0.8"], &[0.1, 0.05, 0.025]),
+    );
+    let estimate = comparison.reference.as_ref().unwrap().error;
+    assert_eq!((comparison.times, comparison.unknowns), (80, 1));
+    for row in comparison.of("newmark") {
+        // x_n = 0.3 cos(nφ) with tan(φ/2) = ωh/2; velocity −0.3 ω sin(nφ), as the energy stays.
+        let phase = 2.0 * (2.0 * row.step / 2.0).atan() / row.step;
+        let x = |s: &Sample| 0.3 * ((phase * s.t).cos() - (2.0 * s.t).cos());
+        let v = |s: &Sample| 0.6 * ((phase * s.t).sin() - (2.0 * s.t).sin());
+        // Of the two nodes the ground has no error; nor has the start.
+        let share = (0.5 * 80.0 / 81.0_f64).sqrt();
+        let error = row.error.unwrap();
+        for (quantity, exact) in [
+            (Quantity::Position, rms(row, x)),
+            (Quantity::Velocity, rms(row, v)),
+            (Quantity::Acceleration, 4.0 * rms(row, x)),
+        ] {
+            let off = (error.of(quantity) - share * exact).abs();
+            let allowed = 2.0 * estimate.of(quantity) + 1e-9;
+            assert!(
+                off <= allowed,
+                "{} with {}: {off:e}",
+                quantity.name(),
+                row.step
+            );
+        }
+        // The trapezoidal rule keeps a quadratic energy (0.18); generalised-alpha damps it.
+        assert!(row.drift.energy.unwrap() < 1e-9);
+    }
+    assert!(
+        comparison
+            .of("ga:0.8")
+            .all(|row| row.drift.energy.unwrap() > 1e-7)
+    );
+    for scheme in &comparison.orders {
+        let order = scheme.of(Quantity::Position).unwrap();
+        assert!(
+            (order.order - 2.0).abs() < 0.02 && order.points == 3,
+            "{order:?}"
+        );
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    // Three runs of the reference and two of the scheme go on all cores unless told otherwise.
+    let all = compared(BODY, &options(&["newmark"], &[0.04, 0.02]));
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(all.threads, cores.min(3 + 2));
+    let with = |threads: usize| {
+        let threads = NonZeroUsize::new(threads);
+        let options = options(&["newmark", "ga:0.8"], &[0.04, 0.02]);
+        let comparison = compared(BODY, &Options { threads, ..options });
+        let samples: Vec<_> = comparison.rows.iter().map(|r| r.samples.clone()).collect();
+        let mut value = serde_json::to_value(&comparison).unwrap();
+        value["threads"] = 0.into();
+        for row in value["rows"].as_array_mut().unwrap() {
+            row["seconds"] = 0.into();
+        }
+        (samples, value)
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+}
+
+#[test]
+fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
+    // Stable up to h = 2/ω = 1.
+    let text = OSCILLATOR.replace("to = 8", "to = 60");
+    let asked = options(&["central-difference", "newmark"], &[1.2, 0.12, 0.06]);
+    let comparison = compared(&text, &asked);
+    let failed: Vec<&Row> = comparison
+        .rows
+        .iter()
+        .filter(|r| r.failure.is_some())
+        .collect();
+    assert_eq!(failed.len(), 1);
+    let [row] = failed[..] else { unreachable!() };
+    assert_eq!(
+        (row.scheme.as_str(), row.asked),
+        ("central-difference", 1.2)
+    );
+    assert!(
+        row.failure.as_deref().unwrap().contains("too large"),
+        "{:?}",
+        row.failure
+    );
+    assert!(row.error.is_none() && !row.is_regular());
+    assert!(comparison.complete && comparison.reference.is_some());
+    // The others are there, and make an order.
+    let order = comparison.orders[0].of(Quantity::Position).unwrap();
+    assert!(
+        (order.order - 2.0).abs() < 0.1 && order.points == 2,
+        "{order:?}"
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_name() {
+    let refused = |text: &str, schemes: &[&str], steps: &[f64], word: &str| {
+        let error = tried(text, &options(schemes, steps)).unwrap_err();
+        let said = error.to_string();
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    };
+    let good: [f64; 2] = [0.1, 0.05];
+    refused(BODY, &[], &good, "no scheme");
+    refused(
+        BODY,
+        &["newmark", "newmark"],
+        &good,
+        "`newmark` is asked for twice",
+    );
+    refused(BODY, &["newmark"], &[], "two step sizes at least, 0 given");
+    refused(
+        BODY,
+        &["newmark"],
+        &[0.1],
+        "two step sizes at least, 1 given",
+    );
+    refused(BODY, &["newmark"], &[0.05, 0.1], "0.1 comes after 0.05");
+    refused(BODY, &["newmark"], &[0.1, 0.1], "0.1 comes after 0.1");
+    refused(BODY, &["newmark"], &[0.1, -0.05], "step size -0.05");
+    refused(BODY, &["newmark"], &[0.1, 0.0], "step size 0 ");
+    refused(BODY, &["newmark"], &[f64::NAN, 0.1], "step size NaN");
+    refused(BODY, &["newmark"], &[f64::INFINITY, 0.1], "step size inf");
+    refused(
+        BODY,
+        &["newmark"],
+        &[3.0, 0.1],
+        "3 is larger than the duration 2",
+    );
+    refused(
+        BODY,
+        &["newmark"],
+        &[0.1, 1e-12],
+        "1e-12 makes more than 1e8 steps",
+    );
+    refused(BODY, &["newmark"], &[0.1, 0.0999999999], "both come to");
+    let still = include_str!("../../../examples/models/cantilever.toml");
+    refused(still, &["newmark"], &good, "not dynamic");
+    for scheme in ["newmark:0.3025:0.6", "central-difference"] {
+        let reference = Some(scheme.parse().unwrap());
+        let asked = Options {
+            reference,
+            ..options(&["newmark"], &good)
+        };
+        let said = tried(BODY, &asked).unwrap_err().to_string();
+        assert!(
+            said.contains(&format!("`{scheme}` is no reference")),
+            "{said}"
+        );
+    }
+}
+
+fn directory(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::remove_dir_all(&path).ok();
+    path
+}
+
+#[test]
+fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
+    let directory = directory("compare_stopped");
+    let file = input::parse("model.toml", BODY).unwrap();
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    // The reference makes 5600 steps, the others 600.
+    let steps = AtomicUsize::new(0);
+    let watch = Watch {
+        flow: &|| match steps.fetch_add(1, Ordering::Relaxed) {
+            0..5800 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        },
+        ..Watch::NOBODY
+    };
+    let options = Options {
+        threads: NonZeroUsize::new(1),
+        ..options(&["newmark", "ga:0.8"], &[0.02, 0.01, 0.005])
+    };
+    let comparison = run(&make, "model.toml", None, &directory, &options, &watch).unwrap();
+    assert!(!comparison.complete);
+    let stopped = |row: &&Row| row.failure.as_deref() == Some("interrupted");
+    assert!(comparison.rows.iter().any(|row| stopped(&row)));
+    assert!(comparison.reference.is_some());
+    let read = |name: &str| std::fs::read_to_string(directory.join(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&read("compare.json")).unwrap();
+    assert_eq!(json["complete"], false);
+    assert!(read("compare.csv").contains(",interrupted,"));
+    assert!(read("compare.html").contains("was interrupted"));
+}
+
+const PENDULUM: &str = include_str!("../../../examples/models/pendulum.toml");
+
+#[test]
+fn refusals_come_before_runs() {
+    let file = input::parse("pendulum.toml", PENDULUM).unwrap();
+    let make = |formulation| input::job_in("pendulum.toml", &file, formulation);
+    let told = Mutex::new(Vec::new());
+    let watch = Watch {
+        refused: &|name, why| told.lock().unwrap().push(format!("{name}: {why}")),
+        ended: &|_, _, name| told.lock().unwrap().push(name.to_owned()),
+        ..Watch::NOBODY
+    };
+    let schemes = ["newmark", "lie-ga:0.8", "ga:0.8", "ul-newmark"];
+    let options = options(&schemes, &[0.2, 0.1]);
+    compare(&make, "pendulum.toml", &options, &watch).unwrap();
+    let told = told.into_inner().unwrap();
+    for (said, name) in told.iter().zip(["lie-ga:0.8: ", "ul-newmark: "]) {
+        assert!(
+            said.starts_with(name) && said.contains("without the prefix"),
+            "{told:?}"
+        );
+    }
+    // Three runs of the reference and eight of the schemes follow.
+    assert_eq!(told.len(), 2 + 3 + 8, "{told:?}");
+}

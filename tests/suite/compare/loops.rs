@@ -1,0 +1,110 @@
+//! `compare` on loops that equations close: orders with multipliers, and penalties whose vibrations no
+//! step resolves.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, write};
+use pullback::compare::{Comparison, Options, Quantity, Sample, Slope, Values, Watch, compare};
+use pullback::input;
+use std::process::Command;
+
+const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
+
+/// The four-bar linkage for a short time, its loop closed so.
+fn four_bar(closure: &str, to: f64) -> String {
+    let (joint, end) = ("name = \"C\"\n", "to = 4\n");
+    assert!(FOUR_BAR.matches(joint).count() == 1 && FOUR_BAR.matches(end).count() == 1);
+    FOUR_BAR
+        .replace(joint, &format!("{joint}{closure}\n"))
+        .replace(end, &format!("to = {to}\n"))
+}
+
+fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
+    let file = input::parse("four_bar.toml", text).unwrap();
+    let make = |formulation| input::job_in("four_bar.toml", &file, formulation);
+    let schemes = words.iter().map(|w| w.parse().unwrap()).collect();
+    let options = Options {
+        residual: Some(1e-12),
+        ..Options::new(schemes, steps.to_vec())
+    };
+    compare(&make, "four_bar.toml", &options, &Watch::NOBODY).unwrap()
+}
+
+/// Root mean square of the distance of accelerations of places.
+fn apart(a: &[Sample], b: &[Sample]) -> f64 {
+    let nodes = |s: &[Sample]| s.iter().flat_map(|s| s.nodes.clone()).collect::<Vec<_>>();
+    let (a, b) = (nodes(a), nodes(b));
+    assert_eq!(a.len(), b.len());
+    let pairs = a.iter().zip(&b);
+    let sum: f64 = pairs
+        .map(|(a, b)| (a.acceleration - b.acceleration).norm_squared())
+        .sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+/// Hairer, Lubich & Roche 1989: 2s − 1, s and s − 1 for Radau IIA with s stages at index 3. Of Bathe's
+/// differences see its documentation.
+#[test]
+fn orders_with_multipliers_are_those_of_index_three() {
+    let words = ["radau", "bathe", "ga:0.5"];
+    let steps = [0.02, 0.01, 0.005];
+    let comparison = compared(&four_bar("closure = \"multipliers\"", 0.4), &words, &steps);
+    assert!(comparison.multipliers);
+    let theory = [[3, 2, 1], [2, 2, 1], [2, 2, 2]];
+    for (scheme, levels) in comparison.orders.iter().zip(theory) {
+        assert_eq!(scheme.theory, Some(Values::of_levels(levels)));
+        for (quantity, order) in [
+            (Quantity::Velocity, levels[1]),
+            (Quantity::AngularVelocity, levels[1]),
+            (Quantity::Acceleration, levels[2]),
+            (Quantity::AngularAcceleration, levels[2]),
+        ] {
+            let found = scheme.of(quantity).unwrap();
+            let what = format!("{}, {}: {found:?}", scheme.scheme, quantity.name());
+            assert!((found.order - order as f64).abs() < 0.15, "{what}");
+            // The reference's accelerations are of order one before they are extrapolated: good enough for
+            // the two larger steps of an order of two, which make no line.
+            let few = found.points == 2 && order == 2;
+            let seen = scheme.slope(quantity);
+            assert!(seen == Some(Slope::Theory) || few, "{what}");
+        }
+    }
+    // All of the reference is extrapolated, each quantity by its own order, and agrees with that of a loop
+    // whose angles are a map, which has no multipliers.
+    let reference = comparison.reference.as_ref().unwrap();
+    assert_eq!(reference.extrapolated, Values([true; 7]));
+    let mapped = compared(&four_bar("", 0.4), &["ga:0.5"], &steps);
+    assert!(!mapped.multipliers);
+    let other = mapped.reference.as_ref().unwrap();
+    let gap = apart(&reference.samples, &other.samples);
+    let allowed = [reference, other].map(|r| r.error.of(Quantity::Acceleration));
+    assert!(gap <= allowed[0] + allowed[1], "{gap:e} {allowed:?}");
+}
+
+/// A stiff penalty vibrates; the scheme of the reference damps that away with large steps and less so with
+/// small ones: its runs go apart.
+#[test]
+fn a_comparison_without_any_reference_says_so() {
+    let text = four_bar("closure = \"penalty\"\npenalty = 1e7", 0.04);
+    let comparison = compared(&text, &["ga:0.8"], &[0.004, 0.002]);
+    assert!(!comparison.is_known() && comparison.reference_failure.is_none());
+    let directory = directory("compare_loops");
+    let model = write(&directory, &text);
+    let ran = Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("compare")
+        .arg(&model)
+        .args(["--schemes", "ga:0.8", "--steps", "0.004,0.002"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert_eq!(ran.status.code(), Some(1), "{said}");
+    for word in [
+        "no reference for any quantity",
+        "(observed orders −",
+        "take smaller steps, or --reference bathe",
+        "results are in ",
+    ] {
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+    let page = std::fs::read_to_string(directory.join("model.compare/compare.md")).unwrap();
+    assert!(page.contains("No reference for any quantity"), "{page}");
+}

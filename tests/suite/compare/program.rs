@@ -1,0 +1,390 @@
+//! `pullback compare`: its files, its page, its refusals.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, files, read};
+use pullback::compare::FILES;
+use pullback::gallery::{self, MODELS};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn compare(model: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("compare")
+        .arg(model)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A model of the examples, copied into a directory of this test.
+fn example(directory: &Path, name: &str) -> PathBuf {
+    let path = directory.join("model.toml");
+    std::fs::copy(Path::new(ROOT).join("examples/models").join(name), &path).unwrap();
+    path
+}
+
+const ASKED: [&str; 5] = [
+    "--schemes",
+    "newmark,ga:0.8",
+    "--steps",
+    "0.1,0.05,0.025",
+    "-q",
+];
+
+#[test]
+fn it_writes_tables_figures_and_a_page_that_needs_no_other_file() {
+    let directory = directory("program_compare");
+    let model = example(&directory, "pendulum.toml");
+    let output = compare(&model, &ASKED);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let out = directory.join("model.compare");
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    assert_eq!(files(&out), names);
+
+    let page = read(out.join("compare.html"));
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let count = |name: &str| {
+        let tags = document
+            .descendants()
+            .filter(|n| n.tag_name().name() == name);
+        tags.count()
+    };
+    for tag in ["script", "link", "img", "iframe", "object", "image", "use"] {
+        assert_eq!(count(tag), 0, "{tag}");
+    }
+    let refers = |n: roxmltree::Node<'_, '_>| {
+        let mut names = n.attributes().map(|a| a.name());
+        names.any(|a| ["src", "href", "data", "onload", "onclick"].contains(&a))
+    };
+    assert!(!document.descendants().any(refers));
+    assert!(!page.contains("url(") && !page.contains("@import"));
+    assert_eq!(count("svg"), 4);
+    let command = document
+        .descendants()
+        .find(|n| n.attribute("class") == Some("command"));
+    let command: String = command
+        .unwrap()
+        .descendants()
+        .filter_map(|n| n.text())
+        .collect();
+    assert!(command.starts_with("pullback compare ") && command.contains(&ASKED.join(" ")));
+
+    // The same tables in Markdown, column by column.
+    let text = read(out.join("compare.md"));
+    let heads: Vec<usize> = (text.lines())
+        .filter(|line| line.starts_with("| :--"))
+        .map(|line| line.matches("--").count())
+        .collect();
+    let tables = document.descendants().filter(|n| n.has_tag_name("table"));
+    let widths: Vec<usize> = tables
+        .map(|table| table.descendants().filter(|n| n.has_tag_name("th")).count())
+        .collect();
+    assert_eq!(heads, widths);
+    let rows = document.descendants().filter(|n| n.has_tag_name("tr"));
+    let lines = text.lines().filter(|line| line.starts_with('|'));
+    assert_eq!(lines.count(), rows.count() + widths.len());
+
+    for name in FILES.iter().filter(|name| name.ends_with(".svg")) {
+        roxmltree::Document::parse(&read(out.join(name))).unwrap();
+    }
+    let csv = read(out.join("compare.csv"));
+    let widths: Vec<usize> = csv.lines().map(|l| l.split(',').count()).collect();
+    assert_eq!(widths, vec![widths[0]; 7]);
+    let json: serde_json::Value = serde_json::from_str(&read(out.join("compare.json"))).unwrap();
+    assert_eq!(json["complete"], true);
+    let rows = json["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 6);
+    // A line per run and common time, of three step sizes and two schemes, and the head.
+    let drift = read(out.join("drift.csv"));
+    let times = json["times"].as_u64().unwrap() as usize;
+    assert_eq!(drift.lines().count(), 1 + 6 * (times + 1));
+    assert!(drift.lines().all(|line| line.split(',').count() == 13));
+    // What the tables say is the same.
+    let heads: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = heads.iter().position(|h| *h == "error_position").unwrap();
+    for (row, line) in rows.iter().zip(csv.lines().skip(1)) {
+        let cell: f64 = line.split(',').nth(column).unwrap().parse().unwrap();
+        assert_eq!(row["error"]["position"].as_f64().unwrap(), cell);
+    }
+}
+
+#[test]
+fn what_lies_in_its_directory_and_is_not_its_own_stays() {
+    let directory = directory("program_compare_again");
+    let model = example(&directory, "pendulum.toml");
+    let out = directory.join("results");
+    std::fs::create_dir(&out).unwrap();
+    for name in ["result.json", "history.csv", "compare.json", "drift.svg"] {
+        std::fs::write(out.join(name), "{}").unwrap();
+    }
+    let asked = [&ASKED[..], &["--out", out.to_str().unwrap()]].concat();
+    // A refusal changes nothing.
+    let refused = compare(
+        &model,
+        &[&asked[..], &["--reference", "newmark:0.3025:0.6"]].concat(),
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(read(out.join("drift.svg")), "{}");
+    assert!(compare(&model, &asked).status.success());
+    assert_eq!(read(out.join("result.json")), "{}");
+    assert_eq!(read(out.join("history.csv")), "{}");
+    assert_ne!(read(out.join("drift.svg")), "{}");
+}
+
+#[test]
+fn several_models_make_one_page_and_a_directory_each() {
+    let directory = directory("program_compare_several");
+    let examples = Path::new(ROOT).join("examples/models");
+    let out = directory.join("results");
+    let asked = [
+        "--schemes",
+        "newmark,bathe",
+        "--steps",
+        "4x,2x",
+        "--long",
+        "3",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let second = examples.join("top.toml");
+    let several = [&[second.to_str().unwrap()], &asked[..]].concat();
+    let output = compare(&examples.join("pendulum.toml"), &several);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    // Two steps make no order, and the terminal says so.
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("? (2)") && text.contains("? no order"),
+        "{text}"
+    );
+    assert_eq!(files(&out), ["compare.html", "pendulum", "top"]);
+    let page = read(out.join("compare.html"));
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let heads = document.descendants().filter(|n| n.has_tag_name("h1"));
+    assert_eq!(heads.count(), 3);
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    for (model, own_step) in [("pendulum", 0.01), ("top", 0.00025)] {
+        assert_eq!(files(&out.join(model)), names, "{model}");
+        let json = read(out.join(model).join("compare.json"));
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let [first, long] = [&json["rows"][0], &json["long"][0]];
+        assert_eq!(first["asked"], 4.0 * own_step, "{model}");
+        let end = |row: &serde_json::Value| {
+            row["step"].as_f64().unwrap() * row["counts"]["steps"].as_f64().unwrap()
+        };
+        assert!(end(long) >= 3.0 * end(first) - 1e-9, "{model}");
+        assert!(long["drift"]["trend"].as_f64().is_some(), "{model}");
+    }
+    let first = examples.join("pendulum.toml");
+    let twice = [&[first.to_str().unwrap()], &asked[..]].concat();
+    let refused = compare(&first, &twice);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("called `pendulum`"));
+}
+
+#[test]
+fn refusals_name_what_is_wrong() {
+    let directory = directory("program_compare_refusals");
+    let model = example(&directory, "pendulum.toml");
+    for (schemes, steps, word) in [
+        ("newmark,leapfog", "0.1,0.05", "leapfog"),
+        ("hht:-0.5", "0.1,0.05", "alpha of HHT = -0.5"),
+        ("newmark", "0.05,0.1", "0.1 comes after 0.05"),
+        ("newmark", "-0.1,0.05", "step size -0.1"),
+        ("newmark", "NaN,0.05", "step size NaN"),
+        ("newmark", "11,0.05", "11 is larger than the duration 10"),
+        ("newmark", "0.1", "two step sizes"),
+        ("newmark", "0.1,x", "x"),
+        ("newmark", "0.1,0.05s", "'0.05s'"),
+        ("newmark", "0.1,0.05s", "such as 0.01, or a multiple"),
+        ("newmark", "10,0.05", "step size 10 makes one step"),
+        (
+            "lie-bathe",
+            "0.1,0.05",
+            "newmark, hht, wbz, ga, em, central-difference",
+        ),
+    ] {
+        let output = compare(&model, &["--schemes", schemes, "--steps", steps]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+    for (arguments, word) in [
+        (["--threads", "0"], "1 or more"),
+        (["--reference", "lie-ga:0.8"], "without the prefix"),
+        (["--reference", "diffsol-bdf"], "`diffsol-bdf`"),
+        (["--reference", "gaa"], "no scheme is called so"),
+        (
+            ["--residual", "1e-30"],
+            "below the rounding of forces, 2.2e-16",
+        ),
+    ] {
+        let output = compare(&model, &[&ASKED[..], &arguments].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said:?} lacks {word:?}");
+    }
+    // A name that is neither a file nor a model has the nearest one beside it.
+    let output = compare(Path::new("pendulm"), &ASKED);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let all = ["no file `pendulm`", "did you mean `pendulum`?", "heavy_top"];
+    assert!(all.iter().all(|word| said.contains(word)), "{said}");
+    let statics = example(&directory, "cantilever.toml");
+    let output = compare(&statics, &ASKED);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("model.toml: the analysis of this model is not dynamic"),
+        "{said}"
+    );
+    assert_eq!(files(&directory), ["model.toml"]);
+}
+
+#[test]
+fn models_of_the_gallery_need_no_file() {
+    // As `pullback gallery` names its cases, too.
+    let [case, model] = ["heavy-top", "heavy_top"].map(|name| gallery::model(Path::new(name)));
+    assert!(case.is_some() && case == model);
+    let listed = std::fs::read_dir(Path::new(ROOT).join("examples/models")).unwrap();
+    let mut listed: Vec<String> = listed
+        .map(|file| {
+            file.unwrap()
+                .path()
+                .file_stem()
+                .unwrap()
+                .to_string_lossy()
+                .into()
+        })
+        .collect();
+    listed.sort();
+    let known: Vec<&str> = MODELS.iter().map(|(name, _)| *name).collect();
+    assert_eq!(known, listed);
+    let directory = directory("program_compare_built_in");
+    let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .current_dir(&directory)
+        .args([
+            "compare",
+            "pendulum",
+            "--schemes",
+            "newmark",
+            "--steps",
+            "0.1,0.05",
+            "-q",
+        ])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let mut names = FILES.map(str::to_owned);
+    names.sort();
+    assert_eq!(files(&directory.join("pendulum.compare")), names);
+    // A directory of results does not hide the model whose name it has.
+    let asked = "compare pendulum --schemes newmark --steps 0.1,0.05 -q --out pendulum";
+    for _ in 0..2 {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_pullback"));
+        let output = program
+            .current_dir(&directory)
+            .args(asked.split(' '))
+            .output();
+        let output = output.unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+    }
+    assert_eq!(files(&directory.join("pendulum")), names);
+}
+
+/// A formulation that a model does not take makes rows with the reason, as whatever else fails.
+#[test]
+fn formulations_that_a_model_does_not_take_are_rows() {
+    let directory = directory("program_compare_formulations");
+    let model = example(&directory, "pendulum.toml");
+    let schemes = "newmark,hht:-0.1,ga:0.8,lie-ga:0.8";
+    let asked = ["--schemes", schemes, "--steps", "0.1,0.05", "--charts"];
+    let output = compare(&model, &asked);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert_eq!(
+        said.matches("lie-ga:0.8 cannot begin: ").count(),
+        1,
+        "{said}"
+    );
+    let table = read(directory.join("model.compare/compare.csv"));
+    let mut rows = table.lines().skip(1);
+    assert!(
+        rows.by_ref().take(6).all(|row| row.contains(",complete,")),
+        "{table}"
+    );
+    let without =
+        |row: &str| row.starts_with("compared,lie-ga:0.8,") && row.contains("without the prefix");
+    assert!(rows.by_ref().take(2).all(without), "{table}");
+    // It is said once, and what never began stands in no other table, legend or caption with a time.
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(said.matches("lie-ga:0.8: ").count(), 1, "{said}");
+    let page = read(directory.join("model.compare/compare.md"));
+    let lines = page
+        .lines()
+        .filter(|line| line.starts_with("| lie-ga:0.8 |"));
+    let lines: Vec<&str> = lines.collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[1].starts_with("| lie-ga:0.8 | all | "), "{lines:?}");
+    assert!(page.contains("lie-ga:0.8 (no run came to its end)"));
+    assert!(!page.contains("after t =") && !page.contains("0.00e0"));
+    let legends = read(directory.join("model.compare/drift.svg"));
+    assert!(legends.contains("ga:0.8") && !legends.contains("lie-ga:0.8"));
+    assert!(page.contains("No run changes a chart"));
+}
+
+#[test]
+fn schemes_that_cannot_begin_are_refused_before_anything_runs_if_none_can() {
+    let directory = directory("program_compare_undamped");
+    let model = example(&directory, "four_bar.toml");
+    let text = read(&model);
+    let joint = "name = \"C\"\n";
+    assert_eq!(text.matches(joint).count(), 1);
+    let text = text
+        .replace(joint, &format!("{joint}closure = \"multipliers\"\n"))
+        .replace("to = 4\n", "to = 0.02\n");
+    std::fs::write(&model, text).unwrap();
+    let steps = ["--steps", "0.01,0.005", "-q"];
+    let output = compare(
+        &model,
+        &[&["--schemes", "newmark,hht:0"], &steps[..]].concat(),
+    );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("model.toml: no scheme can begin this motion; newmark: "),
+        "{said}"
+    );
+    assert_eq!(files(&directory), ["model.toml"]);
+    // Where one can, the others are rows with the reason.
+    let output = compare(
+        &model,
+        &[&["--schemes", "newmark,ga:0.8"], &steps[..]].concat(),
+    );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let table = read(directory.join("model.compare/compare.csv"));
+    let failed = table
+        .lines()
+        .filter(|row| row.starts_with("compared,newmark"));
+    assert_eq!(
+        failed.filter(|row| row.contains("multiplier")).count(),
+        2,
+        "{table}"
+    );
+}

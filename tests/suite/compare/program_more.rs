@@ -1,0 +1,407 @@
+//! `pullback compare` with all its options, and on every model of the gallery that moves.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::program::{directory, files, read, write};
+use nalgebra::{Rotation3, Vector3};
+use pullback::compare::FILES;
+use pullback::gallery::MODELS;
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A free symmetrical body: moments of inertia 2, 2 and 1.
+const BODY: &str = r#"
+title = "Free symmetrical body"
+[nodes]
+O = [0, 0, 0]
+[[bodies]]
+name = "body"
+node = "O"
+mass = 1
+inertia = [2, 2, 1]
+[[initial]]
+node = "O"
+angular_velocity = [3, 0, 4]
+velocity = [1, 2, 3]
+[analysis.dynamic]
+to = 1
+step = 0.01
+"#;
+
+fn compare(model: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("compare")
+        .arg(model)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// What compare.json says, of a comparison that ends well.
+fn compared(model: &Path, arguments: &[&str]) -> Value {
+    let output = compare(model, arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}: {said}", model.display());
+    written(model)
+}
+
+/// What compare.json of a model says.
+fn written(model: &Path) -> Value {
+    let json = read(model.with_extension("compare").join("compare.json"));
+    serde_json::from_str(&json).unwrap()
+}
+
+fn rows<'a>(json: &'a Value, scheme: &'a str) -> impl Iterator<Item = &'a Value> + 'a {
+    let rows = json["rows"].as_array().unwrap().iter();
+    rows.filter(move |row| row["scheme"] == scheme)
+}
+
+/// Landau & Lifshitz, Mechanics, section 33, as a file: rotation vectors, angular velocities and their rates at
+/// k/50.
+fn precession() -> String {
+    let axis = Vector3::new(3.0, 0.0, 2.0);
+    let names = ["rotation", "angular_velocity", "angular_acceleration"];
+    let columns = names.map(|n| ["x", "y", "z"].map(|k| format!("O.{n}.{k}")).join(","));
+    let mut out = format!("t,{}\n", columns.join(","));
+    for k in 0..=50 {
+        let t = f64::from(k) / 50.0;
+        let turned = Rotation3::new(axis * t);
+        let omega = turned * Vector3::new(3.0, 0.0, 4.0);
+        let R = turned * Rotation3::new(Vector3::z() * (2.0 * t));
+        write!(out, "{t:e}").unwrap();
+        for vector in [R.scaled_axis(), omega, axis.cross(&omega)] {
+            vector.iter().for_each(|x| write!(out, ",{x:e}").unwrap());
+        }
+        out.push('\n');
+    }
+    out
+}
+
+#[test]
+fn an_exact_solution_comes_from_a_file() {
+    let directory = directory("program_compare_exact");
+    let model = write(&directory, BODY);
+    let file = directory.join("exact.csv");
+    std::fs::write(&file, precession()).unwrap();
+    let steps = ["--steps", "0.02,0.01,0.005", "--schemes", "newmark,radau"];
+    let exact = [
+        "--exact",
+        file.to_str().unwrap(),
+        "-q",
+        "--residual",
+        "1e-12",
+    ];
+    let json = compared(&model, &[&steps[..], &exact].concat());
+    let reference = json["reference"]["scheme"].as_str().unwrap();
+    assert!(reference.starts_with("exact, ") && reference.ends_with("exact.csv"));
+    let known = ["rotation", "angular_velocity", "angular_acceleration"];
+    for (scheme, order) in [("newmark", 2.0), ("radau", 3.0)] {
+        for quantity in known {
+            let errors: Vec<f64> = rows(&json, scheme)
+                .map(|row| row["error"][quantity].as_f64().unwrap())
+                .collect();
+            assert_eq!(errors.len(), 3);
+            for pair in errors.windows(2) {
+                let slope = (pair[0] / pair[1]).log2();
+                assert!(
+                    (slope - order).abs() < 0.1,
+                    "{scheme}, {quantity}: {errors:?}"
+                );
+            }
+        }
+        assert!(rows(&json, scheme).all(|row| row["error"]["position"].is_null()));
+    }
+    let page = read(model.with_extension("compare").join("compare.md"));
+    assert!(page.contains("Errors are those against a solution that is given"));
+    // A file that does not go with the steps says which times are looked at.
+    let other = ["--steps", "0.03,0.01", "--schemes", "newmark"];
+    let refused = compare(&model, &[&other[..], &exact].concat());
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("there is no row for t = "), "{said}");
+    // What it says twice it says once, and something.
+    let text = precession();
+    let (head, body) = text.split_once('\n').unwrap();
+    let (first, _) = body.split_once('\n').unwrap();
+    let name = head.rsplit(',').next().unwrap();
+    let last = first.rsplit(',').next().unwrap();
+    let other = first.strip_suffix(last).unwrap().to_owned() + "7.5";
+    for (wrong, word) in [
+        (
+            text.replacen("t,", &format!("{name},t,"), 1),
+            "is there twice",
+        ),
+        (format!("{head}\n{other}\n{body}"), "contradict each other"),
+        ("t\n0\n".to_owned(), "nothing is known in it but times"),
+        (text.replacen("t,", "\u{feff}time,", 1), "column `time`"),
+    ] {
+        std::fs::write(&file, &wrong).unwrap();
+        let refused = compare(&model, &[&steps[..], &exact].concat());
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(word), "{said}");
+    }
+}
+
+#[test]
+fn a_search_that_finds_nothing_is_apart_too() {
+    // Nothing is kept by a pendulum on its pin but energy.
+    let asked = ["--schemes", "em", "--steps", "4x,2x", "-q"];
+    let directory = directory("program_compare_search");
+    let pendulum = write(
+        &directory,
+        pullback::gallery::model(Path::new("pendulum")).unwrap(),
+    );
+    let json = compared(&pendulum, &asked);
+    for row in rows(&json, "em") {
+        let [before, all] = ["searching", "assemblies"].map(|key| row[key].as_u64().unwrap());
+        assert!(before > 0);
+        assert_eq!(all, row["counts"]["evaluations"].as_u64().unwrap());
+    }
+}
+
+#[test]
+fn times_are_taken_alone_where_they_are_asked_for() {
+    let directory = directory("program_compare_timed");
+    let model = write(&directory, BODY);
+    let asked = [
+        "--schemes",
+        "newmark,lie-newmark,em,central-difference",
+        "--steps",
+        "0.02,0.0005",
+        "-q",
+    ];
+    let json = compared(&model, &asked);
+    assert!(json["equal_time"].is_null());
+    let all = json["rows"].as_array().unwrap();
+    assert!(all.iter().all(|row| row["seconds_alone"].is_null()));
+    // What an evaluation of spins costs is counted: with a tangent it is three.
+    let counts = |scheme: &str| -> Vec<[u64; 2]> {
+        let of = |row: &Value| {
+            [&row["assemblies"], &row["counts"]["evaluations"]].map(|x| x.as_u64().unwrap())
+        };
+        rows(&json, scheme).map(of).collect()
+    };
+    // What a scheme looks for before its first step is apart, whatever the number of steps.
+    for scheme in ["newmark", "em", "central-difference"] {
+        for [assemblies, evaluations] in counts(scheme) {
+            assert_eq!(assemblies, evaluations, "{scheme}");
+        }
+        for row in rows(&json, scheme) {
+            let before = row["searching"].as_u64().unwrap();
+            assert_eq!(before > 0, scheme != "newmark", "{scheme}: {before}");
+        }
+    }
+    for [assemblies, evaluations] in counts("lie-newmark") {
+        // Of two evaluations per step or more one at least is a last residual.
+        assert!(
+            assemblies > evaluations && assemblies < 3 * evaluations,
+            "{assemblies} {evaluations}"
+        );
+    }
+    let json = compared(&model, &[&asked[..], &["--timed", "--charts"]].concat());
+    for scheme in ["newmark", "lie-newmark"] {
+        let times: Vec<f64> = rows(&json, scheme)
+            .map(|row| row["seconds_alone"].as_f64().unwrap())
+            .collect();
+        // Forty times the steps take longer.
+        assert!(
+            times[0] > 0.0 && times[1] > 2.0 * times[0],
+            "{scheme}: {times:?}"
+        );
+    }
+    assert_eq!(json["equal_time"]["seconds"], true);
+    assert_eq!(json["equal_cost"]["seconds"], false);
+    assert_eq!(json["late"].as_array().unwrap().len(), 8);
+    let page = read(model.with_extension("compare").join("compare.md"));
+    for heading in [
+        "Errors at equal work",
+        "Errors at equal time",
+        "What changes of chart cost",
+    ] {
+        assert!(page.contains(&format!("\n## {heading}\n")), "{heading}");
+    }
+    let csv = read(model.with_extension("compare").join("compare.csv"));
+    assert_eq!(csv.lines().filter(|l| l.starts_with("late,")).count(), 8);
+}
+
+/// Momenta and constraints over a long run: by theory, not by an earlier one.
+#[test]
+fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
+    let directory = directory("program_compare_long");
+    let model = write(&directory, BODY);
+    let asked = [
+        "--schemes",
+        "newmark,em",
+        "--steps",
+        "0.02,0.01",
+        "--long",
+        "5",
+        "-q",
+        "--residual",
+        "1e-13",
+    ];
+    let json = compared(&model, &asked);
+    let long = |json: &Value, scheme: &str, what: &str| {
+        let rows = json["long"].as_array().unwrap();
+        let row = rows.iter().find(|row| row["scheme"] == scheme).unwrap();
+        assert!(row["failure"].is_null());
+        row["drift"][what].as_f64().unwrap()
+    };
+    let kept = &json["reference"]["kept"];
+    for momentum in ["momentum", "angular_momentum"] {
+        assert_eq!(kept[momentum], serde_json::json!([true, true, true]));
+    }
+    // Places go on linearly, and Newmark's scheme is exact for them; angular momenta are kept by `em` alone.
+    for scheme in ["newmark", "em"] {
+        assert!(long(&json, scheme, "momentum") < 1e-11);
+    }
+    // The centre of mass moves, |L| = √52 about it: 5 s at 0.02 are far from exact.
+    let [lost, kept] = ["newmark", "em"].map(|s| long(&json, s, "angular_momentum"));
+    assert!(lost > 1e-5 && kept < 1e-10, "{lost:e} {kept:e}");
+    let csv = read(model.with_extension("compare").join("compare.csv"));
+    assert_eq!(csv.lines().filter(|l| l.starts_with("long,")).count(), 2);
+
+    // Loops: what Newton's method leaves of maps and multipliers, and the compliance of a penalty, which is as
+    // many times smaller as it is stiffer, up to what forces differ.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = read(root.join("examples/models/four_bar.toml"));
+    assert!(text.contains("to = 4\n"));
+    let violation = |closure: &str| {
+        let text = text.replace("child = ", &format!("{closure}\nchild = "));
+        let model = write(&directory, &text.replace("to = 4\n", "to = 0.2\n"));
+        let asked = [
+            "--schemes",
+            "ga:0.8",
+            "--steps",
+            "0.02,0.01",
+            "--long",
+            "5",
+            "-q",
+            // That of order three has none of a penalty's vibrations.
+            "--reference",
+            "bathe",
+        ];
+        let json = compared(&model, &asked);
+        long(&json, "ga:0.8", "violation")
+    };
+    assert!(violation("") < 1e-11);
+    assert!(violation("closure = \"multipliers\"") < 1e-9);
+    let [soft, stiff] =
+        ["1e5", "1e6"].map(|p| violation(&format!("closure = \"penalty\"\npenalty = {p}")));
+    assert!((0.05..0.2).contains(&(stiff / soft)), "{soft:e} {stiff:e}");
+}
+
+/// The same model for a few of its own steps.
+fn short(text: &str) -> Option<(String, f64)> {
+    let at = text.find("[analysis.dynamic]")?;
+    let (before, analysis) = text.split_at(at);
+    let value = |line: &str, name: &str| -> Option<f64> {
+        let number = line.strip_prefix(name)?.trim_start().strip_prefix('=')?;
+        number.split('#').next()?.trim().parse().ok()
+    };
+    let step = analysis
+        .lines()
+        .find_map(|line| value(line, "step"))
+        .unwrap();
+    let lines = analysis.lines().map(|line| match value(line, "to") {
+        Some(to) => format!("to = {}", to.min(8.0 * step)),
+        None => line.to_owned(),
+    });
+    let analysis: Vec<String> = lines.collect();
+    Some((format!("{before}{}\n", analysis.join("\n")), step))
+}
+
+#[test]
+fn the_command_runs_on_every_model_of_the_gallery_that_moves() {
+    let directory = directory("program_compare_gallery");
+    let mut expected = FILES.map(str::to_owned);
+    expected.sort();
+    let mut seen = 0;
+    for (name, text) in MODELS {
+        let Some((text, step)) = short(text) else {
+            continue;
+        };
+        seen += 1;
+        let model = directory.join(format!("{name}.toml"));
+        std::fs::write(&model, text).unwrap();
+        let steps = format!("{},{step}", 2.0 * step);
+        let asked = [
+            "--schemes",
+            "newmark,ga:0.8,lie-ga:0.8",
+            "--steps",
+            &steps,
+            "-q",
+        ];
+        // The few steps of this one resolve none of the vibrations of its bars: there is no reference.
+        let json = match name == &"four_bar_misaligned" {
+            false => compared(&model, &asked),
+            true => {
+                let output = compare(&model, &asked);
+                let said = String::from_utf8_lossy(&output.stderr);
+                assert!(said.contains("no reference for any quantity"), "{said}");
+                assert_eq!(output.status.code(), Some(1), "{said}");
+                written(&model)
+            }
+        };
+        assert_eq!(json["complete"], true, "{name}");
+        for row in rows(&json, "ga:0.8") {
+            assert!(row["failure"].is_null(), "{name}: {row}");
+            assert!(row["error"]["energy"].as_f64().is_some(), "{name}: {row}");
+        }
+        // A model without free rotations refuses the formulation, and one whose loops need damping the scheme.
+        for row in json["rows"].as_array().unwrap() {
+            let reason = row["failure"].as_str().unwrap_or("prefix");
+            assert!(
+                reason.contains("prefix") || reason.contains("multiplier"),
+                "{name}: {reason}"
+            );
+        }
+        let mut found = files(&model.with_extension("compare"));
+        found.sort();
+        // Where no error is larger than that of the reference there is none to draw.
+        let above = |row: &Value, (quantity, least): (&String, &Value)| {
+            let error = row["error"][quantity].as_f64();
+            error.is_some_and(|e| e > least.as_f64().unwrap_or(f64::INFINITY))
+        };
+        let least = json["reference"]["error"].as_object().unwrap();
+        let mut all = json["rows"].as_array().unwrap().iter();
+        let drawn = all.any(|row| least.iter().any(|known| above(row, known)));
+        let expected = expected
+            .iter()
+            .filter(|file| drawn || !["convergence.svg", "work.svg"].contains(&file.as_str()));
+        assert!(found.iter().eq(expected), "{name}: {found:?}");
+    }
+    assert!(seen >= 20, "{seen}");
+}
+
+/// The pendulum and the free body are known; another formulation of them, Radau IIA's steps, says the same.
+#[test]
+fn motions_of_the_gallery_that_are_known_are_the_reference() {
+    for name in ["pendulum", "free_body"] {
+        let directory = directory(&format!("program_compare_exact_{name}"));
+        let json = |more: &[&str], out: &str| -> Value {
+            let output = Command::new(env!("CARGO_BIN_EXE_pullback"))
+                .current_dir(&directory)
+                .args(["compare", name, "--schemes", "newmark"])
+                .args(["--steps", "4x,2x,1x", "--out", out])
+                .args(more)
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{name}: {said}");
+            serde_json::from_str(&read(directory.join(out).join("compare.json"))).unwrap()
+        };
+        let exact = json(&[], "exact");
+        assert_eq!(exact["reference"]["scheme"], "Jacobi's elliptic functions");
+        let radau = json(&["--reference", "radau"], "radau");
+        for quantity in ["rotation", "angular_velocity", "angular_acceleration"] {
+            for (a, b) in rows(&exact, "newmark").zip(rows(&radau, "newmark")) {
+                let [a, b] = [a, b].map(|row| row["error"][quantity].as_f64().unwrap());
+                let what = format!("{name}, {quantity}: {a:e} {b:e}");
+                assert!(a > 0.0 && (a - b).abs() < 0.01 * a, "{what}");
+            }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! A step in time allocates nothing: all buffers are made when a run begins.
+
+#![allow(non_snake_case)]
+
+use allocation_counter::measure;
+use nalgebra::{Matrix3, SVector};
+use pullback::elements::beam::Damping;
+use pullback::elements::body::RigidBody;
+use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
+use pullback::elements::load::CoordinateForce;
+use pullback::elements::model::{Formulation, RigidMotion};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::integrators::dynamics::{
+    Adaptivity, DynamicOptions, Progress, Scheme, StepReport, Summary, integrate, start,
+};
+use pullback::manifold::implicit::{Implicit, Solved};
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::system::Kind;
+use pullback::prelude::*;
+
+fn section() -> Section {
+    let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
+    section.with_mass(1.0, J)
+}
+
+fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let line = Line {
+        elements: 4,
+        order: 1,
+        section,
+    };
+    b.line(name, &axis, ends, &line).unwrap().nodes
+}
+
+/// Two angles a and b on a circle: neither can be the coordinate for long.
+#[derive(Clone)]
+struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x.dot(x) - 1.0)
+    }
+}
+
+/// Two bodies whose angles stay on a circle; the node of their coordinate.
+fn circle(b: &mut ModelBuilder) -> NodeId {
+    let ground = b.node("ground", [9.0, 0.0, 0.0]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let map = Solved::<_, 1, 2, 1>::new(Circle, 0.0, [1.0, 0.0]).unwrap();
+    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let angles = [Kind::Angle; 2];
+    let x = b
+        .mapped_coordinates("x", &angles, map.boxed(), &[q])
+        .unwrap();
+    for k in 0..2 {
+        let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
+        let angle = b.mapped_coordinates(format!("x{k}"), &angles[..1], pick, &[x]);
+        let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+        let frame = b.hang(
+            format!("flap {k}"),
+            [9.0, 0.0, 0.0],
+            hinge,
+            &[ground, angle.unwrap()],
+        );
+        let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
+        b.element(format!("flap {k}"), body, &[frame.unwrap()])
+            .unwrap();
+    }
+    q
+}
+
+/// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
+/// a body on a rigid link, and a ring on the first arm, all under gravity; two bodies whose angles
+/// close a loop beside them. Where the base is not driven it is held. The ring's way, and the coordinate of the loop.
+fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
+    let mut b = ModelBuilder::new();
+    b.formulate(formulation);
+    let base = b.node("base", [0.0; 3]).unwrap();
+    let elbow = b.node("elbow", [2.0, 0.0, 0.0]).unwrap();
+    let wrist = b.node("wrist", [4.0, 0.0, 0.0]).unwrap();
+    let tip = b.node("tip", [6.0, 0.0, 0.0]).unwrap();
+    let first = line(&mut b, "first", [base, elbow], section());
+    let hinge = revolute(&mut b, "hinge", elbow, [0.0, 0.0, 1.0]).unwrap();
+    let second = line(&mut b, "second", [hinge.frame, wrist], section());
+    let ball = spherical(&mut b, "ball", wrist).unwrap();
+    let damping = Damping {
+        mass: 0.01,
+        stiffness: 1e-4,
+    };
+    let damped = section().with_damping(damping).unwrap();
+    line(&mut b, "third", [ball.frame, tip], damped);
+    let link = offset(&mut b, "link", tip, [6.0, 0.5, 0.0]).unwrap();
+    let ring = slide(&mut b, "ring", &first, 0.7).unwrap();
+    for (name, node) in [("body", link), ("mass", ring.frame)] {
+        let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
+        let weight = body.weight([0.0, 0.0, -9.81], Box::new(Constant(1.0)));
+        b.element(name, body, &[node]).unwrap();
+        b.element(format!("{name} weight"), weight, &[node])
+            .unwrap();
+    }
+    for (k, nodes) in second.windows(2).enumerate() {
+        let places = [b.place(nodes[0]), b.place(nodes[1])];
+        let load = LineLoad::new(&places, [0.0, 0.0, -9.81], false, Box::new(Constant(1.0)));
+        b.element(format!("weight {k}"), load.unwrap(), nodes)
+            .unwrap();
+    }
+    // Weak enough for the ring to run over the ends of elements.
+    let law = CoordinateLaw {
+        k: 15.0,
+        c: 0.2,
+        ..CoordinateLaw::default()
+    };
+    let spring = CoordinateSpring::new(law).unwrap();
+    b.element("ring spring", spring, &[ring.way]).unwrap();
+    let motor = CoordinateForce::new(Constant(5.0));
+    b.element("motor", motor, &[hinge.angle]).unwrap();
+    for dof in [Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY] {
+        b.support(base, &[dof]);
+    }
+    // Several turns, so that driven and free rotations change charts.
+    match driven {
+        true => b.prescribe(base, Dof::RZ, Proportional(3.0)),
+        false => b.support(base, &[Dof::RZ]),
+    }
+    let q = circle(&mut b);
+    (b.build().unwrap(), [ring.way, q])
+}
+
+/// Allocations of a run of so many steps, what it did, and how often the ring came to another
+/// element.
+fn allocations(
+    steps: usize,
+    options: &DynamicOptions,
+    formulation: Formulation,
+) -> (u64, Summary, usize) {
+    // Energy is kept where nothing is driven.
+    let driven = !options.scheme.keeps_energy();
+    let (mut model, [way, q]) = everything(formulation, driven);
+    let n = model.pattern().dim();
+    let mut v = vec![0.0; n];
+    let turning = RigidMotion {
+        omega: Vector3::z() * 3.0,
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&vec![0.0; n], &mut v, None, &turning);
+    assert!(model.set(&mut v, q, 0, 3.0));
+    let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
+    let way = model.unknown_at(way, 0).unwrap();
+    let (mut element, mut moves) = (1.0, 0);
+    let mut observer = |_: &mut Model, report: &StepReport<'_>| {
+        // Elements of length 0.5, the ring started at 0.7.
+        let now = ((0.7 + report.progress.state.q[way]) / 0.5).floor();
+        moves += usize::from(now != element);
+        element = now;
+        match report.progress.summary.steps < steps {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    };
+    let counted = measure(|| {
+        integrate(&mut model, &mut progress, options, &mut observer).unwrap();
+    });
+    (counted.count_total, progress.summary, moves)
+}
+
+#[test]
+fn twice_as_many_steps_allocate_no_more() {
+    let plain = DynamicOptions {
+        scheme: Scheme::chung_hulbert(0.8).unwrap(),
+        ..DynamicOptions::new(100.0, 0.005)
+    };
+    let adaptive = DynamicOptions {
+        adaptivity: Some(Adaptivity {
+            tolerance: 1e-3,
+            max_step: 0.01,
+        }),
+        ..plain
+    };
+    // What the first run in a process sets up is not counted.
+    allocations(150, &plain, Formulation::Total);
+    let composite = DynamicOptions {
+        scheme: Scheme::bathe(0.5).unwrap(),
+        ..plain
+    };
+    let coupled = DynamicOptions {
+        scheme: Scheme::radau(),
+        ..plain
+    };
+    let total = [plain, adaptive, composite, coupled].map(|o| (o, Formulation::Total));
+    let others = [
+        Formulation::Updated,
+        Formulation::LieGroup,
+        Formulation::SpatialSpins,
+        Formulation::MixedSpins,
+    ]
+    .map(|f| (plain, f));
+    // One that finds multipliers for what the motion keeps, in every step.
+    let keeping = DynamicOptions {
+        scheme: "em:0.8".parse().unwrap(),
+        ..plain
+    };
+    let keepers = [
+        Formulation::Total,
+        Formulation::Updated,
+        Formulation::LieGroup,
+    ]
+    .map(|f| (keeping, f));
+    for (options, formulation) in total.into_iter().chain(others).chain(keepers) {
+        let (few, short, early) = allocations(150, &options, formulation);
+        let (many, long, all) = allocations(300, &options, formulation);
+        assert_eq!([short.steps, long.steps], [150, 300]);
+        // The second half has what might allocate.
+        assert!(long.chart_changes > short.chart_changes, "{long:?}");
+        // On the base that is held it stays on one.
+        let held = options.scheme.keeps_energy();
+        assert!(all > early || held, "the ring comes to another element");
+        assert!(long.energy.is_some());
+        assert!(few > 0, "the counter counts");
+        assert_eq!(few, many, "{short:?} {long:?}");
+    }
+}

@@ -1,0 +1,277 @@
+//! A motion does not depend on the charts in which it is computed.
+//!
+//! What that means for numbers: a change of chart itself is exact, so a state and its consistent
+//! accelerations are the same in space to round-off in every chart. A step is not: a scheme is
+//! applied to coordinates, and Ψ and its complement are related by a map that is not linear. Steps
+//! in different charts differ by their local errors, and histories by an amount of the order of the
+//! scheme. Where the axis of rotation is fixed the map is a shift, and histories agree to the
+//! tolerance of Newton's method.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use nalgebra::{Matrix3, Vector3};
+use pullback::elements::beam::Section;
+use pullback::elements::body::{PointMass, RigidBody};
+use pullback::elements::joint::{offset, spherical};
+use pullback::elements::model::{
+    Dof, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+};
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::so3;
+use pullback::manifold::system::System;
+use std::f64::consts::PI;
+
+/// A model, the nodes compared, its start, and where its free rotation vectors stand.
+struct Problem {
+    model: Model,
+    probes: Vec<NodeId>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    rotations: Vec<usize>,
+    beams: usize,
+}
+
+impl Problem {
+    /// The same start with all free rotations in the other chart.
+    fn complement(mut self) -> Self {
+        for &k in &self.rotations {
+            let take = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
+            let (psi, psi_dot) = (take(&self.q), take(&self.v));
+            let (other, rate) = (so3::complement(&psi), so3::B_s(&psi) * psi_dot);
+            assert!((so3::rotation(&psi) - so3::rotation(&other)).amax() < 1e-14);
+            assert!((psi.norm() < PI) && (other.norm() > PI));
+            self.q[k..k + 3].copy_from_slice(other.as_slice());
+            self.v[k..k + 3].copy_from_slice(rate.as_slice());
+        }
+        let mut charts = self.model.element_charts();
+        charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
+        self.model.set_element_charts(&charts);
+        self
+    }
+
+    /// A run in `n` steps with changes of chart as the model has them.
+    fn by_itself(self, scheme: Scheme, to: f64, n: usize) -> Vec<NodeState> {
+        let Self {
+            mut model,
+            probes,
+            q,
+            v,
+            ..
+        } = self;
+        let options = tight(scheme, to, to / n as f64);
+        history(&mut model, &probes, [&q, &v], &options, 8).0
+    }
+
+    /// A run in `n` steps with all charts changed after step `change`, and never otherwise.
+    fn changed(self, scheme: Scheme, to: f64, n: usize, change: Option<usize>) -> Vec<NodeState> {
+        let mut system = Flipped {
+            beams: self.beams,
+            ..Flipped::new(self.model, self.rotations, move |step| Some(step) == change)
+        };
+        let options = tight(scheme, to, to / n as f64);
+        let from = [&self.q[..], &self.v[..]];
+        let (states, progress) = history(&mut system, &self.probes, from, &options, 8);
+        let expected = if change.is_some() {
+            system.rotations.len()
+        } else {
+            0
+        };
+        assert_eq!(progress.summary.chart_changes, expected);
+        states
+    }
+}
+
+/// A heavy body on a spherical joint; rotation vector and angular velocity at the start.
+fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -> Problem {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let ball = spherical(&mut b, "ball", ground).unwrap();
+    body(
+        &mut b,
+        "body",
+        ball.frame,
+        RigidBody::new(2.0, J, center.into()).unwrap(),
+    );
+    let probe = offset(&mut b, "probe", ball.frame, center).unwrap();
+    b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
+        .unwrap();
+    let model = b.build().unwrap();
+    let k = model.unknown_at(ball.rotation, 0).unwrap();
+    let mut q = vec![0.0; 3];
+    q[k..k + 3].copy_from_slice(&psi);
+    let mut v = vec![0.0; 3];
+    let motion = RigidMotion {
+        omega: omega.into(),
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&q, &mut v, None, &motion);
+    Problem {
+        model,
+        probes: vec![ball.frame, probe],
+        q,
+        v,
+        rotations: vec![k],
+        beams: 0,
+    }
+}
+
+fn spatial() -> Problem {
+    let J = Matrix3::new(0.3, 0.02, 0.03, 0.02, 0.4, -0.04, 0.03, -0.04, 0.5);
+    pendulum(J, [0.3, -0.2, -0.5], [0.9, -1.1, 0.7], [0.5, 1.5, -1.0])
+}
+
+/// Everything in the plane of e2 and e3.
+fn planar() -> Problem {
+    let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.4, 0.5));
+    pendulum(J, [0.0, 0.3, -0.5], [1.4, 0.0, 0.0], [1.0, 0.0, 0.0])
+}
+
+/// A free flexible beam, turned by `psi` as a whole and spinning.
+fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
+    let mut b = ModelBuilder::new();
+    let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
+    let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
+    let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0]).unwrap();
+    let line = Line {
+        elements: 2,
+        order: 1,
+        section: section.with_mass(1.0, J),
+    };
+    let nodes = b.line("beam", &axis, ends, &line).unwrap().nodes;
+    let model = b.build().unwrap();
+    let psi = Vector3::from(psi);
+    let mut q = vec![0.0; model.pattern().dim()];
+    let mut rotations = Vec::new();
+    for &node in &nodes {
+        let X = model.reference(node);
+        let d = so3::rotation(&psi) * X - X;
+        for k in 0..3 {
+            model.set(&mut q, node, k, d[k]);
+            model.set(&mut q, node, 3 + k, psi[k]);
+        }
+        rotations.push(model.unknown(node, Dof::RX).unwrap());
+    }
+    let mut v = vec![0.0; q.len()];
+    let motion = RigidMotion {
+        omega: omega.into(),
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&q, &mut v, None, &motion);
+    Problem {
+        model,
+        probes: nodes,
+        q,
+        v,
+        rotations,
+        beams: 2,
+    }
+}
+
+/// Largest distance over all quantities, relative to their sizes.
+fn gap(a: &[NodeState], b: &[NodeState]) -> f64 {
+    let size = a.iter().fold(1.0_f64, |s, x| s.max(x.acceleration.norm()));
+    let d = distances(a, b);
+    d[..4].iter().copied().fold(d[4] / size, f64::max)
+}
+
+#[test]
+fn a_start_in_the_other_chart_is_the_same_start() {
+    let problems: [&dyn Fn() -> Problem; 3] = [&spatial, &planar, &|| {
+        beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])
+    }];
+    for problem in problems {
+        for scheme in second_order() {
+            let a = problem().by_itself(scheme, 0.8, 80);
+            let b = problem().complement().by_itself(scheme, 0.8, 80);
+            assert!(gap(&a, &b) < 1e-10, "{}: {:e}", scheme.name, gap(&a, &b));
+        }
+    }
+}
+
+#[test]
+fn accelerations_in_space_do_not_depend_on_the_chart() {
+    for problem in [spatial, || beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])] {
+        // One step so short that nothing but the start counts: ẍ is that of the equations of
+        // motion in the chart of the start.
+        let [a, b] = [problem(), problem().complement()]
+            .map(|p| p.changed(Scheme::default(), 8e-9, 8, None));
+        assert!(gap(&a, &b) < 1e-9, "{:e}", gap(&a, &b));
+    }
+}
+
+#[test]
+fn about_a_fixed_axis_histories_agree_to_round_off() {
+    for problem in [planar, || beam([0.0, 0.0, 1.2], [0.0, 0.0, 2.0])] {
+        for scheme in second_order() {
+            let (to, n) = (0.8, 80);
+            let plain = problem().changed(scheme, to, n, None);
+            let other = problem().complement().changed(scheme, to, n, None);
+            let midway = problem().changed(scheme, to, n, Some(n / 2 + 3));
+            assert!(gap(&plain, &other) < 1e-9, "{:e}", gap(&plain, &other));
+            assert!(gap(&plain, &midway) < 1e-9, "{:e}", gap(&plain, &midway));
+        }
+    }
+}
+
+#[test]
+fn in_space_histories_agree_to_the_order_of_the_scheme() {
+    for scheme in second_order() {
+        let to = 0.8;
+        let differences = |other: &dyn Fn(usize) -> Vec<NodeState>| -> Vec<Vec<f64>> {
+            [160, 320, 640]
+                .map(|n| distances(&spatial().changed(scheme, to, n, None), &other(n)).to_vec())
+                .to_vec()
+        };
+        let started = differences(&|n| spatial().complement().changed(scheme, to, n, None));
+        let midway = differences(&|n| spatial().changed(scheme, to, n, Some(n / 2)));
+        assert_slopes("other chart", &QUANTITIES, &started, 2.0, 0.1);
+        assert_slopes("changed midway", &QUANTITIES, &midway, 2.0, 0.1);
+    }
+}
+
+#[test]
+fn nothing_in_space_jumps_at_a_change() {
+    for problem in [spatial, || beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])] {
+        let Problem {
+            model,
+            probes,
+            q,
+            v,
+            rotations,
+            beams,
+        } = problem();
+        let mut system = Flipped {
+            beams,
+            ..Flipped::new(model, rotations, |step| step == 1)
+        };
+        // A step, and the same step again with its charts changed at the end.
+        let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.01, 0.01);
+        let mut ends = Vec::new();
+        for steps in [10, 0] {
+            system.steps = steps;
+            observed(&mut system, [&q, &v], &options, &mut |model, step| {
+                assert_eq!(step.chart_changes > 0, steps == 0);
+                ends.push(
+                    probes
+                        .iter()
+                        .map(|&n| model.node_state(n))
+                        .collect::<Vec<_>>(),
+                );
+            });
+        }
+        assert!(
+            gap(&ends[0], &ends[1]) < 1e-12,
+            "{:e}",
+            gap(&ends[0], &ends[1])
+        );
+    }
+}

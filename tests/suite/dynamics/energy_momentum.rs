@@ -1,0 +1,429 @@
+//! The energy-momentum projection: what it keeps, on which models, and that it stays of order two.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use nalgebra::{Matrix3, Vector3};
+use pullback::elements::beam::{Interpolation, Section};
+use pullback::elements::body::RigidBody;
+use pullback::elements::joint::{offset, revolute, spherical};
+use pullback::elements::load::{LineLoad, NodalLoad, Which};
+use pullback::elements::model::{
+    Dof, Formulation, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+};
+use pullback::elements::time::{Constant, Pulse};
+use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
+use pullback::manifold::system::{Point, System};
+use std::ops::ControlFlow;
+
+const LENGTH: f64 = 1.0;
+const MASS: f64 = 1.0;
+
+fn em() -> Scheme {
+    "em".parse().unwrap()
+}
+
+/// Four geodesic or total elements along e1 between two nodes.
+fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Interpolation) {
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2, 0.1, 0.1));
+    let section = Section::diagonal(
+        60.0 * stiff,
+        [30.0 * stiff; 2],
+        4.0 * stiff,
+        [4.0 * stiff, 6.0 * stiff],
+    );
+    let line = Line {
+        elements: 4,
+        order: 1,
+        section: section.unwrap().with_mass(MASS / LENGTH, J),
+    };
+    b.line_with("beam", &axis, ends, &line, interpolation)
+        .unwrap();
+}
+
+/// Two nodes one length apart with a beam between them, supported by `support`.
+fn model(
+    stiff: f64,
+    interpolation: Interpolation,
+    formulation: Formulation,
+    support: impl Fn(&mut ModelBuilder, [NodeId; 2]),
+) -> Model {
+    let mut b = ModelBuilder::new();
+    let ends = [
+        b.node("a", [0.2, 0.1, 0.0]),
+        b.node("b", [0.2 + LENGTH, 0.1, 0.0]),
+    ]
+    .map(Result::unwrap);
+    beam(&mut b, ends, stiff, interpolation);
+    support(&mut b, ends);
+    b.formulate(formulation);
+    b.build().unwrap()
+}
+
+fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
+    let places = ends.map(|n| b.place(n));
+    let load = LineLoad::new(&places, [0.0, 0.0, -3.0], false, Box::new(Constant(1.0)));
+    b.element("weight", load.unwrap(), &ends).unwrap();
+}
+
+/// The velocities of a rigid motion about the middle of the beam.
+fn spun(model: &Model) -> (Vec<f64>, RigidMotion) {
+    let n = model.pattern().dim();
+    let mut v = vec![0.0; n];
+    let motion = RigidMotion {
+        velocity: Vector3::new(0.5, -0.3, 0.8),
+        omega: Vector3::new(0.6, -1.0, -1.2),
+        about: Vector3::new(0.2 + 0.5 * LENGTH, 0.1, 0.0),
+    };
+    model.set_velocity(&vec![0.0; n], &mut v, None, &motion);
+    (v, motion)
+}
+
+/// The model's energy with the potential of its loads, and its momenta.
+fn audit(model: &mut Model, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
+    let audit = model.audit(at).unwrap();
+    let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
+    (energy, [audit.momentum.linear, audit.momentum.angular])
+}
+
+/// Energy and momenta at rest in the reference configuration but for the velocities.
+fn at_start(model: &mut Model, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
+    let (q, a) = (model.initial().to_vec(), vec![0.0; v.len()]);
+    audit(
+        model,
+        Point {
+            t: 0.0,
+            q: &q,
+            v,
+            a: &a,
+        },
+    )
+}
+
+/// The largest differences from an energy, and from those components of momenta that a mask has, along
+/// a run.
+fn run(
+    model: &mut Model,
+    v: &[f64],
+    options: &DynamicOptions,
+    (energy, momenta): (f64, [Vector3<f64>; 2]),
+    mask: [Vector3<f64>; 2],
+) -> ([f64; 3], Progress) {
+    let mut worst = [0.0_f64; 3];
+    let q = model.initial().to_vec();
+    let progress = observed(model, [&q, v], options, &mut |model, step| {
+        let s = &step.progress.state;
+        let at = Point {
+            t: s.t,
+            q: &s.q,
+            v: &s.v,
+            a: &s.a,
+        };
+        let (now, both) = audit(model, at);
+        worst[0] = worst[0].max((now - energy).abs());
+        for k in 0..2 {
+            let gap = (both[k] - momenta[k]).component_mul(&mask[k]).norm();
+            worst[1 + k] = worst[1 + k].max(gap);
+        }
+    });
+    (worst, progress)
+}
+
+fn options(scheme: Scheme, to: f64, steps: usize) -> DynamicOptions {
+    DynamicOptions {
+        energies: true,
+        ..tight(scheme, to, to / steps as f64)
+    }
+}
+
+const ALL: [Vector3<f64>; 2] = [Vector3::new(1.0, 1.0, 1.0), Vector3::new(1.0, 1.0, 1.0)];
+
+/// Momenta of the beam in a rigid motion: those of a rod of mass m and length L with the section's
+/// moments of inertia, (m L²/12 across).
+fn rod(motion: &RigidMotion) -> [Vector3<f64>; 2] {
+    let across = 0.1 * LENGTH + MASS * LENGTH * LENGTH / 12.0;
+    let J = Matrix3::from_diagonal(&Vector3::new(0.2 * LENGTH, across, across));
+    let p = motion.velocity * MASS;
+    [p, motion.about.cross(&p) + J * motion.omega]
+}
+
+#[test]
+fn a_flying_beam_keeps_energy_and_momenta() {
+    // Soft, and so stiff that it is nearly rigid; a step is 1/200 of a turn, or so, and the rotation
+    // vectors change their charts.
+    for formulation in [
+        Formulation::Total,
+        Formulation::Updated,
+        Formulation::LieGroup,
+    ] {
+        for stiff in [1.0, 1e4] {
+            let make = || model(stiff, Interpolation::Geodesic, formulation, |_, _| ());
+            let mut beam = make();
+            let (v, motion) = spun(&beam);
+            let momenta = rod(&motion);
+            let energy = 0.5 * (momenta[0].dot(&motion.velocity))
+                + 0.5 * (momenta[1] - motion.about.cross(&momenta[0])).dot(&motion.omega);
+            let known = (energy, momenta);
+            let (kept, progress) = run(&mut beam, &v, &options(em(), 40.0, 2000), known, ALL);
+            assert!(kept[0] < 1e-12, "{formulation:?}, {stiff}: {kept:?}");
+            assert!(
+                kept[1] < 1e-12 && kept[2] < 1e-11,
+                "{formulation:?}, {stiff}: {kept:?}"
+            );
+            assert!(progress.summary.chart_changes > 20);
+            let (lost, _) = run(
+                &mut make(),
+                &v,
+                &options(Scheme::default(), 40.0, 2000),
+                known,
+                ALL,
+            );
+            assert!(
+                lost[0] > 1e-5 && lost[2] > 1e-5,
+                "the trapezoidal rule: {lost:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn it_is_of_order_two() {
+    // On smooth motions: what it restores goes to the motion as a whole, wherever it was lost.
+    let order = |word: &str, history_of: &dyn Fn(Scheme, usize) -> Vec<NodeState>, n: usize| {
+        let exact = richardson(8 * n, &mut |n| history_of(Scheme::default(), n));
+        let off = |n: usize| distances(&history_of(word.parse().unwrap(), n), &exact).to_vec();
+        let errors = [n / 2, n, 2 * n].map(off);
+        assert_slopes(word, &QUANTITIES, &errors, 2.0, 0.1);
+    };
+    for word in ["em", "em:0.8"] {
+        let top = |scheme, n| {
+            let (mut model, v) = heavy_top();
+            let node = [model.find("tip").unwrap()];
+            let options = options(scheme, 1.0, n);
+            history(&mut model, &node, [&[0.0; 3], &v], &options, 10).0
+        };
+        order(word, &top, 400);
+        let free = |scheme, n| {
+            let mut beam = model(0.1, Interpolation::Geodesic, Formulation::Total, |_, _| ());
+            let (v, _) = spun(&beam);
+            let nodes: Vec<NodeId> = beam.frames().map(|(id, _)| id).collect();
+            let q = vec![0.0; v.len()];
+            history(&mut beam, &nodes, [&q, &v], &options(scheme, 1.0, n), 10).0
+        };
+        order(word, &free, 400);
+    }
+}
+
+#[test]
+fn symmetries_are_found() {
+    let count = |model: &mut Model| {
+        let n = model.pattern().dim();
+        let (q, v) = (model.initial().to_vec(), vec![0.1; n]);
+        let found = model.symmetries([0.0, 10.0], &q, &v);
+        found.len()
+    };
+    use Interpolation::{Geodesic, Total};
+    let total = Formulation::Total;
+    assert_eq!(count(&mut model(1.0, Geodesic, total, |_, _| ())), 6);
+    // Total rotation vectors are not objective: translations alone.
+    assert_eq!(count(&mut model(1.0, Total, total, |_, _| ())), 3);
+    assert_eq!(count(&mut model(1.0, Geodesic, total, weight)), 3);
+    let pin = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        b.support(ends[0], &[Dof::X, Dof::Y, Dof::Z]);
+    };
+    assert_eq!(count(&mut model(1.0, Geodesic, total, pin)), 3);
+    let hung = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        pin(b, ends);
+        weight(b, ends);
+    };
+    assert_eq!(count(&mut model(1.0, Geodesic, total, hung)), 1);
+    assert_eq!(
+        count(&mut model(1.0, Geodesic, Formulation::LieGroup, hung)),
+        1
+    );
+    let clamped = |b: &mut ModelBuilder, ends: [NodeId; 2]| b.support(ends[0], &Dof::ALL);
+    assert_eq!(count(&mut model(1.0, Geodesic, total, clamped)), 0);
+
+    // A body on an axis through a ground that is no origin.
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]).unwrap();
+    heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
+    assert_eq!(count(&mut b.build().unwrap()), 1);
+    // The weight works about any other axis.
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 1.0]).unwrap();
+    heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
+    assert_eq!(count(&mut b.build().unwrap()), 0);
+}
+
+/// A heavy top of three moments of inertia, hung from a ball joint, and its velocities.
+fn heavy_top() -> (Model, Vec<f64>) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let ball = spherical(&mut b, "ball", ground).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
+    let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
+    body(&mut b, "top", ball.frame, top);
+    offset(&mut b, "tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
+    let model = b.build().unwrap();
+    let mut v = vec![0.0; 3];
+    let motion = RigidMotion {
+        omega: Vector3::new(0.5, 0.2, 9.0),
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&[0.0; 3], &mut v, None, &motion);
+    (model, v)
+}
+
+#[test]
+fn a_heavy_top_keeps_energy_and_vertical_momentum() {
+    let go = |scheme: &str| {
+        let (mut model, v) = heavy_top();
+        let start = at_start(&mut model, &v);
+        let mask = [Vector3::zeros(), Vector3::z()];
+        let scheme = scheme.parse().unwrap();
+        run(&mut model, &v, &options(scheme, 20.0, 4000), start, mask)
+    };
+    let (kept, progress) = go("em");
+    assert_eq!(progress.kept.unwrap().motions.len(), 1);
+    assert!(progress.summary.chart_changes > 10);
+    assert!(kept[0] < 1e-13 && kept[2] < 1e-13, "{kept:?}");
+    let (lost, _) = go("newmark");
+    assert!(lost[0] > 1e-4 && lost[2] > 1e-4, "{lost:?}");
+}
+
+#[test]
+fn a_free_body_keeps_energy_and_momenta() {
+    // About the axis of the middle moment of inertia, from which it tumbles again and again. All its
+    // velocities are rigid: only a turn can mend its energy.
+    let mut b = ModelBuilder::new();
+    let node = b.node("body", [0.0; 3]).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
+    let free = RigidBody::new(1.0, J, [0.0, 0.1, 0.0].into()).unwrap();
+    b.element("body", free, &[node]).unwrap();
+    let mut model = b.build().unwrap();
+    let mut v = vec![0.0; 6];
+    let motion = RigidMotion {
+        omega: Vector3::new(0.3, 3.0, 0.2),
+        velocity: Vector3::new(0.1, 0.0, 0.3),
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&[0.0; 6], &mut v, None, &motion);
+    let start = at_start(&mut model, &v);
+    let (kept, _) = run(&mut model, &v, &options(em(), 60.0, 3000), start, ALL);
+    assert!(
+        kept[0] < 1e-12 && kept[1] < 1e-12 && kept[2] < 1e-11,
+        "{kept:?}"
+    );
+}
+
+#[test]
+fn a_swinging_cantilever_keeps_energy() {
+    // From rest, under its weight: it comes to rest again now and then, where velocities cannot mend
+    // an energy.
+    for interpolation in [Interpolation::Geodesic, Interpolation::Total] {
+        let support = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+            b.support(ends[0], &Dof::ALL);
+            weight(b, ends);
+        };
+        let go = |scheme: &str| {
+            let mut beam = model(1.0, interpolation, Formulation::Total, support);
+            let v = vec![0.0; beam.pattern().dim()];
+            let start = (0.0, [Vector3::zeros(); 2]);
+            let scheme = scheme.parse().unwrap();
+            run(&mut beam, &v, &options(scheme, 30.0, 3000), start, start.1)
+        };
+        for word in ["em", "em:0.8"] {
+            let (kept, progress) = go(word);
+            assert!(progress.kept.unwrap().motions.is_empty());
+            assert!(kept[0] < 1e-13, "{word}: {kept:?}");
+        }
+        assert!(go("newmark").0[0] > 1e-5 && go("ga:0.8").0[0] > 1e-4);
+    }
+}
+
+#[test]
+fn a_run_that_is_continued_is_the_same() {
+    let make = || model(1.0, Interpolation::Geodesic, Formulation::Total, |_, _| ());
+    let mut beam = make();
+    let (v, _) = spun(&beam);
+    let q = beam.initial().to_vec();
+    let mut whole = Progress::new(start(&beam, 0.0, &q, &v).unwrap());
+    let options = options(em(), 1.0, 50);
+    let mut middle = None;
+    integrate(&mut beam, &mut whole, &options, &mut |_, step| {
+        if step.progress.summary.steps == 20 {
+            middle = Some(step.progress.clone());
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let mut later = middle.unwrap();
+    integrate(&mut make(), &mut later, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(whole, later);
+}
+
+#[test]
+fn what_a_load_has_left_is_kept() {
+    // A force at one end until 0.5 s, then nothing.
+    let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        let pulse = Pulse::new(0.0, 0.5, 1.0).unwrap();
+        let load = NodalLoad::new(Which::DeadForce, [3.0, 0.0, 1.0], pulse);
+        b.element("push", load, &[ends[1]]).unwrap();
+    };
+    let mut beam = model(1.0, Interpolation::Geodesic, Formulation::Total, push);
+    let v = vec![0.0; beam.pattern().dim()];
+    let mut left = None;
+    let mut worst = [0.0_f64; 3];
+    let q = v.clone();
+    let run = observed(
+        &mut beam,
+        [&q, &v],
+        &options(em(), 4.0, 800),
+        &mut |model, step| {
+            let (s, kept) = (&step.progress.state, step.progress.kept.as_ref().unwrap());
+            let at = Point {
+                t: s.t,
+                q: &s.q,
+                v: &s.v,
+                a: &s.a,
+            };
+            let (energy, [p, L]) = audit(model, at);
+            if s.t < 0.499 {
+                // Translations across the force, and turns about an axis along it.
+                assert_eq!(kept.motions.len(), 3, "{:?}", kept.motions);
+                return;
+            }
+            assert_eq!(kept.motions.len(), 6);
+            let (energy_then, p_then, L_then) = *left.get_or_insert((energy, p, L));
+            let now = [
+                energy - energy_then,
+                (p - p_then).norm(),
+                (L - L_then).norm(),
+            ];
+            worst = std::array::from_fn(|k| worst[k].max(now[k].abs()));
+        },
+    );
+    assert!(run.summary.finished);
+    let (_, p, L) = left.unwrap();
+    // The impulse to the order of the scheme.
+    assert!((p - Vector3::new(1.5, 0.0, 0.5)).norm() < 1e-3, "{p}");
+    assert!(
+        L.norm() > 0.1 && worst.iter().all(|w| *w < 1e-11),
+        "{worst:?}"
+    );
+}

@@ -1,0 +1,14 @@
+//! Motions: orders, energies, charts, allocation.
+
+mod allocation;
+mod charts;
+mod energy;
+mod energy_momentum;
+mod energy_momentum_limits;
+mod joints;
+mod kinks;
+mod newton;
+mod order;
+mod reference;
+mod twist;
+mod waves;

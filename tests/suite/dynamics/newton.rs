@@ -1,0 +1,326 @@
+//! How Newton's method converges within a step: what the pulled-back tangents promise.
+//!
+//! The tangent at an iterate takes the stresses in K_σ from the iterate before, extrapolated over
+//! the last correction (`System::evaluate_from`). What it differs by from the exact tangent is of
+//! the order of the last correction squared, so that with corrections cₖ and residuals rₖ
+//!
+//! ```text
+//! rₖ₊₁ = O(cₖ²) + O(cₖ₋₁²) cₖ,     rₖ ~ cₖ
+//! ```
+//!
+//! which is quadratic convergence as soon as cₖ₋₁² is below cₖ, that is from the second correction
+//! on. In the first iteration the iterate before is the state at the beginning of the step.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use nalgebra::{Matrix3, SVector, Vector3};
+use pullback::elements::beam::Section;
+use pullback::elements::joint::{Joint, Pose, Released, offset, revolute};
+use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback::elements::time::Sine;
+use pullback::input::{Plan, assemble_text};
+use pullback::integrators::dynamics::{
+    DynamicOptions, Predictor, Progress, Scheme, StepReport, integrate, start,
+};
+use pullback::integrators::statics::Iteration;
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::so3::Quaternion;
+use pullback::manifold::sparse::BlockPattern;
+use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+use std::f64::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
+
+/// Joints by their maps alone, as a user writes them; those of the examples.
+#[derive(Clone)]
+struct Screw;
+
+impl Joint<7> for Screw {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        let axis = Vector3::new(0.6, 0.0, 0.8);
+        Pose::of(q, 0)
+            .moved(&(axis.map(S::constant) * (q[6] * 0.3)))
+            .turned(&Quaternion::about(&axis, q[6]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
+    }
+}
+
+#[derive(Clone)]
+struct PinInSlot;
+
+impl Joint<8> for PinInSlot {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+        let (along, pin) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
+        Pose::of(q, 0)
+            .moved(&(along.map(S::constant) * q[6]))
+            .turned(&Quaternion::about(&pin, q[7]))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way"), Released::angle("angle")] }
+    }
+}
+
+#[derive(Clone)]
+struct PointOnCurve;
+
+impl Joint<7> for PointOnCurve {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+        let s = q[6];
+        Pose::of(q, 0).moved(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::way("way")] }
+    }
+}
+
+/// Hangs a frame on another one.
+type Hang = fn(&mut ModelBuilder, NodeId) -> NodeId;
+
+const HINGE: Hang = |b, on| revolute(b, "hinge", on, [0.2, 1.0, 0.3]).unwrap().frame;
+const DERIVED: [Hang; 3] = [
+    |b, on| b.attach("screw", on, Screw).unwrap().frame,
+    |b, on| b.attach("slot", on, PinInSlot).unwrap().frame,
+    |b, on| b.attach("curve", on, PointOnCurve).unwrap().frame,
+];
+
+/// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
+/// joint, on that a second beam with a heavy end: every frame that a joint has as master is free.
+fn thrown_beams(hang: Hang) -> Model {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    // 1 − cos: from rest, with full acceleration.
+    for (dof, amplitude, omega) in [(Dof::X, 0.3, 6.0), (Dof::RX, 0.4, 5.0)] {
+        let from_rest = Sine {
+            offset: amplitude,
+            ..sine(-amplitude, omega, FRAC_PI_2)
+        };
+        b.prescribe(carriage, dof, from_rest);
+    }
+    let wrist = b.node("wrist", [0.0, 0.5, 0.0]).unwrap();
+    beam(&mut b, "first", [carriage, wrist], 2);
+    let arm = offset(&mut b, "arm", wrist, [0.4, 0.7, -0.3]).unwrap();
+    let frame = hang(&mut b, arm);
+    heavy_body(&mut b, "hub", frame, 1.0, [0.1, 0.0, 0.2]);
+    let tip = b.node("tip", [1.4, 0.7, -0.3]).unwrap();
+    beam(&mut b, "second", [frame, tip], 4);
+    heavy_body(&mut b, "end", tip, 2.0, [0.1, 0.1, 0.0]);
+    b.build().unwrap()
+}
+
+fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
+    let axis = Straight {
+        from: b.place(ends[0]),
+        to: b.place(ends[1]),
+        second: None,
+        twist: 0.0,
+    };
+    let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01));
+    let [_, EA, A_rho, _] = DATA;
+    let section = Section::diagonal(EA, [EA; 2], 10.0, [10.0; 2]).unwrap();
+    let line = Line {
+        elements,
+        order: 1,
+        section: section.with_mass(A_rho, J),
+    };
+    b.line(name, &axis, ends, &line).unwrap();
+}
+
+/// A model whose tangent is the exact one times a factor: no extrapolated stresses.
+struct Plain {
+    model: Model,
+    factor: f64,
+}
+
+impl System for Plain {
+    fn pattern(&self) -> &BlockPattern {
+        self.model.pattern()
+    }
+
+    /// `evaluate_from` comes here as well.
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let S = out.S.map(|(mut weights, S)| {
+            weights.K *= self.factor;
+            weights.C *= self.factor;
+            weights.M *= self.factor;
+            (weights, S)
+        });
+        self.model.evaluate(at, Evaluation { S, ..out })
+    }
+
+    fn kind(&self, i: usize) -> Kind {
+        self.model.kind(i)
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.model.name(i)
+    }
+
+    fn scales(&self) -> Scales {
+        self.model.scales()
+    }
+}
+
+impl Modelled for Plain {
+    fn model(&mut self) -> &mut Model {
+        &mut self.model
+    }
+}
+
+/// Length of an element, axial stiffness, mass per length and step size.
+const DATA: [f64; 4] = [0.25, 1e4, 1.0, 0.05];
+
+/// Largest residuals (N and N m) and corrections (relative to the size of the model, and rad) of the
+/// iterations of the first steps, of a composite scheme those of the first substep.
+fn iterations<Y: Modelled>(
+    mut system: Y,
+    scheme: Scheme,
+    predictor: Predictor,
+    h: f64,
+) -> Vec<Vec<[f64; 2]>> {
+    let mut options = tight(scheme, 4.0 * h, h);
+    options.newton.predictor = predictor;
+    let mut steps = Vec::new();
+    observed(&mut system, [&[], &[]], &options, &mut |_, step| {
+        let all = step.residuals;
+        // A converged state, which has no correction, ends a substep.
+        let end = all.iter().position(|i| i.damping == 0.0).unwrap();
+        let both = |i: &Iteration| [i.residual[0].max(i.residual[1]), i.correction];
+        steps.push(all[..=end].iter().map(both).collect());
+    });
+    steps
+}
+
+/// The residuals of these.
+fn residuals<Y: Modelled>(system: Y, scheme: Scheme, predictor: Predictor) -> Vec<Vec<f64>> {
+    let steps = iterations(system, scheme, predictor, DATA[3]);
+    let first = |step: &Vec<[f64; 2]>| step.iter().map(|i| i[0]).collect();
+    steps.iter().map(first).collect()
+}
+
+/// Whether rₖ₊₁ ≤ C rₖ² down to the round-off of the stresses, in all pairs that have rₖ below
+/// one hundredth of the first residual.
+///
+/// A correction c leaves the second-order part of the strain energy, (EA/l) c²/2, and is itself at
+/// most r/S with the smallest dynamic stiffness S = 4m/h², m the mass of an element:
+/// C = (EA/l) / 2S².
+fn quadratic(r: &[f64]) -> bool {
+    let [l, EA, A_rho, h] = DATA;
+    let S = 4.0 * A_rho * l / (h * h);
+    let C = 0.5 * EA / l / (S * S);
+    let round_off = 1e-15 * EA / l;
+    let near = r.windows(2).filter(|p| p[0] < 1e-2 * r[0]);
+    let mut pairs = 0;
+    let holds = near
+        .inspect(|_| pairs += 1)
+        .all(|p| p[1] <= C * p[0] * p[0] + round_off);
+    assert!(
+        pairs >= 1 && r[0] > 100.0,
+        "a start far from equilibrium: {r:?}"
+    );
+    holds
+}
+
+#[test]
+fn residuals_square_from_one_iteration_to_the_next() {
+    for scheme in second_order() {
+        for predictor in [Predictor::Velocity, Predictor::Keep] {
+            let plain = |factor| Plain {
+                model: thrown_beams(HINGE),
+                factor,
+            };
+            let extrapolated = residuals(thrown_beams(HINGE), scheme, predictor);
+            let exact = residuals(plain(1.0), scheme, predictor);
+            for (with, without) in extrapolated.iter().zip(&exact) {
+                assert!(quadratic(with), "{}, {predictor:?}: {with:?}", scheme.name);
+                assert!(
+                    quadratic(without),
+                    "{}, {predictor:?}: {without:?}",
+                    scheme.name
+                );
+            }
+            // What a tangent that is wrong by one per cent would look like.
+            for wrong in residuals(plain(1.01), scheme, predictor) {
+                assert!(
+                    !quadratic(&wrong),
+                    "{}, {predictor:?}: {wrong:?}",
+                    scheme.name
+                );
+            }
+        }
+    }
+}
+
+/// Whether each residual, from the second correction on, is what the correction before it may leave: a node
+/// that moves by c across an element strains it by (c/l)²/2, and round-off.
+fn second_order_left(step: &[[f64; 2]]) -> bool {
+    let [l, EA, ..] = DATA;
+    assert!(
+        step.len() > 3 && step[0][0] > 1.0,
+        "nothing to do: {step:?}"
+    );
+    let mut pairs = step.windows(2).skip(1);
+    pairs.all(|p| p[1][0] <= 0.5 * EA * (p[0][1] / l).powi(2) + 1e-15 * EA / l)
+}
+
+#[test]
+fn corrections_are_squared_with_joints_of_ones_own() {
+    for (k, hang) in DERIVED.into_iter().enumerate() {
+        for predictor in [Predictor::Velocity, Predictor::Keep] {
+            let go = |factor| {
+                let model = thrown_beams(hang);
+                iterations(Plain { model, factor }, Scheme::default(), predictor, 0.02)
+            };
+            let as_is = iterations(thrown_beams(hang), Scheme::default(), predictor, 0.02);
+            for step in as_is.iter().chain(&go(1.0)) {
+                assert!(second_order_left(step), "{k}, {predictor:?}: {step:?}");
+            }
+            for wrong in go(1.01) {
+                assert!(!second_order_left(&wrong), "{k}, {predictor:?}: {wrong:?}");
+            }
+        }
+    }
+}
+
+/// The time that a run reaches until a step fails.
+fn reached<Y: System>(mut system: Y, options: &DynamicOptions, predictor: Predictor) -> f64 {
+    let mut options = DynamicOptions {
+        min_step: options.step,
+        ..*options
+    };
+    options.newton.predictor = predictor;
+    let mut progress = Progress::new(start(&system, 0.0, &[], &[]).unwrap());
+    let onward = &mut |_: &mut Y, _: &StepReport<'_>| ControlFlow::Continue(());
+    let outcome = integrate(&mut system, &mut progress, &options, onward);
+    assert_eq!(outcome.is_err(), progress.summary.failed > 0);
+    progress.state.t
+}
+
+#[test]
+fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilever() {
+    // cases.md, case 5: with the exact tangent q + h q̇ diverges before t = 6, q does not (it does later).
+    let model = || {
+        let job =
+            assemble_text("elbow", include_str!("../../../examples/models/elbow.toml")).unwrap();
+        let Plan::Dynamic(plan) = job.plan else {
+            panic!("a motion")
+        };
+        (job.model, plan.options)
+    };
+    let plain = |predictor| {
+        let (model, options) = model();
+        reached(Plain { model, factor: 1.0 }, &options, predictor)
+    };
+    let diverged = plain(Predictor::Velocity);
+    assert!(diverged < 6.0, "{diverged}");
+    assert!(plain(Predictor::Keep) > 6.0);
+    for predictor in [Predictor::Velocity, Predictor::Keep] {
+        let (model, options) = model();
+        assert_eq!(reached(model, &options, predictor), 30.0);
+    }
+}

@@ -1,0 +1,341 @@
+//! Order of convergence of every scheme on constrained, driven motions that change charts.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use nalgebra::{Matrix3, Vector3};
+use pullback::elements::beam::{Interpolation, Section};
+use pullback::elements::body::PointMass;
+use pullback::elements::joint::{offset, revolute, spherical};
+use pullback::elements::model::{
+    Dof, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+};
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::system::System;
+use std::f64::consts::PI;
+
+/// A model, the nodes whose motion is compared, and its initial velocities.
+struct Problem {
+    model: Model,
+    probes: Vec<NodeId>,
+    v: Vec<f64>,
+}
+
+/// A carriage driven along e1 and about it; a body on a revolute joint; at its arm, by a spherical
+/// joint, a second body that spins.
+fn two_bodies(spin: [f64; 3]) -> Problem {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    b.prescribe(carriage, Dof::X, sine(0.3, 3.0, 0.2));
+    b.prescribe(carriage, Dof::RX, sine(0.4, 2.0, 0.5));
+    let hinge = revolute(&mut b, "hinge", carriage, [0.2, -0.3, 1.0]).unwrap();
+    let arm = offset(&mut b, "arm", hinge.frame, [1.0, 0.2, 0.1]).unwrap();
+    heavy_body(&mut b, "first", hinge.frame, 2.0, [0.5, 0.1, 0.0]);
+    let ball = spherical(&mut b, "ball", arm).unwrap();
+    heavy_body(&mut b, "second", ball.frame, 1.0, [0.2, 0.1, -0.3]);
+    let probe = offset(&mut b, "probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
+    b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
+        .unwrap();
+    let model = b.build().unwrap();
+    let mut v = vec![0.0; model.pattern().dim()];
+    model.set(&mut v, hinge.angle, 0, 3.0);
+    for (k, rate) in spin.into_iter().enumerate() {
+        model.set(&mut v, ball.rotation, k, rate);
+    }
+    Problem {
+        model,
+        probes: vec![arm, probe],
+        v,
+    }
+}
+
+/// A flexible beam on the arm of a revolute joint whose carriage is driven. With a `tilt` the
+/// motion is spatial.
+fn swung_beam(elements: usize, tilt: f64) -> Problem {
+    swung_beam_with(elements, tilt, Interpolation::Total)
+}
+
+fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> Problem {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    b.prescribe(carriage, Dof::X, sine(0.2, 3.0, 0.2));
+    b.prescribe(carriage, Dof::RX, sine(tilt, 2.0, 0.5));
+    let hinge = revolute(&mut b, "hinge", carriage, [0.0, 0.0, 1.0]).unwrap();
+    let arm = offset(&mut b, "arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
+    let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
+    let axis = Straight {
+        from: b.place(arm),
+        to: b.place(tip),
+        second: None,
+        twist: 0.0,
+    };
+    let J = Vector3::new(0.2, 0.1, 0.1);
+    let section = Section::diagonal(60.0, [30.0; 2], 4.0, [4.0, 6.0])
+        .unwrap()
+        .with_mass(1.0, Matrix3::from_diagonal(&J));
+    let line = Line {
+        elements,
+        order: 1,
+        section,
+    };
+    b.line_with("beam", &axis, [arm, tip], &line, interpolation)
+        .unwrap();
+    let model = b.build().unwrap();
+    let q = vec![0.0; model.pattern().dim()];
+    let mut v = q.clone();
+    let omega = 5.0;
+    let motion = RigidMotion {
+        omega: Vector3::z() * omega,
+        ..RigidMotion::default()
+    };
+    model.set_velocity(&q, &mut v, None, &motion);
+    model.set(&mut v, hinge.angle, 0, omega);
+    Problem {
+        model,
+        probes: vec![arm, tip],
+        v,
+    }
+}
+
+/// The spatial history of a problem, and how many charts changed.
+fn by_itself(problem: Problem, scheme: Scheme, to: f64, n: usize) -> (Vec<NodeState>, usize) {
+    let Problem {
+        mut model,
+        probes,
+        v,
+    } = problem;
+    let options = tight(scheme, to, to / n as f64);
+    let (states, progress) = history(&mut model, &probes, [&[], &v], &options, 8);
+    (states, progress.summary.chart_changes)
+}
+
+/// Errors at n, 2n and 4n steps.
+fn errors(
+    n: usize,
+    reference: &[NodeState],
+    run: &mut dyn FnMut(usize) -> Vec<NodeState>,
+) -> Vec<Vec<f64>> {
+    [n, 2 * n, 4 * n]
+        .map(|n| distances(&run(n), reference).to_vec())
+        .to_vec()
+}
+
+#[test]
+fn bodies_on_joints_of_a_driven_carriage() {
+    let to = 1.6;
+    let run = |scheme, n| {
+        let (states, changes) = by_itself(two_bodies([1.0, 7.0, 2.0]), scheme, to, n);
+        // The second body turns by more than a whole turn.
+        assert!(changes >= 2, "{changes} changes");
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order()
+        .into_iter()
+        .chain([Scheme::central_difference()])
+        .chain(["em", "em:0.8"].map(|word| word.parse().unwrap()))
+    {
+        assert_eq!(scheme.order(), 2);
+        let e = errors(160, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+    let e = errors(80, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+    let first = Scheme::newmark(0.3025, 0.6).unwrap();
+    assert_eq!(first.order(), 1);
+    let e = errors(320, &reference, &mut |n| run(first, n));
+    assert_slopes("Newmark with gamma = 0.6", &QUANTITIES, &e, 1.0, 0.1);
+}
+
+/// A body whose reference configuration is upside down: hanging, it has turned by π, and every
+/// swing takes its rotation vector across the border of its chart.
+fn upside_down() -> (Problem, Vec<f64>) {
+    let mut b = ModelBuilder::new();
+    let carriage = b.node("carriage", [0.0; 3]).unwrap();
+    b.support(carriage, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
+    b.prescribe(carriage, Dof::X, sine(0.05, 2.0, 0.2));
+    let ball = spherical(&mut b, "ball", carriage).unwrap();
+    heavy_body(&mut b, "body", ball.frame, 1.0, [0.0, 0.05, 0.9]);
+    let probe = offset(&mut b, "probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
+    b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
+        .unwrap();
+    let model = b.build().unwrap();
+    let k = model.unknown_at(ball.rotation, 0).unwrap();
+    let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
+    q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);
+    v[k..k + 3].copy_from_slice(&[0.3, 0.1, 0.05]);
+    let probes = vec![ball.frame, probe];
+    (Problem { model, probes, v }, q)
+}
+
+#[test]
+fn swings_about_the_border_of_a_chart() {
+    let to = 8.0;
+    let run = |scheme, n: usize| {
+        let (problem, q) = upside_down();
+        let Problem {
+            mut model,
+            probes,
+            v,
+        } = problem;
+        let options = tight(scheme, to, to / n as f64);
+        let (states, progress) = history(&mut model, &probes, [&q, &v], &options, 8);
+        // At the largest step more often than after every twelfth.
+        let changes = progress.summary.chart_changes;
+        assert!(12 * changes >= 80, "{changes} changes");
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(80, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+    let e = errors(40, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+}
+
+/// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.
+fn flipped(when: impl Fn(usize) -> bool + 'static) -> (Flipped, Vec<NodeId>, [Vec<f64>; 2]) {
+    let Problem { model, probes, v } = two_bodies([1.0, 1.5, 0.4]);
+    let ball = model.find("ball rotation").unwrap();
+    let k = model.unknown_at(ball, 0).unwrap();
+    let mut q = vec![0.0; v.len()];
+    q[k..k + 3].copy_from_slice(&[0.5, 1.0, 0.4]);
+    (Flipped::new(model, vec![k], when), probes, [q, v])
+}
+
+/// With changes of chart every so many steps; `per_run` of them, or after every tenth step.
+fn many_changes(per_run: Option<usize>) {
+    let to = 1.6;
+    let run = |scheme, n: usize| {
+        let every = per_run.map_or(10, |count| n / count);
+        let (mut system, probes, [q, v]) = flipped(move |step| step % every == 0);
+        let options = tight(scheme, to, to / n as f64);
+        let (states, progress) = history(&mut system, &probes, [&q, &v], &options, 8);
+        assert_eq!(progress.summary.chart_changes, n / every);
+        states
+    };
+    // The reference has none: charts must not matter.
+    let reference = richardson(1280, &mut |n| {
+        let (mut system, probes, [q, v]) = flipped(|_| false);
+        let options = tight(Scheme::default(), to, to / n as f64);
+        history(&mut system, &probes, [&q, &v], &options, 8).0
+    });
+    for scheme in second_order() {
+        let e = errors(160, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+}
+
+#[test]
+fn order_two_survives_a_change_of_chart_every_tenth_step_at_the_largest_step() {
+    many_changes(Some(16));
+}
+
+#[test]
+fn order_two_survives_a_change_of_chart_every_tenth_step_at_every_step_size() {
+    many_changes(None);
+}
+
+#[test]
+fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
+    let to = 1.6;
+    let run = |scheme, n| {
+        let (states, changes) = by_itself(swung_beam(2, 0.0), scheme, to, n);
+        // Both free nodes and the hung one.
+        assert_eq!(changes, 3);
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(320, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+    let e = errors(160, &reference, &mut |n| run(Scheme::radau(), n));
+    assert_slopes("Radau IIA", &QUANTITIES, &e, 3.0, 0.15);
+}
+
+#[test]
+fn a_flexible_beam_swung_in_space_within_one_chart() {
+    let to = 1.0;
+    let run = |scheme, n: usize| {
+        let Problem { model, probes, v } = swung_beam(2, 0.3);
+        let mut system = Flipped::new(model, Vec::new(), |_| false);
+        let options = tight(scheme, to, to / n as f64);
+        let (states, progress) = history(&mut system, &probes, [&[], &v], &options, 8);
+        assert_eq!(progress.summary.chart_changes, 0);
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(320, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+}
+
+#[test]
+fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
+    let to = 1.0;
+    let run = |scheme, n| {
+        let problem = swung_beam_with(2, 0.3, Interpolation::Geodesic);
+        let (states, changes) = by_itself(problem, scheme, to, n);
+        assert_eq!(changes, 3);
+        states
+    };
+    let reference = richardson(1280, &mut |n| run(Scheme::default(), n));
+    for scheme in second_order() {
+        let e = errors(320, &reference, &mut |n| run(scheme, n));
+        assert_slopes(scheme.name, &QUANTITIES, &e, 2.0, 0.1);
+    }
+}
+
+/// What it does to the swung beam that all its elements change their charts at half the time, in n
+/// steps: the distance to the motion with that one step later, and to the one without.
+fn of_a_change(elements: usize, interpolation: Interpolation, n: usize) -> [Vec<f64>; 2] {
+    let to = 1.0;
+    let run = |when: usize| {
+        let Problem { model, probes, v } = swung_beam_with(elements, 0.3, interpolation);
+        let mut system = Flipped::new(model, Vec::new(), move |step| step == when);
+        system.beams = elements;
+        let options = tight(Scheme::default(), to, to / n as f64);
+        history(&mut system, &probes, [&[], &v], &options, 8).0
+    };
+    let changed = run(n / 2);
+    [n / 2 + 1, usize::MAX].map(|when| distances(&changed, &run(when)).to_vec())
+}
+
+/// The interpolation of two total rotation vectors depends on their chart by its mesh error: forces jump
+/// where an element changes it, and the step is the time to which a run knows when.
+#[test]
+fn where_elements_of_total_rotation_vectors_change_charts_in_space_the_order_is_one() {
+    let both = [320, 640, 1280].map(|n| of_a_change(2, Interpolation::Total, n));
+    let [later, never] = [0, 1].map(|k| both.each_ref().map(|both| both[k].clone()));
+    assert_slopes("a step later", &QUANTITIES, &later, 1.0, 0.1);
+    // The jump itself is one of the mesh: smaller steps do not mend it.
+    assert_slopes("never", &QUANTITIES, &never, 0.0, 0.1);
+    // Relative rotations do not know of charts.
+    for distance in of_a_change(2, Interpolation::Geodesic, 320).concat() {
+        assert!(distance < 1e-9, "{distance:e}");
+    }
+}
+
+#[test]
+fn what_a_change_of_chart_does_to_a_beam_in_space_falls_with_the_mesh() {
+    // The same motion with elements that change their charts, and with elements that never do.
+    let (to, n) = (1.0, 1280);
+    let [coarse, fine] = [1, 8].map(|elements| {
+        let options = tight(Scheme::default(), to, to / n as f64);
+        let (changing, changes) = by_itself(swung_beam(elements, 0.3), Scheme::default(), to, n);
+        assert_eq!(changes, elements + 1);
+        let Problem { model, probes, v } = swung_beam(elements, 0.3);
+        let mut system = Flipped::new(model, Vec::new(), |_| false);
+        let (staying, _) = history(&mut system, &probes, [&[], &v], &options, 8);
+        distances(&changing, &staying)
+    });
+    // At least with order 1 in the length of an element.
+    for k in 0..2 {
+        assert!(fine[k] < coarse[k] / 8.0, "{coarse:?} {fine:?}");
+    }
+}

@@ -1,0 +1,237 @@
+//! Elements whose ends turn against each other by more than half a turn: about the common axis all
+//! laws are linear, so that everything is known in closed form up to a whole turn. Beyond it no pair
+//! of rotation vectors tells what the ends have done, and the answer is an error.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::{slopes, tight};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback::elements::beam::Interpolation;
+use pullback::elements::body::RigidBody;
+use pullback::elements::spring::Bushing;
+use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
+use pullback::integrators::statics::StaticsError;
+use pullback::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Torsional stiffness GJ, and moment per angle of the bushing.
+const GJ: f64 = 0.7;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    /// This many beam elements of this order.
+    Beams(usize, usize),
+    /// The same with geodesic interpolation.
+    Geodesic(usize, usize),
+    Bushing,
+}
+
+/// A shaft of length 1 along e1 from `root` to `tip`; the tip may slide and turn about e1 only.
+fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
+    let mut b = ModelBuilder::new();
+    let places = [Vector3::zeros(), Vector3::x()];
+    let root = b.node("root", places[0].into()).unwrap();
+    let tip = b.node("tip", places[1].into()).unwrap();
+    match by {
+        By::Beams(elements, order) | By::Geodesic(elements, order) => {
+            let axis = Straight {
+                from: places[0],
+                to: places[1],
+                second: None,
+                twist: 0.0,
+            };
+            let section = Section::diagonal(1e3, [1e3; 2], GJ, [0.5; 2]).unwrap();
+            let line = Line {
+                elements,
+                order,
+                section,
+            };
+            let interpolation = match by {
+                By::Geodesic(..) => Interpolation::Geodesic,
+                _ => Interpolation::Total,
+            };
+            b.line_with("shaft", &axis, [root, tip], &line, interpolation)
+                .unwrap();
+        }
+        By::Bushing => {
+            let K = Matrix6::from_diagonal(&[1e3, 1e3, 1e3, GJ, 0.5, 0.5].into());
+            let bushing =
+                Bushing::new(&places, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+            b.element("bushing", bushing, &[root, tip]).unwrap();
+        }
+    }
+    b.support(tip, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    (b, root, tip)
+}
+
+fn options(steps: usize) -> StaticOptions {
+    StaticOptions {
+        first_step: 1.0 / steps as f64,
+        max_step: 1.0 / steps as f64,
+        ..StaticOptions::default()
+    }
+}
+
+/// Turns the root by `base` and the tip by `base + twist` and gives the energy stored.
+fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsError> {
+    let (mut b, root, tip) = shaft(by);
+    b.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
+    b.prescribe(root, Dof::RX, Proportional(base));
+    b.prescribe(tip, Dof::RX, Proportional(base + twist));
+    let mut model = b.build().unwrap();
+    let mut q = Vec::new();
+    solve_statics(&mut model, &mut q, &options(steps), &mut |_, _| {
+        ControlFlow::Continue(())
+    })?;
+    Ok(model.strain_energy(1.0))
+}
+
+const SHAFTS: [By; 7] = [
+    By::Beams(1, 1),
+    By::Beams(1, 2),
+    By::Beams(1, 3),
+    By::Geodesic(1, 1),
+    By::Geodesic(1, 2),
+    By::Geodesic(1, 3),
+    By::Bushing,
+];
+
+#[test]
+fn a_driven_end_twists_one_element_by_nearly_a_turn() {
+    for by in SHAFTS {
+        for twist in [2.5, PI, 4.0, -5.0, 6.0] {
+            // The structure may turn as a whole, by any number of turns.
+            for base in [0.0, 3.0, -20.0] {
+                for steps in [4, 9, 40] {
+                    let found = energy(by, base, twist, steps).unwrap();
+                    let exact = 0.5 * GJ * twist * twist;
+                    assert!(
+                        (found - exact).abs() < 1e-12 * exact,
+                        "{by:?}, {twist} rad on {base} rad in {steps} steps: {found} for {exact}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_torque_twists_one_element_and_lets_it_go() {
+    for by in SHAFTS {
+        let (mut b, root, tip) = shaft(by);
+        b.support(root, &Dof::ALL);
+        // Up to 5.5 rad and back to −5.5 rad.
+        let course = Sine {
+            amplitude: 1.0,
+            omega: TAU,
+            phase: 0.0,
+            offset: 0.0,
+        };
+        let moment = NodalLoad::new(Which::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
+        b.element("torque", moment, &[tip]).unwrap();
+        let mut model = b.build().unwrap();
+        let mut q = Vec::new();
+        let mut most = 0.0_f64;
+        solve_statics(&mut model, &mut q, &options(20), &mut |model, step| {
+            let twist = 5.5 * (TAU * step.t).sin();
+            most = most.max(twist.abs());
+            let exact = 0.5 * GJ * twist * twist;
+            let found = model.strain_energy(step.t);
+            assert!(
+                (found - exact).abs() < 1e-7,
+                "{by:?}, {twist} rad: {found} for {exact}"
+            );
+            let turned = nalgebra::Rotation3::new(Vector3::x() * twist);
+            assert!((model.node_state(tip).R - turned.matrix()).amax() < 1e-7);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert!(most > 5.4);
+    }
+}
+
+#[test]
+fn beyond_a_turn_the_error_names_the_element() {
+    for (by, name) in [
+        (By::Beams(1, 1), "shaft:1"),
+        (By::Beams(1, 2), "shaft:1"),
+        (By::Geodesic(1, 1), "shaft:1"),
+        (By::Geodesic(1, 2), "shaft:1"),
+        (By::Bushing, "bushing"),
+    ] {
+        for base in [0.0, 0.5, 7.0, -11.0] {
+            for steps in [1, 3, 30] {
+                let outcome = energy(by, base, 8.0, steps);
+                let Err(error) = outcome else {
+                    panic!("{by:?}, {base} rad in {steps} steps: {outcome:?}");
+                };
+                let error = error.to_string();
+                assert!(error.contains(name), "{error}");
+                // Three geodesic nodes are seen from the middle one, by half the twist: there the
+                // tip's own vector may come to its edge first.
+                let own = by == By::Geodesic(1, 2) && error.contains("the domain of its chart");
+                assert!(own || error.contains("take more elements"), "{error}");
+            }
+        }
+    }
+    // Two elements share the turn.
+    let found = energy(By::Beams(2, 1), 7.0, 8.0, 30).unwrap();
+    assert!((found - 0.5 * GJ * 64.0).abs() < 1e-12 * found);
+}
+
+#[test]
+fn a_disk_swings_by_nearly_a_turn_on_one_element() {
+    // J θ̈ = −GJ θ, through θ = ±5.5.
+    let inertia = 0.9_f64;
+    let omega = (GJ / inertia).sqrt();
+    for by in [By::Beams(1, 1), By::Bushing] {
+        let (mut b, root, tip) = shaft(by);
+        b.support(root, &Dof::ALL);
+        let disk = RigidBody::new(1.0, Matrix3::identity() * inertia, Vector3::zeros()).unwrap();
+        b.element("disk", disk, &[tip]).unwrap();
+        let mut model = b.build().unwrap();
+        let n = model.pattern().dim();
+        let mut v = vec![0.0; n];
+        v[model.unknown(tip, Dof::RX).unwrap()] = 5.5 * omega;
+        let until = 1.3 * TAU / omega;
+        let mut run = |steps: usize, stop: Option<usize>| {
+            let options = tight(
+                Scheme::newmark(0.25, 0.5).unwrap(),
+                until,
+                until / steps as f64,
+            );
+            let mut progress = Progress::new(start(&model, 0.0, &vec![0.0; n], &v).unwrap());
+            let mut errors = 0.0_f64;
+            let mut go = |progress: &mut Progress, model: &mut Model| {
+                integrate(model, progress, &options, &mut |model, step| {
+                    let state = &step.progress.state;
+                    crate::support::dynamics::configure(model, state);
+                    let theta = 5.5 * (omega * state.t).sin();
+                    let found = (2.0 * model.strain_energy(state.t) / GJ).sqrt();
+                    errors = errors.max((found - theta.abs()).abs());
+                    if stop == Some(step.progress.summary.steps) {
+                        ControlFlow::Break(())
+                    } else {
+                        ControlFlow::Continue(())
+                    }
+                })
+                .unwrap();
+            };
+            go(&mut progress, &mut model);
+            if stop.is_some() {
+                // Stopped in mid-swing, and another run has been made with the model since.
+                let charts = model.element_charts();
+                model.start(0.0, &vec![0.0; n]);
+                model.set_element_charts(&charts);
+                go(&mut progress, &mut model);
+            }
+            errors
+        };
+        let errors = [100, 200, 400].map(|steps| run(steps, None));
+        for slope in slopes(&errors) {
+            assert!((slope - 2.0).abs() < 0.05, "{by:?}: {errors:?}");
+        }
+        // At the seventieth of 400 steps the disk has turned by 4.5 rad.
+        assert_eq!(run(400, Some(70)), errors[2], "{by:?}");
+    }
+}

@@ -1,0 +1,305 @@
+//! The formulations of a comparison against exact motions and against each other.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::{observed, slopes, tight};
+use nalgebra::{Rotation3, Vector3};
+use pullback::compare::{Comparison, Options, Quantity, Watch, compare};
+use pullback::elements::model::Formulation;
+use pullback::input;
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::check;
+use pullback::method::Method;
+
+/// A free symmetrical body: moments of inertia 2, 2 and 1.
+const BODY: &str = r#"
+[nodes]
+O = [0, 0, 0]
+[[bodies]]
+name = "body"
+node = "O"
+mass = 1
+inertia = [2, 2, 1]
+[[initial]]
+node = "O"
+rotation = [0.4, -0.9, 0.6]
+body_angular_velocity = [3, 0, 4]
+velocity = [1, 0, 0]
+[analysis.dynamic]
+to = 2
+step = 0.01
+"#;
+
+const METHODS: [&str; 6] = [
+    "newmark",
+    "ul-newmark",
+    "ul-bathe",
+    "lie-ga:0.8",
+    "lie-hht:-0.1",
+    "spin-newmark",
+];
+
+fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
+    let file = input::parse("model.toml", text).unwrap();
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let methods = methods.iter().map(|m| m.parse().unwrap()).collect();
+    let options = Options::new(methods, steps.to_vec());
+    compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap()
+}
+
+#[test]
+fn a_free_body_precesses_in_every_formulation_with_order_two() {
+    let steps = [0.01, 0.005, 0.0025, 0.00125];
+    let comparison = compared(BODY, &METHODS, &steps);
+    // Landau & Lifshitz, Mechanics, section 33: about the fixed angular momentum with |L|/J₁, about
+    // its own axis with Ω₃ (1 − J₃/J₁); all of it turned by R₀.
+    let turned = Rotation3::new(Vector3::new(0.4, -0.9, 0.6));
+    let exact = |t: f64| {
+        let precession = Rotation3::new(Vector3::new(3.0, 0.0, 2.0) * t);
+        let spin = Rotation3::new(Vector3::z() * (2.0 * t));
+        (turned * precession * spin).into_inner()
+    };
+    for method in METHODS {
+        let errors: Vec<f64> = (comparison.of(method))
+            .map(|row| {
+                assert_eq!(row.failure, None, "{method}");
+                let samples = row.samples[1..].iter();
+                let squares = samples.map(|s| (s.nodes[0].R - exact(s.t)).norm_squared());
+                squares.sum::<f64>().sqrt()
+            })
+            .collect();
+        for (pair, h) in errors.windows(2).zip(&steps) {
+            let slope = (pair[0] / pair[1]).log2();
+            assert!((slope - 2.0).abs() < 0.1, "{method} at {h}: {errors:?}");
+        }
+        // ω goes round the same axis: its rate is a cross product with it.
+        let errors: Vec<f64> = (comparison.of(method))
+            .map(|row| {
+                let samples = row.samples[1..].iter();
+                let rate = |t: f64| {
+                    let axis = Vector3::new(3.0, 0.0, 2.0);
+                    let omega = Rotation3::new(axis * t) * Vector3::new(3.0, 0.0, 4.0);
+                    turned * axis.cross(&omega)
+                };
+                let off = samples.map(|s| (s.nodes[0].omega_dot - rate(s.t)).norm_squared());
+                (off.sum::<f64>() / (row.samples.len() - 1) as f64).sqrt()
+            })
+            .collect();
+        for slope in slopes(&errors) {
+            assert!((slope - 2.0).abs() < 0.1, "{method}: {errors:?}");
+        }
+        // The reference knows it as well.
+        for (row, exact) in comparison.of(method).zip(errors) {
+            let found = row.error.unwrap().of(Quantity::AngularAcceleration);
+            let part = ((row.samples.len() - 1) as f64 / row.samples.len() as f64).sqrt();
+            assert!(
+                (found / (exact * part) - 1.0).abs() < 0.01,
+                "{method}: {found:e} {exact:e}"
+            );
+        }
+    }
+    for orders in &comparison.orders {
+        for quantity in [Quantity::Rotation, Quantity::AngularAcceleration] {
+            if let Some(order) = orders.of(quantity) {
+                let name = &orders.scheme;
+                assert!((order.order - 2.0).abs() < 0.1, "{name}: {order:?}");
+            }
+        }
+    }
+}
+
+/// A rod on a ball joint with a body at its end, let go in a turn: rotations of frames and of a joint.
+const ROD: &str = r#"
+[sections.rod]
+stiffness = { EA = 400, GA = [400, 400], GJ = 4, EI = [4, 4] }
+mass = { A_rho = 1, J = [0.1, 0.05, 0.05] }
+[nodes]
+ground = [0, 0, 0]
+tip = [1, 0, 0]
+[[joints]]
+name = "ball"
+type = "spherical"
+master = "ground"
+[[lines]]
+name = "rod"
+from = "ball"
+to = "tip"
+elements = 2
+section = "rod"
+[[bodies]]
+name = "body"
+node = "tip"
+mass = 0.5
+inertia = [0.05, 0.1, 0.15]
+[[supports]]
+node = "ground"
+fix = "all"
+[[loads]]
+gravity = [0, 0, -9.81]
+[[initial]]
+line = "rod"
+angular_velocity = [2, 0, 5]
+about = [0, 0, 0]
+[analysis.dynamic]
+to = 0.5
+step = 0.01
+"#;
+
+#[test]
+fn a_flexible_rod_moves_alike_in_every_formulation() {
+    // The reference is the total formulation: others have its limit, at the order of their schemes.
+    let methods = ["newmark", "ul-newmark", "lie-ga:0.8", "spin-newmark"];
+    let comparison = compared(ROD, &methods, &[0.008, 0.004, 0.002, 0.001]);
+    for orders in &comparison.orders {
+        for quantity in [Quantity::Position, Quantity::Rotation, Quantity::Velocity] {
+            let order = orders.of(quantity).unwrap();
+            let name = &orders.scheme;
+            assert!((order.order - 2.0).abs() < 0.1, "{name}: {order:?}");
+        }
+    }
+    // They are different methods.
+    let error = |m: &str| comparison.of(m).last().unwrap().error.unwrap();
+    let [total, updated, lie] =
+        ["newmark", "ul-newmark", "spin-newmark"].map(|m| error(m).of(Quantity::Rotation));
+    for (a, b) in [(total, updated), (total, lie), (updated, lie)] {
+        assert!(
+            (a - b).abs() > 1e-3 * a.max(b),
+            "{total:e} {updated:e} {lie:e}"
+        );
+    }
+}
+
+/// The heavy top as a free body that multipliers hold at its foot: equations of index 3.
+const HELD: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+top = [0, 0, 0]
+[[joints]]
+name = "ball"
+type = "spherical"
+master = "ground"
+child = "top"
+closure = "multipliers"
+[[bodies]]
+name = "body"
+node = "top"
+mass = 15
+center = [0, 1, 0]
+inertia = [0.234375, 0.46875, 0.234375]
+[[supports]]
+node = "ground"
+fix = "all"
+[[loads]]
+gravity = [0, 0, -9.81]
+[[initial]]
+node = "top"
+body_angular_velocity = [0, 150, -4.61538]
+[analysis.dynamic]
+to = 1
+step = 1e-4
+"#;
+
+#[test]
+fn the_heavy_top_is_where_it_should_be_in_every_formulation() {
+    let top = include_str!("../../../examples/models/heavy_top.toml");
+    let second = ["ul-newmark", "lie-ga:0.9", "spin-newmark"].map(|m| (m, 2));
+    on_the_way_of_the_heavy_top(top, &second);
+}
+
+#[test]
+fn the_heavy_top_held_by_multipliers_is_where_it_should_be() {
+    // Its foot is at the origin, where all rounding errors of the gap are of numbers that are zero.
+    let second = ["ga:0.8", "lie-ga:0.8", "ul-ga:0.8"].map(|m| (m, 2));
+    on_the_way_of_the_heavy_top(HELD, &[&second[..], &[("radau", 3)]].concat());
+}
+
+/// The order of each method and the place of the centre of mass at t = 1.
+fn on_the_way_of_the_heavy_top(text: &str, methods: &[(&str, i32)]) {
+    // R01: order-8 Runge-Kutta in extended precision.
+    let exact = Vector3::new(0.1733439640984, 0.6400885920706, -0.7484907911336);
+    let file = input::parse("top.toml", text).unwrap();
+    for &(method, order) in methods {
+        let method: Method = method.parse().unwrap();
+        let place = |h: f64| -> Vector3<f64> {
+            let mut job = input::job_in("top.toml", &file, method.formulation()).unwrap();
+            let top = job.model.find("top").unwrap();
+            let options = tight(method.scheme(), 1.0, h);
+            let mut axis = Vector3::zeros();
+            let start = [&job.start.q[..], &job.start.v];
+            observed(&mut job.model, start, &options, &mut |model, _| {
+                axis = model.node_state(top).R.column(1).into();
+            });
+            axis
+        };
+        let runs = [4e-4, 2e-4, 1e-4].map(place);
+        let errors = runs.map(|x| (x - exact).norm());
+        for slope in slopes(&errors) {
+            assert!(
+                (slope - f64::from(order)).abs() < 0.1,
+                "{method}: {errors:?}"
+            );
+        }
+        let extrapolated = runs[2] + (runs[2] - runs[1]) / (2.0_f64.powi(order) - 1.0);
+        assert!(
+            (extrapolated - exact).norm() < 1e-5,
+            "{method}: {extrapolated}"
+        );
+    }
+}
+
+#[test]
+fn the_tangent_of_spins_is_that_of_their_residual() {
+    let file = input::parse("rod.toml", ROD).unwrap();
+    for formulation in [
+        Formulation::Updated,
+        Formulation::LieGroup,
+        Formulation::SpatialSpins,
+        Formulation::MixedSpins,
+    ] {
+        let mut job = input::job_in("rod.toml", &file, formulation).unwrap();
+        // A step centres the charts, and spins begin.
+        let options = tight(Scheme::default(), 0.05, 0.01);
+        let start = [&job.start.q[..], &job.start.v];
+        let progress = observed(&mut job.model, start, &options, &mut |_, _| {});
+        let mut state = check::State {
+            t: progress.state.t,
+            x: progress.state.q.into(),
+            v: progress.state.v.into(),
+            a: progress.state.a.into(),
+        };
+        for (k, x) in state.x.iter_mut().enumerate() {
+            *x += 0.2 * (1.7 * k as f64).sin();
+        }
+        let states = [("between steps".to_owned(), state)];
+        let report = check::system("rod", &mut job.model, &states);
+        if formulation == Formulation::Updated {
+            report.assert();
+            continue;
+        }
+        // Rows are those of θ, columns those of spins: M = Bᵀ M B T⁻¹, all derivatives of r exact.
+        let failed: Vec<&str> = report.failures().iter().map(|r| &r.law[..]).collect();
+        assert_eq!(failed, ["M symmetric"], "{report}");
+    }
+}
+
+#[test]
+fn a_model_whose_rotations_are_held_has_one_formulation() {
+    let text = include_str!("../../../examples/models/pendulum.toml");
+    let file = input::parse("pendulum.toml", text).unwrap();
+    let refused = input::job_in("pendulum.toml", &file, Formulation::LieGroup);
+    let error = refused.err().unwrap().to_string();
+    assert!(error.contains("without the prefix"), "{error}");
+}
+
+#[test]
+fn words_that_no_formulation_takes_are_refused_by_name() {
+    for (word, says) in [
+        ("lie-radau", "one stage"),
+        ("spin-ga:0.8", "newmark"),
+        ("spin-bathe", "newmark"),
+        ("ul-nothing", "ul-nothing"),
+        ("lie-", "there are"),
+    ] {
+        let error = word.parse::<Method>().unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains(word), "{error}");
+    }
+}

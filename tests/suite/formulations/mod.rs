@@ -1,0 +1,7 @@
+//! Formulations of rotations besides the total one.
+
+mod exact;
+mod lie_group;
+mod order;
+mod page;
+mod spin_vectors;

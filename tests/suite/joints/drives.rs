@@ -1,0 +1,179 @@
+//! Coordinates of joints that follow functions of time: where, how fast and with what force the hung
+//! frame moves, for every joint of the library.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::dynamics::{assert_slopes, configure, sine, tight};
+use nalgebra::Matrix3;
+use pullback::elements::joint::{
+    ConstantVelocity, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
+    Spherical, Universal,
+};
+use pullback::manifold::so3;
+use pullback::manifold::system::Evaluation;
+use pullback::prelude::*;
+
+const MASS: f64 = 2.0;
+
+#[derive(Clone, Copy)]
+struct Bow;
+
+impl Curve for Bow {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        Vector3::new(s, s * s * 0.4, s.sin() * 0.3)
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Saddle;
+
+impl Surface for Saddle {
+    fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S> {
+        Vector3::new(u, v, u * u - v * v * 0.5)
+    }
+}
+
+/// The function that drives coordinate `k` of a joint.
+fn function(k: usize) -> pullback::elements::time::Sine {
+    sine(0.9 - 0.2 * k as f64, 2.0 + 0.7 * k as f64, 0.3 * k as f64)
+}
+
+/// First and second derivative by central differences of the fourth order.
+fn differences(f: &dyn Fn(f64) -> Vector3<f64>, t: f64) -> [Vector3<f64>; 2] {
+    let h = 1e-2;
+    let at = |k: f64| f(t + k * h);
+    // Richardson's extrapolation of the differences over h and 2h.
+    let first = |k: f64| (at(k) - at(-k)) / (2.0 * k * h);
+    let second = |k: f64| (at(k) + at(-k) - at(0.0) * 2.0) / (k * h).powi(2);
+    [
+        (first(1.0) * 4.0 - first(2.0)) / 3.0,
+        (second(1.0) * 4.0 - second(2.0)) / 3.0,
+    ]
+}
+
+/// Drives all coordinates of a joint on a frame that is driven too, and compares the hung frame, and
+/// the force that moves the mass on it, with the pose and its differences in time.
+#[track_caller]
+fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J) {
+    let mut b = ModelBuilder::new();
+    let base = b.node("base", [0.0; 3]).unwrap();
+    for dof in Dof::ALL {
+        let k = dof.index();
+        b.prescribe(base, dof, sine(0.3, 1.0 + 0.1 * k as f64, 0.2 * k as f64));
+    }
+    let made = b.attach("joint", base, joint).unwrap();
+    let mut own = 0;
+    for &node in &made.released {
+        for k in 0..b.dim(node) {
+            b.prescribe_coordinate(node, k, Box::new(function(own)));
+            own += 1;
+        }
+    }
+    assert_eq!(own + 6, D);
+    b.element("mass", PointMass::new(MASS).unwrap(), &[made.frame])
+        .unwrap();
+    let free = b.node("free", [0.0; 3]).unwrap();
+    let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+    b.element("free", sphere, &[free]).unwrap();
+    let mut model = b.build().unwrap();
+    let pose = |t: f64| {
+        let q = SVector::<f64, D>::from_fn(|k, _| match k {
+            0..6 => sine(0.3, 1.0 + 0.1 * k as f64, 0.2 * k as f64).at(t)[0],
+            _ => function(k - 6).at(t)[0],
+        });
+        joint.pose(t, &q)
+    };
+    let zeros = vec![0.0; model.pattern().dim()];
+    for t in [0.0, 0.4, 1.1, 2.3] {
+        let at = Point {
+            t,
+            q: &zeros,
+            v: &zeros,
+            a: &zeros,
+        };
+        let mut r = zeros.clone();
+        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        let state = model.node_state(made.frame);
+        let turn = |t: f64| so3::rotation(&so3::log_quaternion(&pose(t).turn));
+        assert!((state.d - pose(t).d).norm() < 1e-13, "{what} at {t}");
+        assert!((state.R - turn(t)).norm() < 1e-13, "{what} at {t}");
+        let [velocity, acceleration] = differences(&|t| pose(t).d, t);
+        let close = |a: Vector3<f64>, b: Vector3<f64>, name: &str| {
+            assert!((a - b).norm() < 2e-6, "{what} at {t}: {name} {a} {b}");
+        };
+        close(state.velocity, velocity, "velocity");
+        close(state.acceleration, acceleration, "acceleration");
+        // Ṙ e = ω × (R e).
+        for e in [Vector3::x(), Vector3::y()] {
+            let [rate, _] = differences(&|t| turn(t) * e, t);
+            close(state.omega.cross(&(state.R * e)), rate, "angular velocity");
+        }
+        let [force, moment] = model.joint_force(made.frame).unwrap();
+        close(force, acceleration * MASS, "force");
+        assert!(moment.norm() < 1e-12);
+    }
+}
+
+#[test]
+fn every_coordinate_of_every_joint_follows_a_function_of_time() {
+    let (axis, other) = ([1.0, -2.0, 0.5], [0.3, 1.0, 0.9]);
+    driven("revolute", Revolute::new(axis).unwrap());
+    driven("prismatic", Prismatic::new(axis).unwrap());
+    driven("helical", Helical::new(axis, 0.7).unwrap());
+    driven("cylindrical", Cylindrical::new(axis).unwrap());
+    driven("universal", Universal::new([axis, other]).unwrap());
+    let shafts = ConstantVelocity::new([axis, other]).unwrap();
+    driven("constant velocity", shafts);
+    driven("planar", Planar::new(axis, other).unwrap());
+    driven("spherical", Spherical);
+    driven("curve", OnCurve::new(Bow));
+    driven("surface", OnSurface::new(Saddle));
+}
+
+#[test]
+fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
+    let (omega, first, to) = (2.5, 0.4, 0.8);
+    let errors: Vec<Vec<f64>> = [100, 200, 400]
+        .map(|steps| {
+            let mut b = ModelBuilder::new();
+            let ground = b.node("ground", [0.0; 3]).unwrap();
+            b.support(ground, &Dof::ALL);
+            let hub = revolute(&mut b, "hub", ground, [0.0, 0.0, 1.0]).unwrap();
+            b.prescribe_coordinate(hub.angle, 0, Box::new(Proportional(omega)));
+            let boom = prismatic(&mut b, "boom", hub.frame, [1.0, 0.0, 0.0]).unwrap();
+            b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
+                .unwrap();
+            let mut model = b.build().unwrap();
+            let mut progress = Progress::new(start(&model, 0.0, &[first], &[0.0]).unwrap());
+            let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, to / steps as f64);
+            let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+            integrate(&mut model, &mut progress, &options, go_on).unwrap();
+            configure(&mut model, &progress.state);
+            // r̈ = Ω² r, and the moment of the drive is the rate of m r² Ω.
+            let (r, rate) = (
+                first * (omega * to).cosh(),
+                first * omega * (omega * to).sinh(),
+            );
+            let state = &progress.state;
+            let at = Point {
+                t: state.t,
+                q: &state.q,
+                v: &state.v,
+                a: &state.a,
+            };
+            model
+                .evaluate(at, Evaluation::residual(&mut [0.0]))
+                .unwrap();
+            let [_, moment] = model.joint_force(hub.frame).unwrap();
+            let exact = 2.0 * MASS * r * rate * omega;
+            vec![
+                (state.q[0] - r).abs(),
+                (state.v[0] - rate).abs(),
+                (moment.z - exact).abs(),
+            ]
+        })
+        .into();
+    let names = ["way", "rate", "moment"];
+    assert_slopes("boom", &names, &errors, 2.0, 0.1);
+    assert!(errors[2].iter().all(|e| *e < 1e-2), "{errors:?}");
+}

@@ -1,0 +1,301 @@
+//! Gears and racks against closed forms.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{check, directory, history, number, program, write};
+use pullback::elements::joint::{GearError, JointNodes, RevoluteNodes};
+use pullback::prelude::*;
+
+/// Two rotors on the ground with a motor on the first, and a spring and damper where `acts` says so.
+fn rotors(acts: [&str; 2], gear: &str) -> String {
+    format!(
+        r#"
+[nodes]
+ground = [0, 0, 0]
+beside = [0.5, 0, 0]
+
+[[joints]]
+name = "pinion"
+type = "revolute"
+master = "ground"
+axis = [0, 0, 1]
+{}
+
+[[joints]]
+name = "wheel"
+type = "revolute"
+master = "beside"
+axis = [0, 0, 1]
+{}
+
+{gear}
+
+[[bodies]]
+name = "first"
+node = "pinion"
+mass = 1.0
+inertia = [1, 1, 0.02]
+
+[[bodies]]
+name = "second"
+node = "wheel"
+mass = 1.0
+inertia = [1, 1, 0.9]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[supports]]
+node = "beside"
+fix = "all"
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+scheme = {{ newmark = [0.25, 0.5] }}
+record_every = 10
+
+[output]
+figures = false
+paraview_every = 0
+
+[[probes]]
+name = "pinion"
+quantity = "joint_coordinate"
+joint = "pinion"
+
+[[probes]]
+name = "wheel"
+quantity = "joint_coordinate"
+joint = "wheel"
+
+[[probes]]
+name = "rate"
+quantity = "joint_rate"
+joint = "wheel"
+
+[[probes]]
+name = "on first"
+quantity = "joint_moment"
+node = "pinion"
+component = "z"
+
+[[probes]]
+name = "on second"
+quantity = "joint_moment"
+node = "wheel"
+component = "z"
+
+[[probes]]
+name = "ground"
+quantity = "reaction_moment"
+node = "ground"
+component = "z"
+
+[[probes]]
+name = "beside"
+quantity = "reaction_moment"
+node = "beside"
+component = "z"
+"#,
+        acts[0], acts[1]
+    )
+}
+
+const GEAR: &str = "[[gears]]\njoints = [\"pinion\", \"wheel\"]\nratio = -0.25\n";
+
+#[track_caller]
+fn ran(name: &str, text: &str) -> Vec<std::collections::HashMap<String, String>> {
+    let directory = directory(name);
+    let output = program(&[&write(&directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    history(&directory.join("model.out"))
+}
+
+#[test]
+fn two_rotors_have_the_reduced_inertia() {
+    let (ratio, first, second, motor) = (-0.25, 0.02, 0.9, 0.5);
+    // (J₁ + i² J₂) θ̈₁ = M; each rotor takes J θ̈ from its joint.
+    let reduced = first + ratio * ratio * second;
+    let rows = ran(
+        "gear_motor",
+        &rotors(["motor = { constant = 0.5 }", ""], GEAR),
+    );
+    for row in &rows {
+        let t = number(row, "t");
+        let acceleration = motor / reduced;
+        let angle = 0.5 * acceleration * t * t;
+        assert!((number(row, "pinion") - angle).abs() < 1e-9);
+        assert!((number(row, "wheel") - ratio * angle).abs() < 1e-9);
+        assert!((number(row, "on first") - first * acceleration).abs() < 1e-9);
+        assert!((number(row, "on second") - second * ratio * acceleration).abs() < 1e-9);
+        // Supports give what changes the angular momentum of both.
+        let supports = number(row, "ground") + number(row, "beside");
+        let change = (first + ratio * second) * acceleration;
+        assert!((supports - change).abs() < 1e-9);
+    }
+    assert_eq!(rows.len(), 101);
+}
+
+#[test]
+fn a_motor_and_a_spring_on_the_wheel_act_through_the_gear() {
+    let (ratio, first, second) = (-0.25_f64, 0.02, 0.9);
+    // The same on the wheel: (J₂ + J₁/i²) θ̈₂ = M − k θ₂.
+    let reduced = second + first / (ratio * ratio);
+    let (motor, k) = (0.5, 20.0_f64);
+    let omega = (k / reduced).sqrt();
+    let acts = "motor = { constant = 0.5 }\nspring = { k = 20 }";
+    for row in ran("gear_spring", &rotors(["", acts], GEAR)) {
+        let t = number(&row, "t");
+        let angle = motor / k * (1.0 - (omega * t).cos());
+        assert!((number(&row, "wheel") - angle).abs() < 1e-6);
+        let rate = motor / k * omega * (omega * t).sin();
+        assert!((number(&row, "rate") - rate).abs() < 1e-5);
+        assert!((number(&row, "pinion") - angle / ratio).abs() < 4e-6);
+    }
+}
+
+#[test]
+fn a_rack_falls_and_spins_its_pinion() {
+    let text = rotors(
+        ["", ""],
+        "[[gears]]\njoints = [\"pinion\", \"wheel\"]\nratio = 0.3\n",
+    )
+    .replace(
+        "name = \"wheel\"\ntype = \"revolute\"",
+        "name = \"wheel\"\ntype = \"prismatic\"",
+    )
+    .replace(
+        "master = \"beside\"\naxis = [0, 0, 1]",
+        "master = \"beside\"\naxis = [0, 1, 0]",
+    )
+    .replace(
+        "[analysis.dynamic]",
+        "[[loads]]\ngravity = [0, -9.81, 0]\n\n[analysis.dynamic]",
+    );
+    // (m + J/r²) ü = −m g.
+    let acceleration = -9.81 / (1.0 + 0.02 / 0.09);
+    for row in ran("gear_rack", &text) {
+        let t = number(&row, "t");
+        let way = 0.5 * acceleration * t * t;
+        assert!((number(&row, "wheel") - way).abs() < 1e-9);
+        assert!((number(&row, "pinion") - way / 0.3).abs() < 1e-9);
+        assert!((number(&row, "on first") - 0.02 * acceleration / 0.3).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn what_a_gear_cannot_do_is_refused() {
+    let gear =
+        |joints: &str, ratio: &str| format!("[[gears]]\njoints = {joints}\nratio = {ratio}\n");
+    let text = rotors(["", ""], &gear("[\"pinion\", \"weel\"]", "2"));
+    check(
+        &text,
+        "\"weel\"",
+        "no joint with a released coordinate",
+        "`wheel`",
+    );
+    let text = rotors(["", ""], &gear("[\"pinion\", \"wheel\"]", "0"));
+    check(&text, "[[gears]]", "ratio 0 must be", "");
+    let twice = GEAR.to_owned() + &gear("[\"wheel\", \"pinion\"]", "-3");
+    check(&rotors(["", ""], &twice), "[[gears]]", "the ratio -4", "");
+    check(
+        &rotors(["", "rate = 2"], GEAR),
+        "2",
+        "follows another one",
+        "other end",
+    );
+}
+
+/// A carrier, a planet on it, and a pinion on the ground after them.
+fn train() -> (ModelBuilder, [NodeId; 3]) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let axis = [0.0, 0.0, 1.0];
+    let carrier = revolute(&mut b, "carrier", ground, axis).unwrap();
+    let seat = offset(&mut b, "seat", carrier.frame, [0.7, 0.0, 0.0]).unwrap();
+    let RevoluteNodes { frame, angle } = revolute(&mut b, "planet", seat, axis).unwrap();
+    let inertia = Matrix3::identity() * 0.05;
+    let body = RigidBody::new(2.0, inertia, Vector3::zeros()).unwrap();
+    b.element("planet", body, &[frame]).unwrap();
+    let JointNodes { frame, released } = revolute(&mut b, "pinion", ground, axis).unwrap().into();
+    b.element("pinion", body, &[frame]).unwrap();
+    (b, [carrier.angle, angle, released[0]])
+}
+
+#[test]
+fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
+    // Sun 0.4, planet 0.3: the planet turns by 4/3 of the carrier's angle in the carrier, 7/3 in
+    // all. The pinion, driven by the planet's angle in the carrier, makes twice that: 8/3.
+    for reversed in [false, true] {
+        let (mut b, [carrier, planet, pinion]) = train();
+        if reversed {
+            gear(&mut b, [pinion, planet], 0.5).unwrap();
+            gear(&mut b, [planet, carrier], 0.75).unwrap();
+        } else {
+            gear(&mut b, [carrier, planet], 0.4 / 0.3).unwrap();
+            gear(&mut b, [planet, pinion], 2.0).unwrap();
+        }
+        // Said before, in other words.
+        gear(&mut b, [carrier, pinion], 8.0 / 3.0).unwrap();
+        let error = gear(&mut b, [pinion, carrier], 1.0).unwrap_err();
+        let wrong = "gear between pinion angle and carrier angle: other gears between them";
+        assert!(error.to_string().starts_with(wrong), "{error}");
+        let motor = CoordinateForce::new(Constant(0.3));
+        b.element("motor", motor, &[planet]).unwrap();
+        let mut model = b.build().unwrap();
+        assert_eq!(model.pattern().dim(), 1);
+        // m a² + J (7/3)² + J (8/3)² and the motor's 4/3 of its moment.
+        let squares = (7.0_f64 / 3.0).powi(2) + (8.0_f64 / 3.0).powi(2);
+        let acceleration = 0.3 * (4.0 / 3.0) / (2.0 * 0.49 + 0.05 * squares);
+        let mut progress = Progress::new(start(&model, 0.0, &[0.0], &[0.0]).unwrap());
+        let mut options = DynamicOptions::new(2.0, 0.01);
+        options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
+        let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        integrate(&mut model, &mut progress, &options, go_on).unwrap();
+        let angle = 0.5 * acceleration * 4.0;
+        assert!((progress.state.q[0] - angle).abs() < 1e-9);
+        let state = &progress.state;
+        let at = Point {
+            t: state.t,
+            q: &state.q,
+            v: &state.v,
+            a: &state.a,
+        };
+        model.configure(at).unwrap();
+        let [found, rate] = model.coordinate(pinion, 0).unwrap();
+        assert!((found - angle * 8.0 / 3.0).abs() < 1e-9);
+        assert!((rate - acceleration * 2.0 * 8.0 / 3.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn nodes_that_are_no_coordinates_have_no_gears() {
+    let (mut b, [carrier, ..]) = train();
+    let ground = b.find("ground").unwrap();
+    let seat = b.find("seat").unwrap();
+    for (node, ratio) in [(ground, 1.0), (seat, 1.0), (carrier, f64::NAN)] {
+        let error = gear(&mut b, [carrier, node], ratio).unwrap_err();
+        assert!(matches!(error, ModelError::Gear { .. }), "{error}");
+    }
+    let ModelError::Gear { source, .. } = gear(&mut b, [carrier, carrier], 2.0).unwrap_err() else {
+        panic!("another error");
+    };
+    let (found, given) = (1.0, 2.0);
+    assert_eq!(source, GearError::Contradiction { found, given });
+}
+
+#[test]
+fn a_driven_follower_is_told_to_drive_its_leader() {
+    let (mut b, [carrier, planet, _]) = train();
+    gear(&mut b, [carrier, planet], 2.0).unwrap();
+    b.prescribe_coordinate(planet, 0, Box::new(Proportional(1.0)));
+    let said = b.build().err().unwrap().to_string();
+    assert!(
+        said.contains("planet angle") && said.contains("carrier angle"),
+        "{said}"
+    );
+}

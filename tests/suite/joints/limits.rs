@@ -1,0 +1,218 @@
+//! Where charts of joints end: they change, or an error names the joint.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::{configure, observed, tight};
+use nalgebra::Matrix3;
+use pullback::manifold::so3;
+use pullback::prelude::*;
+use std::f64::consts::TAU;
+
+/// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
+fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Model, JointNodes) {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let made = hang(&mut b, ground);
+    let sphere = RigidBody::new(2.0, Matrix3::identity() * 0.3, Vector3::zeros()).unwrap();
+    b.element("ball", sphere, &[made.frame]).unwrap();
+    // Something is free, whatever is driven.
+    let free = b.node("free", [1.0, 0.0, 0.0]).unwrap();
+    b.element("free", sphere, &[free]).unwrap();
+    (b.build().unwrap(), made)
+}
+
+/// Runs with rates of the released coordinates; the orientation at each step is handed to `at`.
+fn run(
+    model: &mut Model,
+    made: &JointNodes,
+    rates: &[f64],
+    to: f64,
+    at: &mut dyn FnMut(f64, &NodeState),
+) -> Result<Progress, DynamicsError> {
+    let n = model.pattern().dim();
+    let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    let places = made.released.iter().flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
+    let places: Vec<_> = places
+        .filter(|&(r, k)| model.unknown_at(r, k).is_some())
+        .collect();
+    for (&(node, k), &rate) in places.iter().zip(rates) {
+        assert!(model.set(&mut v, node, k, rate));
+    }
+    let mut progress = Progress::new(start(model, 0.0, &q, &v)?);
+    let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, 0.01);
+    let frame = made.frame;
+    integrate(
+        model,
+        &mut progress,
+        &options,
+        &mut |model: &mut Model, step| {
+            configure(model, &step.progress.state);
+            at(step.progress.state.t, &model.node_state(frame));
+            ControlFlow::Continue(())
+        },
+    )?;
+    Ok(progress)
+}
+
+#[test]
+fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let (mut model, made) = ball(|b, on| universal(b, "cross", on, axes).unwrap());
+    // The axes stay at right angles, so T = ½ J (α̇² + β̇²): both angles grow evenly.
+    let (alpha, beta) = (1.0, 3.0);
+    let mut largest = 0.0_f64;
+    let progress = run(&mut model, &made, &[alpha, beta], 5.0, &mut |t, state| {
+        let exact = so3::rotation(&(Vector3::x() * (alpha * t)))
+            * so3::rotation(&(Vector3::y() * (beta * t)));
+        largest = largest.max((state.R - exact).norm());
+    });
+    let progress = progress.unwrap();
+    assert!(beta * progress.state.t > 2.0 * TAU);
+    assert!(largest < 1e-10, "{largest:e}");
+    assert!(progress.summary.chart_changes > 0);
+}
+
+/// A point mass that hangs along the third axis of the shaft: at β = 90° no mass acts on α, which turns by
+/// half a turn in a moment as the mass passes nearby. Its way is a great circle at constant speed.
+#[test]
+fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let made = universal(&mut b, "cross", ground, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+    let bob = offset(&mut b, "bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
+    b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
+        .unwrap();
+    let mut model = b.build().unwrap();
+    let beta = 1.2_f64;
+    let (sin, cos) = beta.sin_cos();
+    for rates in [[1.0, 2.0], [0.2, 2.0]] {
+        // x = R(α e1) R(β e2) (−e3) and its rate, at α = 0.
+        let from = Vector3::new(-sin, 0.0, -cos);
+        let velocity = Vector3::new(-rates[1] * cos, rates[0] * cos, rates[1] * sin);
+        let speed = velocity.norm();
+        let errors = [1e-3, 5e-4].map(|h| {
+            let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), 0.4, h);
+            let mut last = (Vector3::zeros(), 0.0);
+            observed(
+                &mut model,
+                [&[0.0, beta], &rates],
+                &options,
+                &mut |model, step| {
+                    last = (model.node_state(bob).place, step.progress.state.q[0]);
+                },
+            );
+            assert!(last.1 > 2.0, "not beyond: {}", last.1);
+            let (sin, cos) = (speed * 0.4).sin_cos();
+            (last.0 - (from * cos + velocity / speed * sin)).norm()
+        });
+        let order = (errors[0] / errors[1]).log2();
+        assert!((order - 2.0).abs() < 0.2, "{rates:?}: {errors:?}");
+        assert!(errors[1] < 1e-2, "{rates:?}: {errors:?}");
+    }
+}
+
+#[test]
+fn a_spherical_joint_turns_any_number_of_times() {
+    let (mut model, made) = ball(|b, on| spherical(b, "socket", on).unwrap().into());
+    let omega = Vector3::new(3.0, -4.0, 12.0);
+    let mut largest = 0.0_f64;
+    let progress = run(&mut model, &made, omega.as_slice(), 2.0, &mut |t, state| {
+        largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
+    });
+    let progress = progress.unwrap();
+    // 26 rad: the chart changes at π, 3π, 5π and 7π.
+    assert!(largest < 1e-10, "{largest:e}");
+    assert!(progress.summary.chart_changes >= 4);
+    for k in 0..3 {
+        let [value, _] = model.coordinate(made.released[0], k).unwrap();
+        assert!(value.abs() < 0.6 * TAU);
+    }
+}
+
+#[test]
+fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
+    let axis = [0.0, 0.0, 1.0];
+    let (mut model, made) = ball(|b, on| {
+        let made = constant_velocity(b, "coupling", on, [axis; 2]).unwrap();
+        b.prescribe_coordinate(made.released[0], 0, Box::new(Proportional(2.0)));
+        b.prescribe_coordinate(made.released[1], 0, Box::new(Constant(0.0)));
+        made
+    });
+    let mut reached = 0.0_f64;
+    let ended = run(&mut model, &made, &[], 4.0, &mut |t, state| {
+        reached = t;
+        // The shaft is tilted by 2 t, through half a turn and beyond.
+        let tilted = (state.R * Vector3::z()).z;
+        assert!((tilted - (2.0 * t).cos()).abs() < 1e-12);
+    });
+    let said = ended.unwrap_err().to_string();
+    assert!(
+        said.contains("joint at node coupling left its tilts of less than a whole turn"),
+        "{said}"
+    );
+    assert!(
+        2.0 * reached < TAU && 2.0 * reached > 0.99 * TAU,
+        "{reached}"
+    );
+}
+
+/// A line with ends.
+#[derive(Clone)]
+struct Rail;
+
+impl Curve for Rail {
+    fn at<S: Scalar>(&self, s: S) -> Vector3<S> {
+        Vector3::new(s, S::zero(), S::zero())
+    }
+
+    fn margin(&self, s: f64) -> f64 {
+        1.0 - s.abs()
+    }
+}
+
+#[test]
+fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
+    let (mut model, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
+    let mut reached = 0.0_f64;
+    let ended = run(&mut model, &made, &[2.0], 4.0, &mut |t, state| {
+        reached = state.place.x;
+        assert!((state.place.x - 2.0 * t).abs() < 1e-12);
+    });
+    let said = ended.unwrap_err().to_string();
+    assert!(
+        said.contains("joint at node carriage left its curve over an end"),
+        "{said}"
+    );
+    assert!(reached <= 1.0 && reached > 0.98, "{reached}");
+}
+
+#[test]
+fn a_spring_along_a_line_lets_its_nodes_turn() {
+    // At the centre of a body that turns about it, the other end held: nothing acts.
+    let (rate, to) = (10.0, 2.0);
+    let mut b = ModelBuilder::new();
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    let end = b.node("end", [1.0, 0.0, 0.0]).unwrap();
+    let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+    b.element("body", sphere, &[end]).unwrap();
+    let places = [ground, end].map(|n| b.place(n));
+    let spring = AxialSpring::new(&places, 1.0, 0.5).unwrap();
+    b.element("spring", spring, &[ground, end]).unwrap();
+    let mut model = b.build().unwrap();
+    let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
+    v[5] = rate;
+    let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+    let options = tight(Scheme::default(), to, 0.01);
+    integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        configure(model, &step.progress.state);
+        let now = model.node_state(end);
+        let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
+        assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(progress.state.t, to);
+}

@@ -1,0 +1,354 @@
+//! The joints of the library in motion, from model files, against closed forms.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{check, directory, history, number, program, write};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+/// A body on a joint that hangs on the ground.
+fn model(joint: &str, body: &str, rest: &str) -> String {
+    format!(
+        r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "joint"
+master = "ground"
+{joint}
+
+[[bodies]]
+name = "body"
+node = "joint"
+mass = 2.0
+{body}
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[loads]]
+gravity = [0, 0, -9.81]
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+scheme = {{ newmark = [0.25, 0.5] }}
+record_every = 10
+
+[output]
+figures = false
+paraview_every = 0
+
+[[probes]]
+name = "place"
+quantity = "position"
+node = "joint"
+
+{rest}
+"#
+    )
+}
+
+fn coordinate(name: &str) -> String {
+    format!("[[probes]]\nname = \"{name}\"\nquantity = \"joint_coordinate\"\njoint = \"{name}\"\n")
+}
+
+#[track_caller]
+fn ran(name: &str, text: &str) -> Vec<HashMap<String, String>> {
+    let directory = directory(name);
+    let output = program(&[&write(&directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let rows = history(&directory.join("model.out"));
+    assert_eq!(rows.len(), 101);
+    rows
+}
+
+const G: f64 = 9.81;
+
+#[test]
+fn a_prismatic_joint_falls_along_its_incline() {
+    let text = model(
+        "type = \"prismatic\"\naxis = [3, 0, -4]",
+        "inertia = [1, 1, 1]",
+        &coordinate("joint"),
+    );
+    for row in ran("joint_prismatic", &text) {
+        let t = number(&row, "t");
+        // The part 4/5 of gravity along the axis.
+        let way = 0.5 * 0.8 * G * t * t;
+        assert!((number(&row, "joint") - way).abs() < 1e-9);
+        assert!((number(&row, "place.x") - 0.6 * way).abs() < 1e-9);
+        assert!((number(&row, "place.z") + 0.8 * way).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_nut_runs_down_its_screw() {
+    let pitch = 0.4;
+    let text = model(
+        &format!("type = \"helical\"\naxis = [0, 0, 1]\npitch = {pitch}"),
+        "inertia = [0.06, 0.06, 0.05]",
+        &coordinate("joint"),
+    );
+    // (J + m p²/4π²) φ̈ = −m g p/2π.
+    let lead = pitch / TAU;
+    let rate = -2.0 * G * lead / (0.05 + 2.0 * lead * lead);
+    for row in ran("joint_helical", &text) {
+        let t = number(&row, "t");
+        assert!((number(&row, "joint") - 0.5 * rate * t * t).abs() < 1e-8);
+        assert!((number(&row, "place.z") - 0.5 * rate * lead * t * t).abs() < 1e-9);
+    }
+    assert!(0.5 * rate < -1.5 * TAU, "it makes turns: {rate}");
+}
+
+#[test]
+fn a_cylindrical_joint_falls_and_spins_by_itself() {
+    let acts = "coordinates = { angle = { motor = { constant = 0.3 }, rate = 2.0 }, \
+                way = { spring = { k = 50.0 } } }";
+    let text = model(
+        &format!("type = \"cylindrical\"\naxis = [0, 0, 1]\n{acts}"),
+        "inertia = [1, 1, 0.6]",
+        &(coordinate("joint way") + &coordinate("joint angle")),
+    );
+    for row in ran("joint_cylindrical", &text) {
+        let t = number(&row, "t");
+        assert!((number(&row, "joint angle") - (2.0 * t + 0.25 * t * t)).abs() < 1e-9);
+        // u = −m g/k (1 − cos ω t), ω² = 25.
+        let way = -2.0 * G / 50.0 * (1.0 - (5.0 * t).cos());
+        assert!((number(&row, "joint way") - way).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn a_puck_on_a_slope_flies_like_a_stone() {
+    // The plane with the normal (0, −1, 1)/√2: half of gravity's square along the slope.
+    let acts = "coordinates = { \"way 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
+    let text = model(
+        &format!("type = \"planar\"\naxis = [0, -1, 1]\nsecond_axis = [1, 0, 0]\n{acts}"),
+        "inertia = [1, 2, 2]",
+        &(coordinate("joint way 1") + &coordinate("joint way 2") + &coordinate("joint angle")),
+    );
+    let down = -G / 2.0_f64.sqrt();
+    for row in ran("joint_planar", &text) {
+        let t = number(&row, "t");
+        assert!((number(&row, "joint way 1") - 3.0 * t).abs() < 1e-9);
+        assert!((number(&row, "joint way 2") - 0.5 * down * t * t).abs() < 1e-9);
+        assert!((number(&row, "joint angle") - 4.0 * t).abs() < 1e-9);
+        assert!((number(&row, "place.x") - 3.0 * t).abs() < 1e-9);
+        let below = 0.5 * down * t * t / 2.0_f64.sqrt();
+        assert!((number(&row, "place.z") - below).abs() < 1e-9);
+    }
+}
+
+/// A bob a metre below a joint with two angles, thrown into a cone of 30°, for these seconds.
+fn conical(joint: &str, bob: &str, seconds: f64) -> String {
+    let rotation = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"bob\"\n";
+    let offset =
+        "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0, 0, -1]";
+    model(joint, bob, rotation)
+        .replace("to = 1.0", &format!("to = {seconds}"))
+        .replace("step = 0.001", "step = 0.0005")
+        .replace(
+            "record_every = 10",
+            &format!("record_every = {}", 20.0 * seconds),
+        )
+        .replace("\nnode = \"joint\"", "\nnode = \"bob\"")
+        .replace("[[bodies]]", &format!("{offset}\n\n[[bodies]]"))
+}
+
+const CONE: f64 = PI / 6.0;
+
+/// Goes round on the cone; the rows with the angles round.
+#[track_caller]
+fn rounds(name: &str, text: &str, omega: f64) -> Vec<(HashMap<String, String>, f64)> {
+    let rows = ran(name, text).into_iter().map(|row| {
+        let turned = omega * number(&row, "t");
+        let (sine, cosine) = CONE.sin_cos();
+        let exact = [sine * turned.cos(), sine * turned.sin(), -cosine];
+        for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+            let found = number(&row, &format!("place.{axis}"));
+            let off = (found - exact).abs();
+            assert!(off < 2e-6, "{name} turned by {turned}: {found} {exact}");
+        }
+        (row, turned)
+    });
+    rows.collect()
+}
+
+#[test]
+fn a_point_on_a_universal_joint_goes_round_a_cone() {
+    // ω² = g/(l cos θ). Tilted by −θ about e2 the bob is at (sin θ, 0, −cos θ); it moves along e2 with
+    // ω sin θ: R(α e1) R(β e2) (0, 0, −1) has the rate α̇ cos β along e2.
+    let omega = (G / CONE.cos()).sqrt();
+    let universal = format!(
+        "type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = {{ \"angle 1\" \
+         = {{ rate = {} }}, \"angle 2\" = {{ value = {} }} }}",
+        omega * CONE.tan(),
+        -CONE
+    );
+    rounds("joint_universal", &conical(&universal, "", 1.0), omega);
+}
+
+#[test]
+fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
+    // As the joint transmits any turn about its shaft from the ground, which does not turn, the angular
+    // velocity is ω (e3 − c) with the body's axis c. Its spin −ω (1 − cos θ) has a momentum of its own:
+    // ω² (I cos θ + J (1 − cos θ)) = m g l, I and J across and along the shaft, at the joint. The moment of
+    // the joint, along e3 + c, has no part in that.
+    let (m, across, along) = (2.0, 0.5, 0.8);
+    let (sine, cosine) = CONE.sin_cos();
+    let omega: f64 = (m * G / ((m + across) * cosine + along * (1.0 - cosine))).sqrt();
+    // The first tilt is about e2, the second about −e1; the bob is at (sin θ, 0, −cos θ).
+    let coupling = format!(
+        "type = \"constant-velocity\"\naxis = [0, 0, 1]\nsecond_axis = [0, 0, 1]\ncoordinates = {{ \
+         \"tilt 1\" = {{ value = {} }}, \"tilt 2\" = {{ rate = {} }} }}",
+        -CONE,
+        -CONE * omega
+    );
+    let body = format!("inertia = [{across}, {across}, {along}]");
+    let rows = rounds("joint_cone", &conical(&coupling, &body, 2.2), omega);
+    for (row, turned) in &rows {
+        // One rotation about an axis across the shaft that goes round with the bob.
+        let exact = [CONE * turned.sin(), -CONE * turned.cos(), 0.0];
+        for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+            let found = number(row, &format!("turn.{axis}"));
+            assert!((found - exact).abs() < 4e-6, "at {turned}: {found} {exact}");
+        }
+    }
+    assert!(rows.last().unwrap().1 > TAU, "a whole turn");
+    assert!(sine * along > 0.1, "a spin that matters");
+}
+
+#[test]
+fn what_is_welded_to_an_arm_turns_with_it() {
+    // On a hinge with a motor: (J + m r²) θ̈ = M, the parts of the body as far away as the weld.
+    let joint = "type = \"revolute\"\naxis = [0, 0, 1]\nmotor = { constant = 3.0 }\n\n[[joints]]\nname = \
+                 \"arm\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0.5, 0, 0]\n\n[[joints]]\nname = \
+                 \"weld\"\ntype = \"weld\"\nmaster = \"arm\"";
+    let turn = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"weld\"\n";
+    let text = model(joint, "inertia = [0.3, 0.4, 0.6]", turn)
+        .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
+    for row in ran("joint_weld", &text) {
+        let t = number(&row, "t");
+        let angle = 0.5 * 3.0 / (0.6 + 2.0 * 0.25) * t * t;
+        let (sine, cosine) = angle.sin_cos();
+        for (column, exact) in [
+            ("place.x", 0.5 * cosine),
+            ("place.y", 0.5 * sine),
+            ("place.z", 0.0),
+            ("turn.x", 0.0),
+            ("turn.y", 0.0),
+            ("turn.z", angle),
+        ] {
+            let found = number(&row, column);
+            assert!(
+                (found - exact).abs() < 1e-9,
+                "{column} at {t}: {found} {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_coupling_of_constant_velocity_turns_its_shafts_equally() {
+    // Two shafts at 40°, the far end of the second in a bearing: statics of a driven angle.
+    let (s, c) = 40_f64.to_radians().sin_cos();
+    let text = format!(
+        r#"
+[sections.shaft]
+stiffness = {{ EA = 1e4, GA = [1e4, 1e4], GJ = 1e3, EI = [1e3, 1e3] }}
+
+[nodes]
+A = [-1, 0, 0]
+B = [{c}, {s}, 0]
+middle = [0, 0, 0]
+
+[[lines]]
+name = "first"
+from = "A"
+to = "middle"
+elements = 1
+section = "shaft"
+
+[[joints]]
+name = "coupling"
+type = "constant-velocity"
+master = "middle"
+axis = [1, 0, 0]
+second_axis = [{c}, {s}, 0]
+
+[[lines]]
+name = "second"
+from = "coupling"
+to = "B"
+elements = 1
+section = "shaft"
+
+[[supports]]
+node = "A"
+fix = ["x", "y", "z", "ry", "rz"]
+driven = {{ rx = {{ proportional = 5.0 }} }}
+
+[[supports]]
+node = "B"
+fix = "place"
+
+[output]
+figures = false
+paraview_every = 0
+
+[analysis.static]
+steps = 50
+
+[[probes]]
+name = "in"
+quantity = "rotation"
+node = "A"
+component = "norm"
+
+[[probes]]
+name = "out"
+quantity = "rotation"
+node = "B"
+component = "norm"
+"#
+    );
+    let directory = directory("joint_coupling");
+    let output = program(&[&write(&directory, &text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let rows = history(&directory.join("model.out"));
+    for row in &rows {
+        let (before, after) = (number(row, "in"), number(row, "out"));
+        assert!((before - after).abs() < 1e-8, "{before} {after}");
+    }
+    assert!((number(rows.last().unwrap(), "out") - 5.0).abs() < 1e-8);
+}
+
+#[test]
+fn coordinates_of_joints_are_refused_by_name() {
+    let two = |acts: &str| {
+        let joint =
+            format!("type = \"universal\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\n{acts}");
+        model(&joint, "inertia = [1, 1, 1]", "")
+    };
+    check(&two("rate = 1"), "rate", "universal", "");
+    check(
+        &two("coordinates = { angle = { rate = 1 } }"),
+        "angle",
+        "no coordinate of the joint named \"angle\"",
+        "angle 1",
+    );
+    let parallel = two("").replace("second_axis = [0, 1, 0]", "second_axis = [-2, 0, 0]");
+    check(&parallel, "[1, 0, 0]", "parallel", "");
+    let forgot = two("").replace("second_axis = [0, 1, 0]\n", "");
+    check(&forgot, "[[joints]]", "needs second_axis", "");
+    let weld = model(
+        "type = \"weld\"\naxis = [1, 0, 0]",
+        "inertia = [1, 1, 1]",
+        "",
+    );
+    check(&weld, "axis", "weld", "");
+}

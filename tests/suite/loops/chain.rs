@@ -1,0 +1,318 @@
+//! Chains with several freedoms and with more equations than needed, closed by h(t, x) = 0, against
+//! multipliers and a pendulum.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use crate::support::loops::*;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
+use pullback::elements::beam::Section;
+use pullback::elements::model::{Line, ModelBuilder, NodeId, Straight};
+use pullback::elements::time::Proportional;
+use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
+use pullback::manifold::check;
+use pullback::manifold::implicit::{Choice, Implicit, Solved};
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::system::{Kind, System};
+use std::ops::ControlFlow;
+
+// A chain of five bars -------------------------------------------------------------------------
+
+const LINKS: usize = 5;
+const SPAN: f64 = 3.0;
+
+/// A chain of bars of length and mass one between two points of the ceiling.
+#[derive(Clone, Copy, Debug)]
+struct Chain;
+
+impl Implicit<LINKS, 2> for Chain {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, LINKS>) -> SVector<S, 2> {
+        let mut end = Vector2::new(S::constant(-SPAN), S::zero());
+        for x in x.iter() {
+            end[0] += x.cos();
+            end[1] += x.sin();
+        }
+        end
+    }
+}
+
+/// Angles and rates by multipliers: M ẍ + Jᵀλ = f, J ẍ = −J̇ ẋ.
+fn chain_exact(from: &SVector<f64, LINKS>, v: &SVector<f64, LINKS>, to: f64) -> Vec<f64> {
+    const N: usize = LINKS;
+    let weight = |i: usize, k: usize| match k.cmp(&i) {
+        std::cmp::Ordering::Less => 1.0,
+        std::cmp::Ordering::Equal => 0.5,
+        std::cmp::Ordering::Greater => 0.0,
+    };
+    let ode = |_: f64, z: &SVector<f64, 10>| {
+        let mut A = SMatrix::<f64, 7, 7>::zeros();
+        let mut b = SVector::<f64, 7>::zeros();
+        for k in 0..N {
+            for j in 0..N {
+                let w: f64 = (0..N).map(|i| weight(i, k) * weight(i, j)).sum();
+                A[(k, j)] = w * (z[k] - z[j]).cos();
+                b[k] -= w * (z[k] - z[j]).sin() * z[N + j].powi(2);
+            }
+            A[(k, k)] += 1.0 / 12.0;
+            b[k] -= G * z[k].cos() * (0..N).map(|i| weight(i, k)).sum::<f64>();
+            for (row, d) in [(N, -z[k].sin()), (N + 1, z[k].cos())] {
+                A[(row, k)] = d;
+                A[(k, row)] = d;
+            }
+            b[N] += z[k].cos() * z[N + k].powi(2);
+            b[N + 1] += z[k].sin() * z[N + k].powi(2);
+        }
+        let solution = A.lu().solve(&b).unwrap();
+        SVector::<f64, 10>::from_fn(|k, _| if k < N { z[N + k] } else { solution[k - N] })
+    };
+    let start = SVector::<f64, 10>::from_fn(|k, _| if k < N { from[k] } else { v[k - N] });
+    let z = integrate_ode(&ode, start, to, 20_000);
+    z.as_slice().to_vec()
+}
+
+#[test]
+fn a_chain_of_bars_closes() {
+    let to = 2.0;
+    let guess = [-1.2, -0.6, 0.3, 0.5, 1.0];
+    for choice in [Choice::Split, Choice::Tangent] {
+        let map = Solved::<_, 3, LINKS, 2>::with(Chain, 0.0, guess, choice).unwrap();
+        check::implicit(&map, 0.0).assert();
+        let start = map.reference();
+        let v = SVector::<f64, 3>::new(1.0, -2.0, 1.5);
+        let v = map.rates(&(map.tangent(0.0, &SVector::zeros()).B * v));
+        let x_dot = map.tangent(0.0, &SVector::zeros()).B * v;
+        let exact = chain_exact(&start, &x_dot, to);
+        let runs = [1000, 2000, 4000].map(|n| {
+            let mut b = ModelBuilder::new();
+            let ground = ground(&mut b);
+            let q = b.coordinates("q", &[Kind::Angle; 3]).unwrap();
+            let x = b
+                .mapped_coordinates("x", &[Kind::Angle; 5], map.boxed(), &[q])
+                .unwrap();
+            let mut frame = ground;
+            for k in 0..LINKS {
+                let mut factors = [0.0; LINKS];
+                factors[k] = 1.0;
+                if k > 0 {
+                    factors[k - 1] = -1.0;
+                }
+                let turn = Linear::sum(factors, 0.0).boxed();
+                let turn = b.mapped_coordinates(format!("turn {k}"), &[Kind::Angle], turn, &[x]);
+                frame = bar(&mut b, frame, [k as f64, 0.0, 0.0], turn.unwrap(), 1.0, 1.0);
+            }
+            let h = |x: &SVector<f64, LINKS>| Chain.h(0.0, x).amax();
+            run(
+                b.build().unwrap(),
+                x,
+                v.as_slice(),
+                &h,
+                [to, to / f64::from(n)],
+            )
+        });
+        for run in &runs {
+            println!(
+                "{choice:?}: {} changes, gap {:.2e}, drift {:.2e}, residual {:.1e}",
+                run.progress.summary.chart_changes,
+                gap(&run.end, &exact),
+                run.drift,
+                run.residual
+            );
+            let changes = run.progress.summary.chart_changes;
+            assert!(changes > 0 || choice == Choice::Tangent, "{:?}", run.notes);
+            assert!(run.residual < 1e-14, "{:e}", run.residual);
+        }
+        let errors: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|r| vec![gap(&r.end, &exact), r.drift])
+            .collect();
+        assert_slopes("chain", &["motion", "energy"], &errors, 2.0, 0.25);
+    }
+}
+
+// Redundant equations --------------------------------------------------------------------------
+
+/// A plate on three parallel cranks of the same length: the third one only fits. `length` is that
+/// of the third crank.
+#[derive(Clone, Copy, Debug)]
+struct Parallelogram {
+    length: f64,
+}
+
+impl Implicit<4, 4> for Parallelogram {
+    /// x: angles of the three cranks and of the plate.
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 4>) -> SVector<S, 4> {
+        let pin = |k: usize, l: f64, at: f64| {
+            [
+                x[0].cos() + x[3].cos() * at - x[k].cos() * l - at,
+                x[0].sin() + x[3].sin() * at - x[k].sin() * l,
+            ]
+        };
+        let ([a, b], [c, d]) = (pin(1, 1.0, 2.0), pin(2, self.length, 1.0));
+        SVector::<S, 4>::new(a, b, c, d)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        [
+            "second pin, e1",
+            "second pin, e2",
+            "third pin, e1",
+            "third pin, e2",
+        ][i]
+            .to_owned()
+    }
+}
+
+/// The plate on its cranks, under their weights.
+fn carried(map: Solved<Parallelogram, 1, 4, 4>) -> (ModelBuilder, [NodeId; 2]) {
+    let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let x = b
+        .mapped_coordinates("x", &[Kind::Angle; 4], map.boxed(), &[q])
+        .unwrap();
+    let cranks = [0, 1, 2].map(|k| pick::<4>(&mut b, x, k, Kind::Angle));
+    let first = bar(&mut b, ground, [0.0; 3], cranks[0], 1.0, 1.0);
+    bar(&mut b, ground, [2.0, 0.0, 0.0], cranks[1], 1.0, 2.0);
+    bar(&mut b, ground, [1.0, 0.0, 0.0], cranks[2], 1.0, 3.0);
+    let turn = Linear::sum([-1.0, 0.0, 0.0, 1.0], 0.0).boxed();
+    let turn = b
+        .mapped_coordinates("turn", &[Kind::Angle], turn, &[x])
+        .unwrap();
+    bar(&mut b, first, [1.0, 0.0, 0.0], turn, 2.0, 4.0);
+    (b, [q, x])
+}
+
+/// Angle and rate of the cranks at a time: as the plate only translates, a pendulum,
+/// (Σ m/3 + m_p) θ̈ = −g (Σ m/2 + m_p) cos θ.
+fn pendulum(start: Vector2<f64>, to: f64) -> Vector2<f64> {
+    let ode = |_: f64, z: &Vector2<f64>| Vector2::new(z[1], -G * z[0].cos() * 7.0 / 6.0);
+    integrate_ode(&ode, start, to, 4000)
+}
+
+#[test]
+fn a_redundant_crank_is_named_and_carried_along() {
+    let start = -1.0_f64;
+    let guess = [start, start, start, 0.0];
+    let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
+    assert_eq!(map.redundant().len(), 1, "{:?}", map.redundant());
+    let error = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 0.95 }, 0.0, guess).unwrap_err();
+    assert!(error.to_string().contains("pin"), "{error}");
+    let (b, [_, x]) = carried(map);
+    let to = 1.0;
+    let z = pendulum(Vector2::new(start, 0.0), to);
+    let exact = [z[0], z[0], z[0], 0.0, z[1], z[1], z[1], 0.0];
+    let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
+    let run = run(b.build().unwrap(), x, &[0.0], &h, [to, 1e-3]);
+    println!(
+        "parallelogram: gap {:.1e}, {:?}",
+        gap(&run.end, &exact),
+        run.notes
+    );
+    assert!(gap(&run.end, &exact) < 1e-4, "{:?}", run.end);
+    assert!(run.residual < 1e-14);
+    assert!(run.notes[0].1.contains("redundant: "), "{:?}", run.notes);
+}
+
+#[test]
+fn a_beam_is_carried_by_a_loop() {
+    // A cantilever along e1 on the first crank: a beam on a frame that follows a coordinate picked
+    // from those of a loop. No load but weights: the energy is constant but for the scheme's error.
+    let start = -1.0_f64;
+    let to = 0.5;
+    let drifts = [250, 500, 1000].map(|n| {
+        let guess = [start, start, start, 0.0];
+        let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
+        let mut b = ModelBuilder::new();
+        let ground = ground(&mut b);
+        let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+        let kinds = [Kind::Angle; 4];
+        let x = b
+            .mapped_coordinates("x", &kinds, map.boxed(), &[q])
+            .unwrap();
+        // Angles from the start, at which the beam is straight.
+        let angles = [0, 1].map(|k| {
+            let map = Linear::<4, 1>::pick(k, start).boxed();
+            b.mapped_coordinates(format!("x{k}"), &kinds[..1], map, &[x])
+                .unwrap()
+        });
+        let crank = bar(&mut b, ground, [0.0; 3], angles[0], 1.0, 1.0);
+        bar(&mut b, ground, [2.0, 0.0, 0.0], angles[1], 1.0, 2.0);
+        let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
+        let axis = Straight {
+            from: b.place(crank),
+            to: b.place(tip),
+            second: None,
+            twist: 0.0,
+        };
+        let section = Section::diagonal(1e4, [1e4; 2], 10.0, [10.0; 2]).unwrap();
+        let line = Line {
+            elements: 2,
+            order: 1,
+            section: section.with_mass(1.0, Matrix3::identity() * 1e-2),
+        };
+        b.line("beam", &axis, [crank, tip], &line).unwrap();
+        let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
+        let run = run(b.build().unwrap(), x, &[], &h, [to, to / f64::from(n)]);
+        assert!(run.residual < 1e-14, "{:e}", run.residual);
+        vec![run.drift]
+    });
+    println!("beam on a loop: energy {drifts:?}");
+    assert_slopes("beam on a loop", &["energy"], &drifts, 2.0, 0.2);
+}
+
+/// Runs the plate over its flat position: where it ends, and what is said there. The cranks' angle over time
+/// is known; they start with a rate, or are driven where the rate is none.
+fn over(known: &dyn Fn(f64) -> f64, rate: Option<f64>) -> (f64, Option<String>) {
+    let from = known(0.0);
+    let guess = [from, from, from, 0.0];
+    // Driven coordinates are not chosen anew.
+    let choice = rate.map_or(Choice::Fixed, |_| Choice::Split);
+    let plate = Parallelogram { length: 1.0 };
+    let map = Solved::<_, 1, 4, 4>::with(plate, 0.0, guess, choice).unwrap();
+    let (mut b, [q, x]) = carried(map.with_independent(0.0, [0]).unwrap());
+    if rate.is_none() {
+        b.prescribe_coordinate(q, 0, Box::new(Proportional(1.0)));
+        // Something to be solved for.
+        let free = b.coordinates("free", &[Kind::Angle]).unwrap();
+        let ground = b.find("ground").unwrap();
+        bar(&mut b, ground, [9.0, 0.0, 0.0], free, 1.0, 1.0);
+    }
+    let mut model = b.build().unwrap();
+    let zero = vec![0.0; model.pattern().dim()];
+    let mut progress = Progress::new(start(&model, 0.0, &zero, &[rate.unwrap_or(0.0)]).unwrap());
+    let options = tight(Scheme::default(), 1.0, 1e-3);
+    let mut at = from;
+    let ended = integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        let state = &step.progress.state;
+        configure(model, state);
+        let x: [f64; 4] = std::array::from_fn(|k| model.coordinate(x, k).unwrap()[0]);
+        at = known(state.t);
+        assert!(gap(&x, &[at, at, at, 0.0]) < 1e-4, "{x:?} for {at}");
+        if at < 0.4 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    (at, ended.err().map(|error| error.to_string()))
+}
+
+#[test]
+fn a_singular_configuration_ends_the_run_with_names() {
+    // Flat, the plate may turn. A run that steps over that goes on as a parallelogram.
+    for rate in [6.0, 10.0, 20.0] {
+        let known = |t: f64| pendulum(Vector2::new(-0.5, rate), t)[0];
+        let (at, said) = over(&known, Some(rate));
+        assert!(
+            at >= 0.4 && said.is_none(),
+            "{rate}: ends at {at}, {said:?}"
+        );
+    }
+    // One that steps upon it ends there.
+    let (at, said) = over(&|t| t - 0.5, None);
+    let said = said.unwrap();
+    println!("ends at {at}: {said}");
+    assert!((-0.01..1e-12).contains(&at), "{at}");
+    assert!(said.contains("singular") && said.contains("pin"), "{said}");
+}

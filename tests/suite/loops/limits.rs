@@ -1,0 +1,413 @@
+//! Loops at the limits of what they can be: without coordinates, locked, tiny and huge, driven fast
+//! or too far, started with words that do not fit.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::closures::{GROUND, angle, arm, body, hinge, joint};
+use crate::support::program::{check, directory, history, number, program, refusal, write};
+use pullback::input::assemble_text;
+use std::f64::consts::PI;
+use std::path::Path;
+use std::process::Command;
+
+const RUN: &str = "[analysis.dynamic]\nto = 1\nstep = 0.01\nscheme = { newmark = [0.25, 0.5] }\n";
+
+/// Crank 1, coupler 1.5, rocker √3.77, ground 1.6, times `size`; words for the crank, the coupler's
+/// hinge and the rocker.
+fn four_bar(size: f64, a: &str, b: &str, d: &str) -> String {
+    let at = |x: f64, y: f64| [x * size, y * size, 0.0];
+    [
+        hinge("A", "ground", a),
+        arm("crank tip", "A", at(0.0, 1.0)),
+        hinge("B", "crank tip", b),
+        arm("coupler tip", "B", at(1.2, 1.9)),
+        arm("foot", "ground", at(1.6, 0.0)),
+        hinge("D", "foot", d),
+        arm("rocker tip", "D", at(1.2, 1.9)),
+        hinge("C", "coupler tip", "child = \"rocker tip\""),
+        body("A"),
+        body("B"),
+        body("D"),
+        ["A", "B", "D"].map(angle).concat(),
+    ]
+    .concat()
+}
+
+/// Angle of the rocker at an angle of the crank, on the branch that is drawn: the coupler's circle
+/// about the crank's tip meets the rocker's about its foot.
+fn rocker(crank: f64) -> f64 {
+    let angles = |crank: f64| {
+        let (x, y) = (-crank.sin() - 1.6, crank.cos());
+        let (d, r, c) = (x.hypot(y), 0.4_f64.hypot(1.9), 1.5);
+        let wide = ((r * r + d * d - c * c) / (2.0 * r * d)).acos();
+        y.atan2(x) - wide
+    };
+    angles(crank) - angles(0.0)
+}
+
+fn apart(a: f64, b: f64) -> f64 {
+    let d = (a - b).rem_euclid(2.0 * PI);
+    d.min(2.0 * PI - d)
+}
+
+fn rows(name: &str, text: &str) -> (String, Vec<std::collections::HashMap<String, String>>) {
+    let out = directory(name);
+    let ran = program(&[&write(&out, text)]);
+    let error = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{error}");
+    let said = String::from_utf8(ran.stdout).unwrap();
+    (said, history(&out.join("model.out")))
+}
+
+/// What the program says when it ends with an error.
+fn failure(name: &str, text: &str) -> String {
+    let ran = program(&[&write(&directory(name), text)]);
+    assert!(!ran.status.success());
+    String::from_utf8(ran.stderr).unwrap()
+}
+
+#[test]
+fn a_loop_without_coordinates_is_redundant_or_does_not_fit() {
+    let base = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", "rate = 2.0"),
+        &arm("x", "A", [1.0, 0.0, 0.0]),
+    ];
+    let base = base.concat() + &body("A") + &angle("A");
+    let second = |place: [f64; 3]| base.clone() + &arm("y", "A", place) + "child = \"x\"\n";
+    let (said, rows) = rows("limits-nothing", &second([1.0, 0.0, 0.0]));
+    assert!(
+        said.contains("y: nothing can move") && said.contains("redundant"),
+        "{said}"
+    );
+    let last = number(rows.last().unwrap(), "A");
+    assert!((last - 2.0).abs() < 1e-12, "{last}");
+    let text = second([1.0, 0.25, 0.0]);
+    check(
+        &text,
+        "\"y\"",
+        "joint y and its child x are 2.500e-1 apart",
+        "",
+    );
+    // The program's two commands agree on it.
+    for (name, child) in [("limits-own", "A"), ("limits-own-weld", "ground")] {
+        let text = base.clone() + &joint("w", "weld", child, &format!("child = \"{child}\""));
+        let path = write(&directory(name), &text);
+        for command in ["run", "check"] {
+            let ran = Command::new(env!("CARGO_BIN_EXE_pullback"))
+                .args([Path::new(command), &path])
+                .output()
+                .unwrap();
+            let said = String::from_utf8(ran.stderr).unwrap();
+            assert!(
+                !ran.status.success() && !said.contains("panicked"),
+                "{said}"
+            );
+            assert!(said.contains("joint w: its child"), "{said}");
+        }
+    }
+}
+
+/// Two hinges on one axis.
+fn twice(more: &str) -> String {
+    [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", ""),
+        &hinge("A2", "ground", "child = \"A\""),
+        &body("A"),
+        &angle("A"),
+        more,
+    ]
+    .concat()
+}
+
+#[test]
+fn velocities_of_the_whole_set_the_rates_of_loops() {
+    let initial = "[[initial]]\nangular_velocity = [0, 0, 2]\n";
+    let (_, rows) = rows("limits-initial", &twice(initial));
+    let last = number(rows.last().unwrap(), "A");
+    assert!((last - 2.0).abs() < 1e-12, "{last}");
+    // A four-bar linkage does not turn as a whole.
+    let text = [GROUND, RUN, &four_bar(1.0, "", "", ""), initial].concat();
+    check(&text, "[[initial]]", "loop closed by joint C", "rate");
+    // All of it, flying.
+    let text = text.replace(
+        "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
+        &body("ground"),
+    );
+    let start = assemble_text("model.toml", &text).unwrap().start;
+    assert!(
+        (start.v.iter().map(|v| v * v).sum::<f64>() - 4.0).abs() < 1e-12,
+        "{:?}",
+        start.v
+    );
+}
+
+#[test]
+fn a_spherical_joint_in_a_loop_takes_an_angular_velocity() {
+    // A link between two balls on two hinges: it can spin about the line of its balls, all else at
+    // rest.
+    let link = |spin: &str| {
+        [
+            GROUND,
+            RUN,
+            &hinge("A", "ground", ""),
+            &arm("a", "A", [0.0, 1.0, 0.0]),
+            &joint("S1", "spherical", "a", ""),
+            &arm("s", "S1", [1.5, 1.0, 0.8]),
+            &arm("f", "ground", [1.5, 0.0, 0.8]),
+            &joint("D", "revolute", "f", "axis = [1, 0, 0]"),
+            &arm("d", "D", [1.5, 1.0, 0.8]),
+            &joint("S2", "spherical", "s", "child = \"d\""),
+            &body("A"),
+            &body("D"),
+            &body("S1"),
+            &format!("[[initial]]\nnode = \"S1\"\nangular_velocity = {spin}\n"),
+            "[[probes]]\nname = \"A\"\nquantity = \"joint_rate\"\njoint = \"A\"\n",
+            "[[probes]]\nname = \"w\"\nquantity = \"angular_velocity\"\nnode = \"S1\"\n",
+        ]
+        .concat()
+    };
+    let (_, rows) = rows("limits-ball", &link("[3.0, 0.0, 1.6]"));
+    let found = ["w.x", "w.y", "w.z", "A"].map(|c| number(&rows[0], c));
+    for (found, exact) in found.iter().zip([3.0, 0.0, 1.6, 0.0]) {
+        assert!((found - exact).abs() < 1e-9, "{found} {exact}");
+    }
+    let said = refusal(&link("[3.0, 1.0, 0.0]")).to_string();
+    assert!(said.contains("S1") && said.contains("contradict"), "{said}");
+}
+
+#[test]
+fn the_independent_end_of_a_gear_takes_rate_and_value() {
+    let text = |a: &str, m: &str| {
+        let text = [
+            GROUND,
+            RUN,
+            &hinge("A", "ground", a),
+            &hinge("A2", "ground", "child = \"A\""),
+            &arm("f", "ground", [1.0, 0.0, 0.0]),
+            &hinge("M", "f", m),
+            &body("A"),
+            &body("M"),
+            "[[gears]]\njoints = [\"A\", \"M\"]\nratio = -2\n",
+            &["A", "M"].map(angle).concat(),
+        ];
+        text.concat()
+    };
+    let (_, rows) = rows("limits-gear", &text("rate = 1.0\nvalue = 0.3", ""));
+    let [a, m] = ["A", "M"].map(|c| number(rows.last().unwrap(), c));
+    assert!(
+        (a - 1.3).abs() < 1e-12 && (m + 2.6).abs() < 1e-12,
+        "{a} {m}"
+    );
+    check(
+        &text("", "rate = 2.0"),
+        "2.0",
+        "\"M\" follows another one",
+        "other end",
+    );
+}
+
+#[test]
+fn loops_of_any_size_are_the_same() {
+    let initial = 1.1;
+    let run = |size: f64| {
+        let words = format!("rate = {initial}");
+        // The same moments of inertia, and so the same energies.
+        let mass = format!("mass = {:e}", (size * size).recip());
+        let text = [GROUND, RUN, &four_bar(size, &words, "", "")].concat();
+        let text = text.replace("mass = 1.0", &mass);
+        rows(&format!("limits-size-{size:e}"), &text)
+    };
+    let (said, one) = run(1.0);
+    for size in [1e-9, 1e9] {
+        let (says, all) = run(size);
+        let closes = |said: &str| said.lines().next().unwrap().to_owned();
+        assert_eq!(closes(&says), closes(&said));
+        for (row, one) in all.iter().zip(&one) {
+            let [a, b] = [row, one].map(|r| number(r, "A"));
+            assert!((a - b).abs() < 1e-9, "{size}: {a} {b}");
+            let d = number(row, "D");
+            assert!(apart(d, rocker(number(row, "A"))) < 1e-9, "{size}: {d}");
+        }
+    }
+}
+
+#[test]
+fn a_fast_drive_stays_on_its_branch() {
+    for rate in [20, 70, 85, 145, 155] {
+        let drive = format!("driven = {{ proportional = {rate} }}");
+        let text = [
+            GROUND,
+            RUN,
+            &four_bar(1.0, &drive, "", ""),
+            &hinge("X", "ground", ""),
+        ];
+        let (_, rows) = rows("limits-fast", &(text.concat() + &body("X")));
+        assert_eq!(rows.len(), 101);
+        for row in rows {
+            let [a, d] = ["A", "D"].map(|c| number(&row, c));
+            assert!(apart(d, rocker(a)) < 1e-9, "{rate}: {a} {d} {}", rocker(a));
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_reached_names_the_drive() {
+    let far = four_bar(1.0, "", "", "driven = { proportional = 1 }");
+    let text = [GROUND, RUN, &far, &hinge("X", "ground", ""), &body("X")].concat();
+    let said = failure("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
+    assert!(said.contains("D angle cannot get there"), "{said}");
+    // The same where something stays free: a coupler that spins between its balls.
+    let text = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", "driven = { proportional = 1 }"),
+        &arm("a", "A", [0.5, 0.0, 0.0]),
+        &joint("S1", "spherical", "a", ""),
+        &arm("b", "S1", [1.5, 0.4, 0.9]),
+        &arm("foot", "ground", [1.5, 0.4, 0.0]),
+        &joint("D", "revolute", "foot", "axis = [1, 0, 0]"),
+        &arm("d", "D", [1.5, 0.4, 0.9]),
+        &joint("S2", "spherical", "b", "child = \"d\""),
+        &body("S1"),
+        &body("D"),
+    ];
+    let said = failure("limits-spatial", &text.concat());
+    assert!(said.contains("S2: A angle cannot get there"), "{said}");
+    // Two drives that fit together at the start only.
+    let drive = "driven = { proportional = 1 }";
+    let text = [
+        GROUND,
+        RUN,
+        &four_bar(1.0, drive, "", drive),
+        &hinge("X", "ground", ""),
+        &body("X"),
+    ];
+    let said = failure("limits-two", &text.concat());
+    assert!(said.contains("drive no more than is free"), "{said}");
+    let text = [GROUND, RUN, &hinge("A", "ground", drive)].concat()
+        + &hinge("A2", "ground", &format!("{drive}\nchild = \"A\""))
+        + &body("A");
+    check(&text, "\"A2\"", "(A angle, A2 angle) are driven", "");
+}
+
+#[test]
+fn energy_stays_while_a_linkage_turns() {
+    // Coordinates that change in every turn pump energy into the motion.
+    let text = [GROUND, RUN, &four_bar(1.0, "rate = 4.5", "", "")].concat();
+    let text = text.replace("to = 1\n", "to = 60\n");
+    let energy = "[[probes]]\nname = \"E\"\nquantity = \"total_energy\"\n";
+    let (_, rows) = rows("limits-energy", &(text + energy));
+    let energies = rows.iter().map(|r| number(r, "E"));
+    let (least, most) = energies.fold((f64::MAX, f64::MIN), |(a, b), e| (a.min(e), b.max(e)));
+    assert!(most < 1.2 * least, "{least} to {most}");
+}
+
+#[test]
+fn values_are_kept_as_far_as_they_close_the_loop() {
+    let (said, rows) = rows(
+        "limits-values",
+        &[
+            GROUND,
+            RUN,
+            &four_bar(1.0, "value = 0.5", "", "value = 0.1"),
+        ]
+        .concat(),
+    );
+    let [a, d] = ["A", "D"].map(|c| number(&rows[0], c));
+    assert!(
+        (a - 0.5).abs() < 1e-12 && (d - rocker(0.5)).abs() < 1e-9,
+        "{a} {d}"
+    );
+    assert!(
+        said.contains("D angle starts at 0.") && !said.contains("A angle starts"),
+        "{said}"
+    );
+    // Ends that are drawn 5 cm apart.
+    let text = [GROUND, RUN, &four_bar(1.0, "", "", "")].concat();
+    let text = text.replacen("[1.2, 1.9, 0.0]", "[1.25, 1.9, 0.0]", 1);
+    let (said, _) = self::rows("limits-drawn", &text);
+    assert!(
+        said.contains("C and rocker tip were drawn 5.000e-2 apart"),
+        "{said}"
+    );
+}
+
+/// A crank that is driven to stay where it is drawn: the loop moves no more, and the drive carries it.
+#[test]
+fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
+    let text = [
+        GROUND,
+        "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\ntime = { constant = 1 }\n",
+        &four_bar(1.0, "driven = { constant = 0 }", "", ""),
+        &body("rocker tip"),
+        "[[probes]]\nname = \"moment\"\nquantity = \"joint_moment\"\nnode = \"A\"\n",
+    ];
+    let (_, rows) = rows("held-crank", &text.concat());
+    // Virtual work: masses of 1 at the crank's tip, (−sin φ, cos φ), and the rocker's, 1.9 high.
+    let h = 1e-4;
+    let slope = (rocker(h) - rocker(-h)) / (2.0 * h);
+    let exact = 9.81 * (-1.0 - 1.9 * slope);
+    for row in &rows {
+        let found = number(row, "moment.z");
+        assert!(
+            (found - exact).abs() < 1e-6 * exact.abs(),
+            "{found} {exact}"
+        );
+        for angle in ["A", "B", "D"] {
+            assert!(number(row, angle).abs() < 1e-12, "{row:?}");
+        }
+    }
+    assert!(!rows.is_empty());
+}
+
+#[test]
+fn what_is_wrong_with_a_loop_is_said_where_it_stands() {
+    // A triangle.
+    let text = [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", ""),
+        &arm("a", "A", [0.0, 1.0, 0.0]),
+        &arm("f", "ground", [1.0, 0.0, 0.0]),
+        &hinge("D", "f", ""),
+        &arm("d", "D", [0.0, 1.0, 0.0]),
+        &hinge("C", "a", "child = \"d\""),
+        &body("A"),
+    ];
+    check(
+        &text.concat(),
+        "\"C\"",
+        "loop closed by joint C has no freedom left",
+        "",
+    );
+    let text = [GROUND, RUN, &four_bar(1.0, "rate = 4.5", "", "rate = 4.5")].concat();
+    check(&text, "4.5", "rates of A, D contradict", "rates");
+    // A support of what hangs, and a drive of what follows through a gear.
+    let text = [GROUND, RUN, &four_bar(1.0, "", "", "")].concat();
+    let held = text.clone() + "[[supports]]\nnode = \"rocker tip\"\nfix = \"all\"\n";
+    check(&held, "\"rocker tip\"", "cannot be prescribed", "");
+    let geared = [
+        GROUND,
+        RUN,
+        &hinge("M", "ground", ""),
+        &hinge("N", "ground", "driven = { proportional = 1 }"),
+        &body("M"),
+        &body("N"),
+        "[[gears]]\njoints = [\"M\", \"N\"]\nratio = 2\n",
+    ];
+    check(&geared.concat(), "{ proportional", "N angle follows", "");
+    // A parallelogram drawn flat.
+    let flat = text
+        .replace("[0.0, 1.0, 0.0]", "[1.0, 0.0, 0.0]")
+        .replace("[1.2, 1.9, 0.0]", "[3.0, 0.0, 0.0]")
+        .replace("[1.6, 0.0, 0.0]", "[2.0, 0.0, 0.0]");
+    let said = refusal(&flat).to_string();
+    assert!(
+        said.contains("singular") && !said.contains("there none"),
+        "{said}"
+    );
+}

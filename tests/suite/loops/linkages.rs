@@ -1,0 +1,371 @@
+//! Linkages of rigid bars that are closed by h(t, x) = 0, against their closed-form kinematics and
+//! the equation of motion of their one freedom, integrated here.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::dynamics::*;
+use crate::support::loops::four_bar::*;
+use crate::support::loops::*;
+use nalgebra::{SVector, Vector2, Vector3};
+use pullback::elements::body::PointMass;
+use pullback::elements::check;
+use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
+use pullback::elements::joint::{Joint, Pose};
+use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::elements::time::Constant;
+use pullback::integrators::dynamics::Scheme;
+use pullback::manifold::implicit::{Choice, Equations, Implicit, Solved};
+use pullback::manifold::jet::Taylor;
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::so3::Quaternion;
+use pullback::manifold::system::Kind;
+
+// Slider-crank ---------------------------------------------------------------------------------
+
+const CRANK: f64 = 0.4;
+const ROD: f64 = 1.0;
+
+/// Crank pin (x, y) and slider s: coordinates that all turn back in every revolution.
+#[derive(Clone, Copy, Debug)]
+struct SliderCrank;
+
+impl Implicit<3, 2> for SliderCrank {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let along = x[2] - x[0];
+        Vector2::new(
+            x[0] * x[0] + x[1] * x[1] - CRANK * CRANK,
+            along * along + x[1] * x[1] - ROD * ROD,
+        )
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        ["x", "y", "s"][k].to_owned()
+    }
+}
+
+/// A point with two coordinates in the plane.
+#[derive(Clone, Copy)]
+struct InPlane;
+
+impl Joint<2> for InPlane {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose {
+            d: Vector3::new(q[0], q[1], S::zero()),
+            turn: Quaternion::about(&Vector3::z(), S::zero()),
+        }
+    }
+}
+
+const PIN: f64 = 1.5;
+const SLIDER: f64 = 0.8;
+const STIFF: f64 = 6.0;
+
+fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
+    let mut b = ModelBuilder::new();
+    let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+    // The crank turns with 12 rad/s at the start.
+    let rate = map.rates(&Vector3::new(0.0, 12.0 * CRANK, 0.0));
+    let q = b.coordinates("q", &[Kind::Length]).unwrap();
+    let x = b
+        .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+        .unwrap();
+    slider_crank_bodies(&mut b, x);
+    (b.build().unwrap(), x, rate.as_slice().to_vec())
+}
+
+/// Masses, weights and the spring on the coordinates (x, y, s).
+fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
+    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(b, x, k, Kind::Length));
+    let zero = Linear::<1, 1>::ratio(0.0, 0.0).boxed();
+    let height = b
+        .mapped_coordinates("0", &[Kind::Length], zero, &[s])
+        .unwrap();
+    for (name, at, m) in [("pin", [px, py], PIN), ("slider", [s, height], SLIDER)] {
+        let frame = b.hang(name, [0.0; 3], InPlane, &at).unwrap();
+        let mass = PointMass::new(m).unwrap();
+        let weight = mass.weight(DOWN, Box::new(Constant(1.0)));
+        b.element(name, mass, &[frame]).unwrap();
+        b.element(format!("weight of {name}"), weight, &[frame])
+            .unwrap();
+    }
+    let law = CoordinateLaw {
+        k: STIFF,
+        x0: 1.0,
+        ..CoordinateLaw::default()
+    };
+    b.element("spring", CoordinateSpring::new(law).unwrap(), &[s])
+        .unwrap();
+}
+
+#[test]
+fn the_same_equations_by_multipliers_and_by_a_penalty() {
+    // x is drawn at zero: the equations see it from where the crank points along the slide.
+    let at = Vector3::new(CRANK, 0.0, CRANK + ROD);
+    let h = Scaled::at(
+        Equations(Drawn(at)),
+        0.0,
+        &Vector3::zeros(),
+        &Vector3::repeat(1.0),
+    );
+    check::element(&Multipliers::<_, 3, 2>::new(h)).assert();
+    let stiffness = |p: f64| Stiffness { p, tau: 1e-3 };
+    let damped = Stiffness { p: 7.0, tau: 0.3 };
+    check::element(&Penalty::<_, 3, 2>::new(h, damped).unwrap()).assert();
+    let to = 1.5;
+    let exact = slider_crank_exact(to);
+    let go = |n: u32, p: Option<f64>| {
+        let mut b = ModelBuilder::new();
+        let x = b.coordinates("x", &[Kind::Length; 3]).unwrap();
+        let shifted = b
+            .mapped_coordinates("place", &[Kind::Length; 3], Shift(at).boxed(), &[x])
+            .unwrap();
+        slider_crank_bodies(&mut b, shifted);
+        match p {
+            None => {
+                let lambda = b.multipliers("lambda", 2).unwrap();
+                b.element("h", Multipliers::<_, 3, 2>::new(h), &[x, lambda])
+            }
+            Some(p) => b.element("h", Penalty::<_, 3, 2>::new(h, stiffness(p)).unwrap(), &[x]),
+        }
+        .unwrap();
+        let mut model = b.build().unwrap();
+        let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; model.initial().len()]);
+        v[1] = 12.0 * CRANK;
+        assert!(model.satisfy(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
+        let scheme = Scheme::chung_hulbert(0.8).unwrap();
+        let options = tight(scheme, to, to / f64::from(n));
+        let mut end = Vec::new();
+        observed(&mut model, [&q, &v], &options, &mut |model, _| {
+            let both = [0, 1, 2].map(|k| model.coordinate(shifted, k).unwrap());
+            end = (0..6).map(|k| both[k % 3][k / 3]).collect();
+        });
+        end
+    };
+    let errors: Vec<Vec<f64>> = [900, 1800, 3600]
+        .iter()
+        .map(|&n| {
+            let end = go(n, None);
+            println!("slider-crank by multipliers: {:.2e}", gap(&end, &exact));
+            vec![gap(&end[..3], &exact[..3]), gap(&end[3..], &exact[3..])]
+        })
+        .collect();
+    assert_slopes("slider-crank", &["x", "x_dot"], &errors, 2.0, 0.2);
+    let limit = go(900, None);
+    let errors: Vec<Vec<f64>> = [1e6, 2e6, 4e6]
+        .iter()
+        .map(|&p| {
+            let end = go(900, Some(p));
+            println!("slider-crank by a penalty: {:.2e}", gap(&end, &limit));
+            vec![gap(&end[..3], &limit[..3]), gap(&end[3..], &limit[3..])]
+        })
+        .collect();
+    assert_slopes("penalty", &["x", "x_dot"], &errors, 1.0, 0.1);
+}
+
+/// The slider-crank in coordinates that are zero where it is drawn.
+#[derive(Clone, Copy, Debug)]
+struct Drawn(Vector3<f64>);
+
+impl Implicit<3, 2> for Drawn {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        SliderCrank.h(t, &(x + self.0.map(S::constant)))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Shift(Vector3<f64>);
+
+impl Map<3, 3> for Shift {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> SVector<S, 3> {
+        q + self.0.map(S::constant)
+    }
+}
+
+/// (x, y, s) and their rates from the crank angle and its rate, in closed form.
+fn slider_crank_exact(to: f64) -> Vec<f64> {
+    let place = |angle: f64| {
+        let angle = Taylor {
+            v: angle,
+            d: 1.0,
+            dd: 0.0,
+        };
+        let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
+        (x, y, x + (-(y * y) + ROD * ROD).sqrt())
+    };
+    let ode = |_: f64, z: &Vector2<f64>| {
+        let (_, y, s) = place(z[0]);
+        let M = Taylor {
+            v: PIN * CRANK * CRANK + SLIDER * s.d * s.d,
+            d: 2.0 * SLIDER * s.d * s.dd,
+            dd: 0.0,
+        };
+        let V = y * (PIN * G) + (s - 1.0) * (s - 1.0) * (0.5 * STIFF);
+        Vector2::new(z[1], one_freedom(M, V, z[1]))
+    };
+    let z = integrate_ode(&ode, Vector2::new(0.0, 12.0), to, 20_000);
+    let (x, y, s) = place(z[0]);
+    assert!(
+        z[0] > 2.0 * std::f64::consts::TAU,
+        "the crank went {}",
+        z[0]
+    );
+    vec![x.v, y.v, s.v, x.d * z[1], y.d * z[1], s.d * z[1]]
+}
+
+#[test]
+fn a_slider_crank_in_coordinates_that_turn_back() {
+    let to = 4.0;
+    let exact = slider_crank_exact(to);
+    for choice in [Choice::Split, Choice::Tangent] {
+        let runs = [2400, 4800, 9600].map(|n| {
+            let (model, x, v) = slider_crank(choice);
+            let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
+            run(model, x, &v, &h, [to, to / f64::from(n)])
+        });
+        for run in &runs {
+            let changes = run.progress.summary.chart_changes;
+            println!(
+                "{choice:?}: {changes} changes, gap {:.2e}, drift {:.2e}, residual {:.1e}",
+                gap(&run.end, &exact),
+                run.drift,
+                run.residual
+            );
+            assert!(changes >= 6, "{changes} changes: {:?}", run.notes);
+            assert!(run.residual < 1e-15, "{:e}", run.residual);
+        }
+        let errors: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|r| vec![gap(&r.end, &exact), r.drift])
+            .collect();
+        assert_slopes("slider-crank", &["motion", "energy"], &errors, 2.0, 0.2);
+    }
+}
+
+// Four-bar linkage -----------------------------------------------------------------------------
+
+/// Angles of crank, coupler and rocker.
+#[derive(Clone, Copy, Debug)]
+struct FourBar;
+
+impl Implicit<3, 2> for FourBar {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 3>) -> SVector<S, 2> {
+        let [a, b, c] = BARS;
+        Vector2::new(
+            x[0].cos() * a + x[1].cos() * b - x[2].cos() * c - BASE,
+            x[0].sin() * a + x[1].sin() * b - x[2].sin() * c,
+        )
+    }
+
+    fn coordinate(&self, k: usize) -> String {
+        ["crank", "coupler", "rocker"][k].to_owned()
+    }
+}
+
+fn four_bar() -> (Model, NodeId, Vec<f64>) {
+    let [coupler, rocker] = closed_form(CRANK_START);
+    let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
+    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, guess).unwrap();
+    // From the assembled configuration to the one that is wanted: the crank as q.
+    let map = map.with_independent(0.0, [0]).unwrap();
+    let x = map.phi(
+        0.0,
+        &SVector::<f64, 1>::new(CRANK_START - map.reference()[0]),
+    );
+    let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, *x.as_ref()).unwrap();
+    assert!((map.reference() - Vector3::new(CRANK_START, coupler, rocker)).norm() < 1e-15);
+    let rate = map.tangent(0.0, &SVector::zeros()).B[0].recip() * CRANK_RATE;
+    let mut b = ModelBuilder::new();
+    let ground = ground(&mut b);
+    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let x = b
+        .mapped_coordinates("x", &[Kind::Angle; 3], map.boxed(), &[q])
+        .unwrap();
+    let crank = pick::<3>(&mut b, x, 0, Kind::Angle);
+    let relative = Linear::sum([-1.0, 1.0, 0.0], 0.0).boxed();
+    let coupler = b
+        .mapped_coordinates("relative", &[Kind::Angle], relative, &[x])
+        .unwrap();
+    let third = pick::<3>(&mut b, x, 2, Kind::Angle);
+    let first = bar(&mut b, ground, [0.0; 3], crank, BARS[0], MASSES[0]);
+    bar(
+        &mut b,
+        first,
+        [BARS[0], 0.0, 0.0],
+        coupler,
+        BARS[1],
+        MASSES[1],
+    );
+    bar(&mut b, ground, [BASE, 0.0, 0.0], third, BARS[2], MASSES[2]);
+    (b.build().unwrap(), x, vec![rate])
+}
+
+#[test]
+fn a_four_bar_linkage_goes_around() {
+    let to = 3.0;
+    let exact = four_bar_exact(to);
+    let runs = [2400, 4800, 9600].map(|n| {
+        let (model, x, v) = four_bar();
+        let h = |x: &Vector3<f64>| FourBar.h(0.0, x).amax();
+        run(model, x, &v, &h, [to, to / f64::from(n)])
+    });
+    for run in &runs {
+        println!(
+            "gap {:.2e}, drift {:.2e}, residual {:.1e}, {:?}",
+            gap(&run.end, &exact),
+            run.drift,
+            run.residual,
+            run.notes
+        );
+        // Not before the first step, but on the way.
+        let changed = run.notes.iter().any(|(t, _)| *t > 0.01 * to);
+        assert!(changed, "no change: {:?}", run.notes);
+        assert!(run.residual < 1e-14, "{:e}", run.residual);
+    }
+    let errors: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|r| vec![gap(&r.end, &exact), r.drift])
+        .collect();
+    assert_slopes("four-bar", &["motion", "energy"], &errors, 2.0, 0.2);
+}
+
+#[test]
+fn the_residual_stays_at_round_off_for_long() {
+    // 20 000 steps, some hundred revolutions.
+    let (model, x, v) = slider_crank(Choice::Split);
+    let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
+    let run = run(model, x, &v, &h, [100.0, 5e-3]);
+    println!(
+        "long: {} changes, residual {:.1e}, drift {:.1e}",
+        run.progress.summary.chart_changes, run.residual, run.drift
+    );
+    assert!(run.progress.summary.chart_changes > 100);
+    assert!(run.residual < 1e-15, "{:e}", run.residual);
+}
+
+// What cannot be built -------------------------------------------------------------------------
+
+#[test]
+fn coordinates_that_change_their_meaning_are_nobody_elses() {
+    let build = |choice: Choice| {
+        let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
+        let mut b = ModelBuilder::new();
+        let q = b.coordinates("q", &[Kind::Length]).unwrap();
+        let x = b
+            .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+            .unwrap();
+        pick::<3>(&mut b, x, 0, Kind::Length);
+        let law = CoordinateLaw {
+            k: 1.0,
+            ..CoordinateLaw::default()
+        };
+        b.element("spring", CoordinateSpring::new(law).unwrap(), &[q])
+            .unwrap();
+        b.build().map(|_| ())
+    };
+    let error = build(Choice::Split).unwrap_err();
+    assert!(matches!(error, ModelError::Rewritten { .. }), "{error}");
+    assert!(error.to_string().contains("element spring"), "{error}");
+    assert_eq!(build(Choice::Fixed), Ok(()));
+}

@@ -1,0 +1,215 @@
+//! Many loops: what one evaluation asks of a joint does not depend on how many loops there are, and
+//! loops that stand on each other.
+
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::program::{command, directory, history, number, program, write};
+use nalgebra::{Matrix3, SVector, Vector3};
+use pullback::elements::body::RigidBody;
+use pullback::elements::joint::{Joint, Pose, Released, Revolute, offset, revolute};
+use pullback::elements::model::{Dof, ModelBuilder};
+use pullback::manifold::scalar::Scalar;
+use pullback::manifold::system::{Evaluation, Point, System, Weights};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A joint that counts how often its pose is asked for.
+#[derive(Clone)]
+struct Counting(Arc<AtomicUsize>);
+
+impl Joint<7> for Counting {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> Pose<S> {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        Revolute::new([0.0, 0.0, 1.0]).unwrap().pose(t, q)
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const { &[Released::angle("angle")] }
+    }
+}
+
+/// Parallelograms hung on one another, with a counting joint at the end; how often that is asked in
+/// one evaluation with a tangent, and in one change of charts, and how many coordinates each loop has.
+fn hung(count: usize) -> [usize; 2] {
+    let mut b = ModelBuilder::new();
+    let axis = [0.0, 0.0, 1.0];
+    let mut root = b.node("ground", [0.0; 3]).unwrap();
+    b.support(root, &Dof::ALL);
+    for k in 0..count {
+        let y = -(k as f64);
+        let at = |name: &str| format!("{name} {k}");
+        let a = revolute(&mut b, &at("a"), root, axis).unwrap();
+        let end = offset(&mut b, &at("crank"), a.frame, [0.0, y - 1.0, 0.0]).unwrap();
+        let coupler = revolute(&mut b, &at("b"), end, axis).unwrap();
+        let far = offset(&mut b, &at("coupler"), coupler.frame, [1.0, y - 1.0, 0.0]).unwrap();
+        let foot = offset(&mut b, &at("foot"), root, [1.0, y, 0.0]).unwrap();
+        let d = revolute(&mut b, &at("d"), foot, axis).unwrap();
+        let tip = offset(&mut b, &at("rocker"), d.frame, [1.0, y - 1.0, 0.0]).unwrap();
+        let c = revolute(&mut b, &at("c"), far, axis).unwrap();
+        b.close(c.frame, tip).unwrap();
+        for frame in [a.frame, coupler.frame, d.frame] {
+            let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
+            b.element(format!("body {frame:?}"), body, &[frame])
+                .unwrap();
+        }
+        root = coupler.frame;
+    }
+    let calls = Arc::new(AtomicUsize::new(0));
+    let last = b.attach("last", root, Counting(calls.clone())).unwrap();
+    let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
+    b.element("last", body, &[last.frame]).unwrap();
+    let mut model = b.build().unwrap();
+    let mobility = model.mobility();
+    assert_eq!(mobility.freedoms, count + 1);
+    // Four coordinates and six equations for each loop: none is solved together with another.
+    let sizes = [mobility.loops, mobility.equations, mobility.coordinates];
+    assert_eq!(sizes, [count, 6 * count, 4 * count + 1]);
+    assert_eq!(model.notes().len(), count);
+    let n = model.pattern().dim();
+    assert_eq!(model.pattern().len(), n * n);
+    let mut S = vec![0.0; n * n];
+    let (mut q, mut v, mut a, mut r) = (vec![0.0; n], vec![0.3; n], vec![0.1; n], vec![0.0; n]);
+    calls.store(0, Ordering::Relaxed);
+    let weights = Weights {
+        K: 1.0,
+        C: 2.0,
+        M: 3.0,
+    };
+    let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &v,
+        a: &a,
+    };
+    model.evaluate(at, out).unwrap();
+    let evaluation = calls.swap(0, Ordering::Relaxed);
+    model.change_charts(0.0, &mut q, &mut v, &mut [&mut a]);
+    [evaluation, calls.load(Ordering::Relaxed)]
+}
+
+#[test]
+fn a_joint_is_asked_as_often_in_many_loops_as_in_few() {
+    let few = hung(2);
+    assert!(few[0] > 0 && few[1] > 0);
+    assert_eq!(hung(12), few);
+}
+
+/// A boom that carries an arm and a strut to it (a loop on the moving boom), while a tie leads from the
+/// arm to the ground (a loop through the joint of the boom). The joint of the boom stands on the ground, or
+/// on a post there.
+fn boom(base: &str, closure: &str) -> String {
+    let joint = |name: &str, kind: &str, master: &str, more: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+    };
+    let link = |name: &str, master: &str, place: [f64; 3]| {
+        joint(name, "offset", master, &format!("place = {place:?}"))
+    };
+    let body = |node: &str| {
+        format!(
+            "[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = 1\n\
+             center = [0.5, 0.1, 0.2]\ninertia = [0.1, 0.2, 0.3]\n"
+        )
+    };
+    let probes = |of: &str, kind: &str| {
+        ["force", "moment"].map(|what| {
+            format!(
+                "[[probes]]\nname = \"{what} {of}\"\nquantity = \"{kind}_{what}\"\nnode = \"{of}\"\n"
+            )
+        })
+    };
+    [
+        "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned(),
+        link("post", "ground", [0.0, 0.0, 0.0]),
+        joint("A", "revolute", base, "axis = [0, 1, 0]"),
+        link("boom tip", "A", [1.0, 0.0, 1.0]),
+        joint("B", "revolute", "boom tip", "axis = [0, 1, 0.3]"),
+        link("arm tip", "B", [2.0, 0.0, 0.5]),
+        link("boom middle", "A", [0.5, 0.0, 0.0]),
+        joint("S", "spherical", "boom middle", ""),
+        link("strut tip", "S", [2.0, 0.0, 0.5]),
+        joint(
+            "end",
+            "spherical",
+            "strut tip",
+            &format!("child = \"arm tip\"\n{closure}"),
+        ),
+        link("arm middle", "B", [1.5, 0.2, 1.0]),
+        joint("D", "spherical", "arm middle", ""),
+        link("tie tip", "D", [2.0, 0.0, -1.0]),
+        link("foot", "ground", [2.0, 0.0, -1.0]),
+        joint(
+            "last",
+            "spherical",
+            "tie tip",
+            &format!("child = \"foot\"\n{closure}"),
+        ),
+        ["A", "B", "S", "D"].map(body).concat(),
+        (HOLDING.map(|of| probes(of, "joint").concat())).concat(),
+        probes("ground", "reaction").concat(),
+        "[[loads]]\ngravity = [0, 0, -9.81]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
+         [output]\nparaview_every = 0\nfigures = false\n"
+            .to_owned(),
+    ]
+    .concat()
+}
+
+/// Frames whose joints are compared.
+const HOLDING: [&str; 5] = ["post", "A", "B", "S", "D"];
+
+#[test]
+fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
+    // Multipliers read no root: forces at the start are the same to rounding.
+    for base in ["ground", "post"] {
+        let starts =
+            [("map", ""), ("multipliers", "closure = \"multipliers\"")].map(|(name, closure)| {
+                let out = directory(&format!("boom_{base}_{name}"));
+                let ran = program(&[&write(&out, &boom(base, closure))]);
+                let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+                assert!(ran.status.success(), "{name}: {said}");
+                history(&out.join("model.out")).remove(0)
+            });
+        for of in HOLDING.iter().chain(&["ground"]) {
+            for end in ["force", "moment"]
+                .map(|w| ["x", "y", "z"].map(|c| (w, c)))
+                .concat()
+            {
+                let column = format!("{} {of}.{}", end.0, end.1);
+                let [map, other] = [0, 1].map(|k| number(&starts[k], &column));
+                assert!(
+                    (map - other).abs() < 1e-8,
+                    "{base}, {column}: {map} {other}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_loop_that_is_locked_is_left_alone() {
+    // Two parallel hinges at a distance, and a body that has nothing to do with them.
+    let text = "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
+        [[joints]]\nname = \"A\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
+        [[joints]]\nname = \"a\"\ntype = \"offset\"\nmaster = \"A\"\nplace = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"foot\"\ntype = \"offset\"\nmaster = \"ground\"\nplace = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"C\"\ntype = \"revolute\"\nmaster = \"a\"\naxis = [0, 1, 0]\n\
+        child = \"foot\"\n\
+        [[joints]]\nname = \"E\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
+        [[bodies]]\nname = \"x\"\nnode = \"E\"\nmass = 1\ninertia = [1, 1, 1]\n\
+        [[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
+        [output]\nparaview_every = 0\nfigures = false\n";
+    let model = write(&directory("locked"), text);
+    let ran = program(&[&model]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    assert!(
+        said.contains("the loop closed by joint C cannot move"),
+        "{said}"
+    );
+    let checked = command("check", &[&model]);
+    assert!(
+        checked.status.success(),
+        "{}",
+        String::from_utf8_lossy(&checked.stdout)
+    );
+}

@@ -1,0 +1,10 @@
+//! Loops of joints closed by maps.
+
+mod chain;
+mod joints;
+mod limits;
+mod linkages;
+mod many;
+mod program;
+mod redundant;
+mod singular;

@@ -1,0 +1,400 @@
+//! Closed loops in model files: what the program finds out, says, refuses and takes up again.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, number, program, read, refusal, results, write};
+use pullback::run::{resume, run};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");
+
+/// The four-bar linkage with other words, one after the other.
+fn with(changes: &[(&str, &str)]) -> String {
+    changes
+        .iter()
+        .fold(FOUR_BAR.to_owned(), |text, (old, new)| {
+            assert!(text.contains(old), "the model does not contain {old:?}");
+            text.replacen(old, new, 1)
+        })
+}
+
+#[test]
+fn a_rate_where_the_drive_leaves_no_freedom_is_refused() {
+    let driven = with(&[
+        ("rate = ", "driven = { proportional = 4.5 } # "),
+        ("name = \"D\"\n", "name = \"D\"\nrate = 1\n"),
+    ]);
+    let said = refusal(&driven).to_string();
+    assert!(said.contains("the initial rate of D"), "{said}");
+    assert!(said.contains("leaves it no freedom"), "{said}");
+}
+
+#[test]
+fn the_program_says_which_joint_closes_the_loop() {
+    let out = directory("loops-notes");
+    let model = write(&out, &with(&[("to = 4", "to = 0.1")]));
+    let ran = program(&[&model]);
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    assert!(
+        said.contains("joint C closes a loop; independent: "),
+        "{said}"
+    );
+    assert!(said.contains("redundant: "), "{said}");
+    let rows = history(&out.join("model.out"));
+    for row in &rows {
+        for k in ["x", "y", "z"] {
+            let [a, b] = ["gap a", "gap b"].map(|n| number(row, &format!("{n}.{k}")));
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_free_child_hangs_on_its_joint() {
+    // The rocker's tip as a node of its own, with a body of its own on it.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nweight = [1.2, 1.9, 0]",
+        ),
+        ("child = \"rocker tip\"", "child = \"weight\""),
+        (
+            "[[supports]]",
+            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\ninertia = [1, 1, 1]\n\n[[supports]]",
+        ),
+        ("to = 4", "to = 0.02"),
+        ("rate = 4.5", ""),
+    ]);
+    let out = directory("loops-free");
+    let ran = program(&[&write(&out, &text)]);
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    assert!(said.contains("joint C: weight hangs on it"), "{said}");
+}
+
+#[test]
+fn a_resumed_loop_gives_the_same_bits() {
+    // Long enough for the coordinates to change on both sides of the interruption.
+    let text = with(&[("to = 4", "to = 2.4\ncheckpoint_every = 50")]);
+    let straight = directory("loops-straight");
+    let broken = directory("loops-broken");
+    let go_on = |_: &pullback::solve::Advance<'_>| ControlFlow::Continue(());
+    let model = write(&straight, &text);
+    run(&model, None, &mut { go_on }).unwrap();
+    let model = write(&broken, &text);
+    let mut steps = 0;
+    run(&model, None, &mut |_| {
+        steps += 1;
+        if steps < 610 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    })
+    .unwrap();
+    resume(&model, None, &mut { go_on }).unwrap();
+    let [one, other] = [&straight, &broken].map(|d| d.join("model.out"));
+    let csv = |out: &Path| read(out.join("history.csv"));
+    assert!(csv(&one) == csv(&other), "history.csv differs");
+    let changes = |out: &Path| {
+        results(out)["statistics"]["chart_changes"]
+            .as_u64()
+            .unwrap()
+    };
+    assert!(changes(&one) >= 2, "{} changes", changes(&one));
+    assert_eq!(changes(&one), changes(&other));
+    // A checkpoint of another loop is refused.
+    let path = broken.join("model.out/checkpoint.json");
+    let text = read(&path);
+    let at = text.find("\"maps\":[").unwrap();
+    let damaged = format!("{}\"maps\":[[1.0],{}", &text[..at], &text[at + 8..]);
+    std::fs::write(&path, damaged).unwrap();
+    let longer = read(&model).replace("to = 2.4", "to = 2.5");
+    std::fs::write(&model, longer).unwrap();
+    let error = resume(&model, None, &mut { go_on }).unwrap_err();
+    assert!(error.to_string().contains("damaged"), "{error}");
+}
+
+#[test]
+fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
+    // A coupler that ends beside the plane of the others.
+    let text = with(&[("place = [1.2, 1.9, 0]", "place = [1.2, 1.9, 0.3]")]);
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("gap along e3 at joint C") && said.contains("e-1"),
+        "{said}"
+    );
+    // A free node at another place.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nweight = [1.2, 2, 0]",
+        ),
+        ("child = \"rocker tip\"", "child = \"weight\""),
+        (
+            "[[supports]]",
+            "[[bodies]]\nname = \"weight\"\nnode = \"weight\"\nmass = 1\n\n[[supports]]",
+        ),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("joint C") && said.contains("apart"), "{said}");
+    // Rates that the loop does not allow.
+    let text = with(&[(
+        "name = \"B\"\ntype = \"revolute\"",
+        "name = \"B\"\ntype = \"revolute\"\nrate = 3.0",
+    )]);
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("rates") && said.contains("contradict"),
+        "{said}"
+    );
+    // A loop over a body that flies freely.
+    let text = with(&[
+        (
+            "ground = [0, 0, 0]",
+            "ground = [0, 0, 0]\nfree = [1.6, 0, 0]",
+        ),
+        (
+            "name = \"D\"\ntype = \"revolute\"\nmaster = \"foot\"",
+            "name = \"D\"\ntype = \"revolute\"\nmaster = \"free\"",
+        ),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("joint C") && said.contains("free"), "{said}");
+}
+
+#[test]
+fn a_singular_start_is_named() {
+    // A parallelogram drawn flat.
+    let text = with(&[
+        ("place = [0, 1, 0]", "place = [1, 0, 0]"),
+        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
+        ("place = [1.6, 0, 0]", "place = [2, 0, 0]"),
+        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
+    ]);
+    let said = refusal(&text).to_string();
+    assert!(said.contains("singular"), "{said}");
+    assert!(said.contains("joint C"), "{said}");
+}
+
+/// With its slider driven a slider-crank that is drawn straight closes in two ways: what says nothing
+/// there to first order is the gap along the guide. The gap out of the plane never does.
+#[test]
+fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
+    let joint = |name: &str, kind: &str, master: &str, more: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+    };
+    let hinge = "axis = [0, 0, 1]";
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\n".to_owned(),
+        joint("crank", "revolute", "ground", hinge),
+        joint("pin", "offset", "crank", "place = [0.4, 0, 0]"),
+        joint("rod", "revolute", "pin", hinge),
+        joint("end", "offset", "rod", "place = [1.4, 0, 0]"),
+        joint("guide", "offset", "ground", "place = [1.4, 0, 0]"),
+        joint(
+            "slider",
+            "prismatic",
+            "guide",
+            "axis = [1, 0, 0]\ndriven = { sine = { amplitude = -0.1, omega = 3 } }",
+        ),
+        joint(
+            "wrist",
+            "revolute",
+            "end",
+            &format!("{hinge}\nchild = \"slider\""),
+        ),
+        "[[bodies]]\nname = \"rod\"\nnode = \"rod\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n"
+            .to_owned(),
+        "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned(),
+        "[analysis.dynamic]\nto = 1\nstep = 0.01\n".to_owned(),
+    ]
+    .concat();
+    let said = refusal(&text).to_string();
+    assert!(
+        said.contains("the gap along e1 at joint wrist says nothing to first order"),
+        "{said}"
+    );
+}
+
+/// The notes of a model file.
+fn notes(text: &str) -> Vec<String> {
+    pullback::input::assemble_text("model.toml", text)
+        .unwrap()
+        .model
+        .notes()
+}
+
+#[test]
+fn the_loop_leaves_the_crank_free_and_what_carries_something() {
+    // The crank by its rate and place; as they are drawn other angles are better by less than 10.
+    assert!(notes(FOUR_BAR)[0].contains("independent: A angle;"));
+    let none = with(&[("rate = 4.5", "")]);
+    assert!(notes(&none)[0].contains("independent: A angle;"));
+    for joint in ["B", "C", "D"] {
+        let name = format!("name = \"{joint}\"\ntype = \"revolute\"");
+        let sprung = format!("{name}\nspring = {{ k = 1 }}");
+        let text = with(&[("rate = 4.5", ""), (&name, &sprung)]);
+        let said = &notes(&text)[0];
+        assert!(
+            said.contains(&format!("independent: {joint} angle;")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn degrees_of_freedom_are_told() {
+    let said = "degrees of freedom: 1 of 4 coordinates, 1 loop with 6 equations, of which 3 are \
+                redundant";
+    let out = directory("loops-mobility");
+    let model = write(&out, &with(&[("to = 4", "to = 0.01")]));
+    let ran = program(&[&model]);
+    assert!(String::from_utf8(ran.stdout).unwrap().contains(said));
+    assert_eq!(ran.stderr, b"", "no warning");
+    // The same by multipliers.
+    let closure = "child = \"rocker tip\"\nclosure = \"multipliers\"";
+    let text = with(&[("child = \"rocker tip\"", closure)]);
+    let text = text.replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8");
+    let job = pullback::input::assemble_text("model.toml", &text).unwrap();
+    assert_eq!(job.model.mobility().to_string(), said);
+}
+
+#[test]
+fn a_linkage_that_cannot_move_is_warned_of() {
+    let out = directory("loops-locked");
+    // The coupler's first axis lies in the plane: nothing can turn. A pendulum beside it can.
+    let wrong = with(&[
+        ("to = 4", "to = 0.01"),
+        ("rate = 4.5\n", ""),
+        (
+            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 0, 1]",
+            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 1, 0]",
+        ),
+        (
+            "[[supports]]",
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\n\
+             [[bodies]]\nname = \"bob\"\nnode = \"P\"\nmass = 1\ncenter = [1, 0, 0]\ninertia = [1, 1, 1]\n\n\
+             [[supports]]",
+        ),
+    ]);
+    let ran = run(&write(&out, &wrong), Some(&out.join("wrong")), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let warnings = ran.unwrap().warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let said =
+        "the loop closed by joint C cannot move: its 6 equations leave none of 4 coordinates";
+    assert!(warnings[0].starts_with(said), "{warnings:?}");
+}
+
+#[test]
+fn coordinates_without_mass_are_warned_of() {
+    let out = directory("loops-massless");
+    let bare = with(&[
+        ("to = 4", "to = 0.01"),
+        (
+            "[[supports]]",
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\
+             spring = { k = 1 }\n\n[[supports]]",
+        ),
+    ]);
+    let ran = run(&write(&out, &bare), Some(&out.join("bare")), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let warnings = ran.unwrap().warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let said = "no mass acts on P angle: they follow forces at once. Mass of";
+    assert!(warnings[0].starts_with(said), "{warnings:?}");
+}
+
+/// An arch of two links at rest: a hinge at the origin, a ball at (1, 0, 1), a ball at (2, 0, 0), the
+/// second link's weight of 10 at (1.5, 0, 0.5). The first link bears no moment, so that its force is
+/// along (1, 0, 1); about the far end 10 · 0.5 = F_z · 1 + F_x · 1, F_x = F_z = 2.5.
+#[test]
+fn no_moment_passes_a_ball_in_a_loop() {
+    let arch = |closure: &str| {
+        let joint = |name: &str, kind: &str, more: &str| {
+            format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\n{more}\n")
+        };
+        let probe = |quantity: &str, of: &str| {
+            let key = if quantity.starts_with("reaction") {
+                "node"
+            } else {
+                "joint"
+            };
+            format!(
+                "[[probes]]\nname = \"{quantity} {of}\"\nquantity = \"{quantity}\"\n{key} = \"{of}\"\n"
+            )
+        };
+        [
+            "[nodes]\nground = [0, 0, 0]\n".to_owned(),
+            joint("A", "revolute", "master = \"ground\"\naxis = [0, 1, 0]"),
+            joint("link 1", "offset", "master = \"A\"\nplace = [1, 0, 1]"),
+            joint("S", "spherical", "master = \"link 1\""),
+            joint("link 2", "offset", "master = \"S\"\nplace = [2, 0, 0]"),
+            joint("foot", "offset", "master = \"ground\"\nplace = [2, 0, 0]"),
+            joint(
+                "C",
+                "spherical",
+                &format!("master = \"link 2\"\nchild = \"foot\"\n{closure}"),
+            ),
+            "[[bodies]]\nname = \"b\"\nnode = \"S\"\nmass = 1\ncenter = [0.5, 0, -0.5]\n\
+             inertia = [0.1, 0.1, 0.1]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
+             [[loads]]\ngravity = [0, 0, -10]\n[analysis.dynamic]\nto = 0.01\nstep = 0.01\n\
+             [output]\nparaview_every = 0\nfigures = false\n"
+                .to_owned(),
+            ["A", "S"].map(|of| probe("joint_force", of)).concat(),
+            ["A", "S"].map(|of| probe("joint_moment", of)).concat(),
+            probe("reaction_force", "ground"),
+            probe("reaction_moment", "ground"),
+        ]
+        .concat()
+    };
+    let held = "node = \"ground\"\nfix = \"all\"";
+    // A ground that moves, hardly, is a parameter of the loop's map.
+    let moving = "node = \"ground\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+        driven = { x = { proportional = 1e-12 } }";
+    for (name, closure, support) in [
+        ("map", "", held),
+        ("moving", "", moving),
+        ("multipliers", "closure = \"multipliers\"", held),
+    ] {
+        let out = directory(&format!("ball_{name}"));
+        let text = arch(closure);
+        assert!(text.contains(held));
+        let ran = program(&[&write(&out, &text.replace(held, support))]);
+        assert!(
+            ran.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ran.stderr)
+        );
+        for row in history(&out.join("model.out")) {
+            for (what, exact) in [
+                ("joint_force A", [2.5, 0.0, 2.5]),
+                ("joint_force S", [2.5, 0.0, 2.5]),
+                ("joint_moment A", [0.0; 3]),
+                ("joint_moment S", [0.0; 3]),
+                ("reaction_force ground", [0.0, 0.0, 10.0]),
+                ("reaction_moment ground", [0.0, -15.0, 0.0]),
+            ] {
+                for (c, exact) in ["x", "y", "z"].into_iter().zip(exact) {
+                    let found = number(&row, &format!("{what}.{c}"));
+                    assert!(
+                        (found - exact).abs() < 1e-9,
+                        "{name}, {what}.{c}: {found} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! A loop in which other equations are redundant as it moves: they are chosen anew on the way.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::closures::{CLOSURES, GROUND, angle, arm, body, hinge, joint, rows};
+use std::f64::consts::FRAC_PI_2;
+
+/// Cardan's circles: a point on the rim of a wheel that rolls in a ring twice its size runs on a diameter,
+/// where a slider guides it. The wheel sees the gap in its own axes: what the slider asks for is the gap along
+/// its first axis at the start and along its second one a quarter turn later; the other one says nothing.
+fn circles(carrier: &str, closure: &str) -> String {
+    [
+        GROUND,
+        "[analysis.dynamic]\nto = 3\nstep = 0.01\nscheme = { generalised-alpha = 0.8 }\n",
+        &hinge("carrier", "ground", carrier),
+        &arm("hub", "carrier", [0.5, 0.0, 0.0]),
+        &hinge("wheel", "hub", ""),
+        "[[gears]]\njoints = [\"carrier\", \"wheel\"]\nratio = -2\n",
+        &arm("rim", "wheel", [1.0, 0.0, 0.0]),
+        &arm("guide", "ground", [1.0, 0.0, 0.0]),
+        &joint("slider", "prismatic", "guide", "axis = [1, 0, 0]"),
+        &hinge("pin", "slider", &format!("child = \"rim\"\n{closure}")),
+        &body("wheel"),
+        &body("slider"),
+        &angle("carrier"),
+        &angle("slider"),
+        "[[probes]]\nname = \"pin\"\nquantity = \"joint_force\"\nnode = \"pin\"\n",
+    ]
+    .concat()
+}
+
+/// Forces at rest are those of the state that was reached, wherever equations are looked at again.
+#[test]
+fn the_ground_bears_a_linkage_in_every_row() {
+    let sprung = |name: &str, master: &str, more: &str| {
+        hinge(name, master, &format!("spring = {{ k = 3 }}\n{more}"))
+    };
+    let linkage = [
+        GROUND,
+        "[analysis.static]\nsteps = 4\n",
+        &sprung("A", "ground", ""),
+        &arm("a", "A", [0.0, 1.0, 0.0]),
+        &sprung("B", "a", ""),
+        &arm("b", "B", [1.2, 1.9, 0.0]),
+        &arm("foot", "ground", [1.6, 0.0, 0.0]),
+        &sprung("D", "foot", ""),
+        &arm("d", "D", [1.2, 1.9, 0.0]),
+        &hinge("C", "b", "child = \"d\"\nclosure = \"multipliers\""),
+        &body("a"),
+        &body("b"),
+        "[[loads]]\ngravity = [0, -9.81, 0]\n",
+        &angle("A"),
+        "[[probes]]\nname = \"ground\"\nquantity = \"reaction_force\"\nnode = \"ground\"\n",
+    ]
+    .concat();
+    let (_, rows) = rows("loops_redundant_rest", &linkage);
+    assert!(rows.len() >= 5);
+    let mut turned = 0.0_f64;
+    for row in &rows {
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        turned = turned.max(number("A").abs());
+        // Two bodies of unit mass.
+        let weight = 2.0 * 9.81 * number("t");
+        assert!((number("ground.y") - weight).abs() < 1e-8, "{row:?}");
+        assert!(number("ground.x").abs() < 1e-8, "{row:?}");
+    }
+    assert!(turned > 0.2, "{turned}");
+}
+
+#[test]
+fn a_point_of_a_rolling_wheel_stays_on_its_diameter() {
+    let driven = format!("driven = {{ proportional = {} }}", -FRAC_PI_2);
+    for (closure, close) in CLOSURES.into_iter().zip([1e-12, 1e-9, 1e-5]) {
+        for (name, carrier) in [
+            ("driven", driven.as_str()),
+            ("free", "rate = -1.5707963267948966"),
+        ] {
+            let name = format!("loops_redundant_{name}");
+            let (_, rows) = rows(&name, &circles(carrier, closure));
+            let mut turned = 0.0_f64;
+            for row in &rows {
+                let number = |column: &str| row[column].parse::<f64>().unwrap();
+                let theta = number("carrier");
+                let exact = theta.cos() - 1.0;
+                let off = (number("slider") - exact).abs();
+                assert!(off < close, "{name}, {closure} at {theta}: {off:e}");
+                turned = turned.max(theta.abs());
+                // The slider is a harmonic oscillator of unit mass, and asks for nothing across its way. What
+                // multipliers of the equations in use do there the wheel bears.
+                let [along, across] = ["pin.x", "pin.y"].map(|c| number(c).abs());
+                // A penalty makes forces of rounding errors of gaps.
+                let most = match closure {
+                    c if c.contains("multipliers") => 10.0,
+                    c if c.contains("penalty") => 1e-7,
+                    _ => 1e-9,
+                };
+                assert!(across < most, "{name}, {closure} at {theta}: {across}");
+                assert!(along < 2.6, "{name}, {closure} at {theta}: {along}");
+            }
+            assert!(turned > 3.0, "{turned}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! All integration tests of the program and its library, linked once.
+
+mod closures;
+mod compare;
+mod dynamics;
+mod formulations;
+mod independent;
+mod joints;
+mod loops;
+mod pages;
+mod program;
+mod refusals;
+mod slides;
+mod statics;
+mod support;

@@ -1,0 +1,57 @@
+//! docs/adding_an_integrator.md includes the source, and its scheme from outside does what it
+//! claims.
+#![allow(clippy::unwrap_used)]
+
+use pullback::check;
+use pullback::integrators::dynamics::DynamicsError;
+use pullback::integrators::dynamics::scheme::{Claims, Scheme, Stage};
+
+const PAGE: &str = include_str!("../../../docs/adding_an_integrator.md");
+
+#[test]
+fn its_code_is_the_scheme_of_the_library() {
+    let [page, source] = [
+        "docs/adding_an_integrator.md",
+        "integrators/src/dynamics/scheme/bathe.rs",
+    ];
+    crate::support::included::hold(page, "```rust\n", 0..4, source, true);
+}
+
+#[test]
+fn its_lines_stand_where_it_says() {
+    let sources = [
+        include_str!("../../../integrators/src/dynamics/scheme/list.rs"),
+        include_str!("../../../integrators/src/dynamics/scheme/mod.rs"),
+        include_str!("../../../integrators/tests/suite/schemes/conformance.rs"),
+        include_str!("../../../integrators/tests/suite/schemes/conformance.rs"),
+        include_str!("adding_an_integrator.rs"),
+    ];
+    let parts = PAGE.split("```rs\n").skip(1);
+    let lines: Vec<&str> = parts
+        .filter_map(|part| part.split("\n```").next())
+        .collect();
+    assert_eq!(lines.len(), 5);
+    for (text, source) in lines.into_iter().zip(sources) {
+        assert!(source.contains(text), "{text}");
+    }
+}
+
+/// Alexander's SDIRK of two stages (1977): order 2, L-stable, both stages with the same tangent. Under
+/// multipliers its first stage is a backward difference of places, which leaves velocities of order 1,
+/// accelerations that do not converge, and by them places of order 1.
+fn alexander() -> Result<Scheme, DynamicsError> {
+    let gamma = 1.0 - 0.5 * 2.0_f64.sqrt();
+    let rows = [[0.0, gamma, 0.0, 0.0], [0.0, 1.0 - gamma, gamma, 0.0]];
+    let claims = Claims {
+        order: 2,
+        limit: None,
+        symmetric: false,
+    };
+    let scheme = Scheme::new("Alexander", &Stage::runge_kutta([gamma, 1.0], rows), claims)?;
+    Ok(scheme.under_multipliers([1, 1, 0]))
+}
+
+#[test]
+fn a_scheme_from_outside_does_what_it_claims() {
+    check::scheme(&alexander().unwrap()).assert();
+}

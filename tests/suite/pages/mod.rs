@@ -1,0 +1,9 @@
+//! Pages of the documentation against the sources they show.
+
+mod adding_a_constraint;
+mod adding_a_joint;
+mod adding_an_element;
+mod adding_an_integrator;
+mod joint_pictures;
+mod readme;
+mod theory;

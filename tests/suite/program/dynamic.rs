@@ -1,0 +1,323 @@
+//! Runs in time: what is written agrees with closed forms and with the documents.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, number, program, read, results, write};
+use pullback::input::{Analysis, assemble_text, load};
+use pullback::output::{COLUMNS, DYNAMIC_COLUMNS};
+use std::path::Path;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn example(name: &str) -> String {
+    read(Path::new(ROOT).join("examples/models").join(name))
+}
+
+fn ran(directory: &Path, text: &str) -> std::path::PathBuf {
+    let output = program(&[&write(directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    directory.join("model.out")
+}
+
+#[test]
+fn a_pendulum_records_its_angle_its_forces_and_its_energy() {
+    let directory = directory("program_pendulum");
+    let out = ran(&directory, &example("pendulum.toml"));
+    let head = read(out.join("history.csv"));
+    let head = head.lines().next().unwrap();
+    assert!(head.starts_with(&format!(
+        "{},{}",
+        COLUMNS.join(","),
+        DYNAMIC_COLUMNS.join(",")
+    )));
+    let documents = read(Path::new(ROOT).join("docs/model_file.md"));
+    for column in DYNAMIC_COLUMNS {
+        assert!(documents.contains(&format!("| `{column}` |")), "{column}");
+    }
+    let rows = history(&out);
+    assert_eq!(rows.len(), 1001);
+    for row in &rows {
+        let angle = number(row, "angle");
+        let [x, z] = ["bob.x", "bob.z"].map(|c| number(row, c));
+        assert!((x + angle.cos()).abs() < 1e-12 && (z + angle.sin()).abs() < 1e-12);
+        // A bob let go from the horizontal pulls with 3 m g sin θ; the link and the support carry
+        // the same force. The energy is as exact as the step.
+        let tension = 3.0 * 9.81 * angle.sin();
+        assert!((number(row, "tension") - tension.abs()).abs() < 0.02);
+        assert!((number(row, "support") - number(row, "tension")).abs() < 1e-9);
+        assert!(number(row, "energy").abs() < 1e-3);
+        let kinetic = 9.81 * angle.sin();
+        assert!((number(row, "kinetic_energy") - kinetic).abs() < 2e-3);
+    }
+    // Elliptic functions (IFToMM benchmark A01): the place at t = 1.
+    let row = &rows[100];
+    assert!((number(row, "t") - 1.0).abs() < 1e-12);
+    assert!((number(row, "bob.x") - 0.986291751131875).abs() < 2e-4);
+    assert!((number(row, "bob.z") + 0.165010853125541).abs() < 2e-3);
+
+    let results = results(&out);
+    assert_eq!(results["complete"], true);
+    let statistics = &results["statistics"];
+    for key in [
+        "steps",
+        "rejected",
+        "inaccurate",
+        "iterations",
+        "evaluations",
+    ] {
+        assert!(statistics[key].is_u64(), "{key}: {statistics}");
+    }
+    assert_eq!(statistics["steps"], 1000);
+    assert!(statistics["energy"]["largest_defect"].as_f64().unwrap() < 2e-3);
+    let last = &results["last"];
+    let velocity = last["nodes"]["rod"]["velocity"].as_array().unwrap();
+    let momentum = last["motion"]["momentum"].as_array().unwrap();
+    assert_eq!(velocity, momentum, "the mass is one");
+    assert_eq!(last["reactions"].as_object().unwrap().len(), 1);
+    // About 200 grids, with velocities.
+    let series = read(out.join("steps.pvd")).matches("<DataSet").count();
+    assert!((190..=210).contains(&series), "{series}");
+    let grid = read(out.join("step_000000.vtu"));
+    assert!(grid.contains("Name=\"velocity\"") && grid.contains("Name=\"angular_velocity\""));
+    for figure in ["history.svg", "deformed.svg"] {
+        roxmltree::Document::parse(&read(out.join(figure))).unwrap();
+    }
+}
+
+#[test]
+fn springs_motors_and_drives_act_on_released_coordinates() {
+    let directory = directory("program_released");
+    let model = |acts: &str| {
+        let text =
+            example("pendulum.toml").replace("gravity = [0, 0, -9.81]", "gravity = [0, 0, 0]");
+        let text = text.replace("axis = [0, -1, 0]", &format!("axis = [0, -1, 0]\n{acts}"));
+        // Something must be free where the pendulum is driven.
+        let text = text.replace("[nodes]", "[nodes]\nother = [5, 0, 0]");
+        let body = "[[bodies]]\nname = \"other\"\nnode = \"other\"\nmass = 1\n\n[[supports]]";
+        let text = text.replace("[[supports]]", body);
+        text.replace("to = 10\nstep = 0.01", "to = 2\nstep = 0.002")
+    };
+    // J = m L² = 1: θ̈ = 1.5, θ = ¾ t².
+    let rows = history(&ran(&directory, &model("motor = { constant = 1.5 }")));
+    for row in &rows {
+        let t = number(row, "t");
+        assert!((number(row, "angle") - 0.75 * t * t).abs() < 1e-9);
+    }
+    // ω² = k/J: θ = θ̇₀/ω sin ω t, with a phase error of ω h²/12 per radian.
+    let rows = history(&ran(&directory, &model("spring = { k = 9.0 }\nrate = 0.3")));
+    for row in &rows {
+        let t = number(row, "t");
+        assert!((number(row, "angle") - 0.1 * (3.0 * t).sin()).abs() < 2e-6);
+    }
+    // A critically damped one: θ = θ̇₀ t e^{−ωt}.
+    let rows = history(&ran(
+        &directory,
+        &model("spring = { k = 9.0, c = 6.0 }\nrate = 0.3"),
+    ));
+    for row in &rows {
+        let t = number(row, "t");
+        assert!((number(row, "angle") - 0.3 * t * (-3.0 * t).exp()).abs() < 2e-6);
+    }
+    let drive = "driven = { sine = { amplitude = 2.0, omega = 3.0 } }";
+    let rows = history(&ran(&directory, &model(drive)));
+    for row in &rows {
+        let t = number(row, "t");
+        assert!((number(row, "angle") - 2.0 * (3.0 * t).sin()).abs() < 1e-12);
+        // Centripetal and tangential force of the unit mass.
+        let (rate, slope) = (6.0 * (3.0 * t).cos(), -18.0 * (3.0 * t).sin());
+        let force = (rate * rate).hypot(slope);
+        assert!((number(row, "tension") - force).abs() < 1e-9 * (1.0 + force));
+    }
+}
+
+#[test]
+fn every_example_and_every_model_of_the_documents_assembles() {
+    let mut dynamic = 0;
+    for entry in std::fs::read_dir(Path::new(ROOT).join("examples/models")).unwrap() {
+        let path = entry.unwrap().path();
+        let job = load(&path)
+            .map_err(|e| format!("{}: {e}", path.display()))
+            .unwrap();
+        dynamic += usize::from(matches!(job.file.analysis, Analysis::Dynamic(_)));
+    }
+    assert!(dynamic >= 13, "{dynamic} dynamic models");
+    let documents = read(Path::new(ROOT).join("docs/model_file.md"));
+    let models: Vec<&str> = documents.split("```toml\n").skip(1).collect();
+    assert_eq!(models.len(), 2);
+    for (k, model) in models.iter().enumerate() {
+        let text = model.split("```").next().unwrap();
+        assemble_text(&format!("model {k} of docs/model_file.md"), text).unwrap();
+    }
+}
+
+#[test]
+fn a_step_that_is_too_large_is_halved_and_counted() {
+    let directory = directory("program_halved");
+    // Each step would turn the rod by more than the chart holds.
+    let text = r#"
+[nodes]
+A = [0, 0, 0]
+
+[[bodies]]
+name = "top"
+node = "A"
+mass = 1
+inertia = [1, 2, 2.5]
+
+[[initial]]
+node = "A"
+angular_velocity = [40, 1, 1]
+
+[analysis.dynamic]
+to = 1
+step = 0.25
+newton = { max_iterations = 5 }
+"#;
+    let out = ran(&directory, text);
+    let statistics = &results(&out)["statistics"];
+    assert!(statistics["rejected"].as_u64().unwrap() > 0, "{statistics}");
+    assert!(statistics["largest_rotation"].as_f64().unwrap() > 1.0);
+    let rows = history(&out);
+    assert!((number(rows.last().unwrap(), "t") - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn adaptive_steps_keep_the_error_and_are_counted() {
+    let directory = directory("program_adaptive");
+    let text = example("pendulum.toml").replace(
+        "step = 0.01",
+        "step = 0.01\nadaptive = { tolerance = 1e-7, max_step = 0.1 }",
+    );
+    let out = ran(&directory, &text);
+    let rows = history(&out);
+    let steps: Vec<f64> = rows
+        .iter()
+        .skip(1)
+        .map(|r| number(r, "step_size"))
+        .collect();
+    let (least, most) = steps
+        .iter()
+        .fold((1.0_f64, 0.0_f64), |(a, b), h| (a.min(*h), b.max(*h)));
+    assert!(most > 1.5 * least && most <= 0.1, "{least} to {most}");
+    let last = rows.last().unwrap();
+    assert!((number(last, "bob.x") + 0.275087462576117).abs() < 2e-3);
+    assert!(results(&out)["statistics"]["inaccurate"].is_u64());
+}
+
+#[test]
+fn rates_of_joints_follow_an_initial_rotation_and_starts_that_strain_are_told() {
+    let directory = directory("program_starts");
+    let rod = r#"
+[sections.rod]
+stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 1e4, EI = [1e4, 1e4] }
+mass = { A_rho = 1, J = [2e-3, 1e-3, 1e-3] }
+
+[nodes]
+ground = [0, 0, 0]
+tip = [1, 0, 0]
+
+[[joints]]
+name = "pivot"
+type = "revolute"
+master = "ground"
+axis = [0, 0, 1]
+
+[[lines]]
+name = "rod"
+from = "pivot"
+to = "tip"
+elements = 2
+section = "rod"
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[initial]]
+line = "rod"
+angular_velocity = [0, 0, 2]
+
+[analysis.dynamic]
+to = 0.1
+step = 0.001
+
+[[probes]]
+name = "rate"
+quantity = "joint_rate"
+joint = "pivot"
+"#;
+    // A rigid turn goes on: the hinge turns with the rod from the start.
+    for row in history(&ran(&directory, rod)) {
+        assert!((number(&row, "rate") - 2.0).abs() < 1e-3, "{}", row["rate"]);
+    }
+    let driven = rod
+        .replace(
+            "axis = [0, 0, 1]",
+            "axis = [0, 0, 1]\ndriven = { constant = 0.1 }",
+        )
+        .replace(
+            "[[initial]]\nline = \"rod\"\nangular_velocity = [0, 0, 2]\n",
+            "",
+        );
+    let output = program(&[&write(&directory, &driven)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("warning: joint pivot is not where the model is drawn"),
+        "{said}"
+    );
+}
+
+#[test]
+fn the_moment_of_a_driven_joint_is_that_of_inverse_dynamics() {
+    let text = r#"
+[nodes]
+root = [0, 0, 0]
+elsewhere = [5, 0, 0]
+
+[[supports]]
+node = "root"
+fix = "all"
+
+[[joints]]
+name = "motor"
+type = "revolute"
+master = "root"
+axis = [0, 0, 1]
+driven = { sine = { amplitude = 1.2, omega = 3 } }
+
+[[bodies]]
+name = "arm"
+node = "motor"
+mass = 2
+center = [0.5, 0, 0]
+inertia = [0.1, 0.2, 0.3]
+
+# Something has to be free.
+[[bodies]]
+name = "free"
+node = "elsewhere"
+mass = 1
+
+[[loads]]
+gravity = [0, -9.81, 0]
+
+[analysis.dynamic]
+to = 2
+step = 0.05
+
+[[probes]]
+name = "M"
+quantity = "joint_moment"
+joint = "motor"
+component = "z"
+"#;
+    let out = ran(&directory("program_inverse"), text);
+    let rows = history(&out);
+    assert_eq!(rows.len(), 41);
+    for row in &rows {
+        let (sine, t) = (1.2 * (3.0 * number(row, "t")).sin(), number(row, "t"));
+        let moment = -9.0 * sine * (0.3 + 2.0 * 0.25) + 2.0 * 9.81 * 0.5 * sine.cos();
+        assert!((number(row, "M") - moment).abs() < 1e-12, "at {t}");
+    }
+}

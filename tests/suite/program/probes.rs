@@ -1,0 +1,235 @@
+//! Probes against closed forms: what an arm turning about an axis does, and a bar's strains and forces.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, number, program, write};
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+type Row = HashMap<String, String>;
+
+fn ran(directory: &Path, text: &str) -> Vec<Row> {
+    let output = program(&[&write(directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    history(&directory.join("model.out"))
+}
+
+fn vector(row: &Row, probe: &str, ends: [&str; 3]) -> Vector3<f64> {
+    Vector3::from(ends.map(|end| number(row, &format!("{probe}.{end}"))))
+}
+
+#[track_caller]
+fn near(found: Vector3<f64>, expected: Vector3<f64>, what: &str) {
+    let gap = (found - expected).norm();
+    assert!(
+        gap < 1e-11 * (1.0 + expected.norm()),
+        "{what}: {found:?} {expected:?}"
+    );
+}
+
+#[test]
+fn an_arm_that_is_swung_about_an_axis() {
+    let text = r#"
+[nodes]
+ground = [0, 0, 0]
+elsewhere = [5, 0, 0]
+
+[[joints]]
+name = "hinge"
+type = "revolute"
+master = "ground"
+axis = [0, 0.6, 0.8]
+driven = { sine = { amplitude = 4, omega = 3 } }
+
+[[joints]]
+name = "arm"
+type = "offset"
+master = "hinge"
+place = [0.5, -0.3, 0.7]
+
+[[bodies]]
+name = "bob"
+node = "arm"
+mass = 1
+
+# Something has to be free.
+[[bodies]]
+name = "free"
+node = "elsewhere"
+mass = 1
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[analysis.dynamic]
+to = 2
+step = 0.02
+
+[[probes]]
+name = "p"
+quantity = "position"
+node = "arm"
+
+[[probes]]
+name = "v"
+quantity = "velocity"
+node = "arm"
+
+[[probes]]
+name = "a"
+quantity = "acceleration"
+node = "arm"
+
+[[probes]]
+name = "omega"
+quantity = "angular_velocity"
+node = "arm"
+
+[[probes]]
+name = "alpha"
+quantity = "angular_acceleration"
+node = "arm"
+
+[[probes]]
+name = "bend"
+quantity = "joint_acceleration"
+joint = "hinge"
+
+[[probes]]
+name = "turned"
+quantity = "rotation"
+node = "arm"
+
+[[probes]]
+name = "chart"
+quantity = "chart_rotation"
+node = "arm"
+
+[[probes]]
+name = "speed"
+quantity = "velocity"
+node = "arm"
+component = "norm"
+
+[[probes]]
+name = "up"
+quantity = "acceleration"
+node = "arm"
+component = "z"
+"#;
+    let rows = ran(&directory("program_probes_arm"), text);
+    assert_eq!(rows.len(), 101);
+    let e = Vector3::new(0.0, 0.6, 0.8);
+    let r = Vector3::new(0.5, -0.3, 0.7);
+    let mut turns = Vec::new();
+    for row in &rows {
+        let t = number(row, "t");
+        let (sin, cos) = (3.0 * t).sin_cos();
+        let [theta, rate, slope] = [4.0 * sin, 12.0 * cos, -36.0 * sin];
+        let of = |probe| vector(row, probe, ["x", "y", "z"]);
+        let along = e * e.dot(&r);
+        let p = along + (r - along) * theta.cos() + e.cross(&r) * theta.sin();
+        let v = e.cross(&p) * rate;
+        let a = e.cross(&p) * slope + e.cross(&v) * rate;
+        near(of("p"), p, "place");
+        near(of("v"), v, "velocity");
+        near(of("a"), a, "acceleration");
+        near(of("omega"), e * rate, "angular velocity");
+        near(of("alpha"), e * slope, "angular acceleration");
+        assert!((number(row, "bend") - slope).abs() < 1e-11 * (1.0 + slope.abs()));
+        near(of("turned"), e * theta, "rotation");
+        assert!((number(row, "speed") - v.norm()).abs() < 1e-11 * (1.0 + v.norm()));
+        assert!((number(row, "up") - a.z).abs() < 1e-11 * (1.0 + a.norm()));
+        // The same rotation, whole turns away, and within its chart but for the last step.
+        let psi = e.dot(&of("chart"));
+        let turn = ((theta - psi) / TAU).round();
+        near(
+            of("chart"),
+            e * (theta - TAU * turn),
+            "rotation in the chart",
+        );
+        assert!(psi.abs() <= PI + 0.02 * 12.0, "{psi} at {t}");
+        turns.push(turn as i32);
+    }
+    turns.sort_unstable();
+    turns.dedup();
+    assert_eq!(turns, [-1, 0, 1], "the chart changes on both sides");
+}
+
+/// A straight bar along (0.6, 0.8, 0), clamped, with a load at its other end, and what its second
+/// element says: N, Γ, M, K.
+fn loaded(name: &str, load: &str) -> [Vector3<f64>; 4] {
+    let probes = ["N", "Gamma", "M", "K"].map(|quantity| {
+        format!(
+            "[[probes]]\nname = \"{quantity}\"\nquantity = \"{quantity}\"\nelement = \"bar:2\"\n"
+        )
+    });
+    let text = format!(
+        r#"
+[sections.bar]
+stiffness = {{ EA = 50, GA = [20, 30], GJ = 2, EI = [3, 4] }}
+
+[nodes]
+A = [0, 0, 0]
+B = [1.2, 1.6, 0]
+
+[[lines]]
+name = "bar"
+from = "A"
+to = "B"
+elements = 4
+section = "bar"
+
+[[supports]]
+node = "A"
+fix = "all"
+
+[[loads]]
+node = "B"
+{load}
+
+[analysis.static]
+steps = 2
+
+{}"#,
+        probes.join("\n")
+    );
+    let rows = ran(&directory(name), &text);
+    let last = rows.last().unwrap();
+    ["N", "Gamma", "M", "K"].map(|probe| vector(last, probe, ["1", "2", "3"]))
+}
+
+#[test]
+fn a_bar_under_an_end_force_and_a_cantilever_under_an_end_moment() {
+    let none = Vector3::zeros();
+    // Along the bar: N = F, Γ₁ = F/EA, in tension and in compression (well below its critical load).
+    for force in [5.0, -0.2] {
+        let load = format!("force = [{}, {}, 0]", 0.6 * force, 0.8 * force);
+        let [N, Gamma, M, K] = loaded("program_probes_force", &load);
+        near(N, Vector3::x() * force, "N");
+        near(Gamma, Vector3::x() * (force / 50.0), "Gamma");
+        near(M, none, "M");
+        near(K, none, "K");
+    }
+    // A moment about E₁, E₂ = (−0.8, 0.6, 0) or E₃ = e₃: K = M/(GJ, EI₂, EI₃) everywhere.
+    for (k, (moment, stiffness)) in [
+        ("[0.9, 1.2, 0]", 2.0),
+        ("[-1.2, 0.9, 0]", 3.0),
+        ("[0, 0, 1.5]", 4.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let load = format!("moment = {moment}");
+        let [N, Gamma, M, K] = loaded("program_probes_moment", &load);
+        let mut axis = none;
+        axis[k] = 1.5;
+        near(N, none, "N");
+        near(Gamma, none, "Gamma");
+        near(M, axis, "M");
+        near(K, axis / stiffness, "K");
+    }
+}

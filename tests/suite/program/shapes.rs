@@ -1,0 +1,187 @@
+//! Points on curves and surfaces of model files, against closed forms.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{check, directory, history, number, program, write};
+use std::f64::consts::PI;
+
+/// A body on a joint that the ground bears, under gravity along −z: x, y, z at the times of all rows.
+fn run(name: &str, joint: &str, gravity: f64, [to, step]: [f64; 2]) -> Vec<[f64; 4]> {
+    let directory = directory(&format!("program_shapes_{name}"));
+    let output = program(&[&write(&directory, &model(joint, gravity, [to, step]))]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let rows = history(&directory.join("model.out"));
+    let columns = ["t", "place.x", "place.y", "place.z"];
+    let numbers = |row| columns.map(|column| number(row, column));
+    rows.iter().map(numbers).collect()
+}
+
+fn model(joint: &str, gravity: f64, [to, step]: [f64; 2]) -> String {
+    format!(
+        r#"
+[nodes]
+ground = [0.5, 0.25, -1]
+
+[[joints]]
+name = "bead"
+master = "ground"
+{joint}
+
+[[bodies]]
+name = "bead"
+node = "bead"
+mass = 2
+inertia = [0.03, 0.03, 0.03]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[[loads]]
+gravity = [0, 0, -{gravity}]
+
+[analysis.dynamic]
+to = {to}
+step = {step}
+scheme = {{ newmark = [0.25, 0.5] }}
+
+[output]
+figures = false
+paraview_every = 0
+
+[[probes]]
+name = "place"
+quantity = "position"
+node = "bead"
+"#
+    )
+}
+
+#[test]
+fn a_bead_on_a_straight_wire_falls_with_a_part_of_gravity() {
+    // Along (3, 0, −4)/5 from a quarter of the way; the points are not evenly spaced.
+    let joint = "type = \"on-curve\"\n\
+                 through = [[0, 0, 0], [0.6, 0, -0.8], [0.9, 0, -1.2], [6, 0, -8]]\nstart = 2.5";
+    for [t, x, y, z] in run("wire", joint, 10.0, [1.0, 0.05]) {
+        let s = 2.5 + 0.5 * 8.0 * t * t;
+        let gap = [x - 0.6 * s, y, z + 0.8 * s].map(f64::abs);
+        assert!(gap.iter().all(|g| *g < 1e-12), "{t}: {gap:?}");
+    }
+}
+
+#[test]
+fn a_bead_on_a_ring_is_at_the_bottom_after_a_quarter_of_its_period() {
+    // A ring of radius 1 through 60 points, let go beside its centre. The quarter of the period is
+    // K(1/√2) √(r/g) with K(1/√2) = Γ(1/4)²/(4 √π) = 1.8540746773013719; a spline is off by about
+    // the fourth power of the angle between two points over 384.
+    let points = (0..60).map(|k| 2.0 * PI * f64::from(k) / 60.0);
+    let points: Vec<_> = points
+        .map(|a| format!("[{:?}, 0, {:?}]", a.cos(), a.sin()))
+        .collect();
+    let joint = format!(
+        "type = \"on-curve\"\nclosed = true\nthrough = [{}]",
+        points.join(", ")
+    );
+    let quarter = 1.854_074_677_301_372 / 9.81_f64.sqrt();
+    let rows = run("ring", &joint, 9.81, [5.0 * quarter, quarter / 400.0]);
+    for [t, x, y, z] in &rows {
+        let r = (x * x + y * y + z * z).sqrt();
+        assert!(
+            (r - 1.0).abs() < 1e-6,
+            "off the ring by {:e} at {t}",
+            r - 1.0
+        );
+    }
+    for quarters in [1, 5] {
+        let [_, x, _, z] = rows[400 * quarters];
+        assert!(x.abs() < 1e-4 && z < 0.0, "after {quarters} quarters: {x}");
+    }
+}
+
+#[test]
+fn a_point_on_a_cylinder_falls_and_goes_round() {
+    // About the vertical axis through (1, 2): radius 2, one radian per second.
+    let joint = "type = \"on-surface\"\nplace = [3, 2, 5]\n\
+                 surface = { cylinder = { centre = [1, 2, 0], axis = [0, 0, 7] } }\n\
+                 coordinates = { \"parameter 1\" = { rate = 1.0 } }";
+    for [t, x, y, z] in run("cylinder", joint, 10.0, [2.0, 0.1]) {
+        let gap = [
+            x - 1.0 - 2.0 * t.cos(),
+            y - 2.0 - 2.0 * t.sin(),
+            z - 5.0 + 5.0 * t * t,
+        ];
+        assert!(gap.iter().all(|g| g.abs() < 1e-11), "{t}: {gap:?}");
+    }
+}
+
+#[test]
+fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
+    // 30° off the bottom of a sphere of radius 2 it stays at its height with ω² = g/(r cos 30°).
+    let (r, angle) = (2.0_f64, PI / 6.0);
+    let place = [r * angle.sin(), 0.0, -r * angle.cos()];
+    let omega = (9.81 / (r * angle.cos())).sqrt();
+    let joint = format!(
+        "type = \"on-surface\"\nplace = {place:?}\nsurface = {{ sphere = {{ centre = [0, 0, 0] }} }}\n\
+         coordinates = {{ \"parameter 2\" = {{ rate = {:?} }} }}",
+        omega * angle.sin()
+    );
+    let period = 2.0 * PI / omega;
+    let rows = run("sphere", &joint, 9.81, [period, period / 800.0]);
+    for [t, x, y, z] in &rows {
+        let ring = (x * x + y * y).sqrt() - place[0];
+        assert!(ring.abs().max((z - place[2]).abs()) < 1e-4, "{t}: {ring:e}");
+    }
+    let [_, x, y, _] = rows[400];
+    assert!((x + place[0]).abs().max(y.abs()) < 1e-4, "{x}, {y}");
+}
+
+#[test]
+fn a_point_on_a_plane_slides_down_it() {
+    // A slope of 45°: half of gravity along x.
+    let joint = "type = \"on-surface\"\nplace = [0, 0, 1]\n\
+                 surface = { plane = { normal = [1, 0, 1] } }";
+    for [t, x, y, z] in run("plane", joint, 10.0, [1.0, 0.1]) {
+        let way = 2.5 * t * t;
+        let gap = [x - way, y, z - 1.0 + way].map(f64::abs);
+        assert!(gap.iter().all(|g| *g < 1e-12), "{t}: {gap:?}");
+    }
+}
+
+#[test]
+fn curves_and_surfaces_that_are_none_are_refused() {
+    let refuse = |joint: &str, place: &str, message: &str| {
+        check(&model(joint, 9.81, [1.0, 0.1]), place, message, "");
+    };
+    let on_curve = |keys: &str| format!("type = \"on-curve\"\n{keys}");
+    let named = "[[joints]]";
+    refuse(
+        &on_curve("through = [[0, 0, 0]]"),
+        named,
+        "2 points at least, got 1",
+    );
+    let two = "through = [[0, 0, 0], [1, 0, 0]]";
+    refuse(
+        &on_curve(&format!("{two}\nclosed = true")),
+        named,
+        "3 points",
+    );
+    refuse(
+        &on_curve(&format!("{two}\nstart = 1.5")),
+        named,
+        "between 0 and 1",
+    );
+    let twice = "through = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]";
+    refuse(&on_curve(twice), named, "point 3 of its curve");
+    let on_surface =
+        |surface: &str| format!("type = \"on-surface\"\nplace = [0, 0, 1]\nsurface = {surface}");
+    refuse(
+        &on_surface("{ sphere = { centre = [0, 0, 1] } }"),
+        named,
+        "has no direction",
+    );
+    refuse(
+        &on_surface("{ cylinder = { centre = [0, 0, 5], axis = [0, 0, 1] } }"),
+        named,
+        "has no direction",
+    );
+}

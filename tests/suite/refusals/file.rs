@@ -1,0 +1,302 @@
+//! Mistakes in a model file are refused with their place and with what would be right.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{MODEL, check, directory, refusal, with};
+use pullback::input::{assemble_text, load};
+
+#[test]
+fn the_model_itself_is_accepted() {
+    assert!(assemble_text("model.toml", MODEL).is_ok());
+}
+
+#[test]
+fn unknown_keys_and_words_get_a_suggestion() {
+    check(
+        &with("elements = 8", "elemnets = 8"),
+        "elemnets",
+        "unknown key or word `elemnets`",
+        "did you mean `elements`?",
+    );
+    check(
+        &with("[nodes]", "[nods]"),
+        "nods",
+        "`nods`",
+        "did you mean `nodes`?",
+    );
+    check(
+        &with("EA = 1e6", "AE = 1e6"),
+        "AE",
+        "`AE`",
+        "did you mean `EA`?",
+    );
+    check(
+        &with("\"displacement\"", "\"displacment\""),
+        "\"displacment\"",
+        "`displacment`",
+        "did you mean `displacement`?",
+    );
+    check(
+        &with("[analysis.static]", "[analysis.sttic]"),
+        "sttic",
+        "`sttic`",
+        "`static`, `arc-length`",
+    );
+    check(
+        &with("steps = 4", "stepps = 4"),
+        "stepps",
+        "`stepps`",
+        "`steps`",
+    );
+}
+
+#[test]
+fn wrong_forms_are_refused_where_they_stand() {
+    check(
+        &with("A = [0, 0, 0]", "A = [0, 0]"),
+        "[0, 0]",
+        "array of length 3",
+        "[X, Y, Z]",
+    );
+    check(
+        &with("B = [1, 0, 0]", "B = [1, 0, 0, 0]"),
+        "[1, 0, 0, 0]",
+        "length 3",
+        "[X, Y, Z]",
+    );
+    for (wrong, found) in [
+        ("1e6", "floating point"),
+        ("[1e6]", "length 1"),
+        ("[1e6, 1e6, 1e6]", "length 3"),
+    ] {
+        let text = with("GA = [1e6, 1e6]", &format!("GA = {wrong}"));
+        check(&text, wrong, found, "GA = [GA2, GA3]");
+        check(&text, wrong, "expected an array of length 2", "two numbers");
+    }
+    let stiffness = "stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }";
+    check(
+        &with(stiffness, "matrix = [[1, 0, 0, 0, 0, 0], [0, 1, 0]]"),
+        "[0, 1, 0]",
+        "array of length 6",
+        "six rows",
+    );
+    check(
+        &with("elements = 8", "elements = \"8\""),
+        "\"8\"",
+        "expected a whole number",
+        "such as 8",
+    );
+    check(
+        &with("elements = 8", "elements = -8"),
+        "-8",
+        "`-8`, expected a whole number that is not negative",
+        "such as 8",
+    );
+    check(
+        &with("fix = \"all\"", "fix = \"al\""),
+        "\"al\"",
+        "expected \"all\", \"place\", \"rotation\"",
+        "",
+    );
+    check(
+        &with("fix = \"all\"", "fix = [\"x\", \"q\"]"),
+        "[\"x\", \"q\"]",
+        "expected \"all\"",
+        "",
+    );
+    check(&with("title = ", "title "), "\"", "expected", "");
+    check(
+        &with("B = [1, 0, 0]", "A = [1, 0, 0]"),
+        "A",
+        "duplicate key",
+        "",
+    );
+    check(
+        &with("section = \"main\"\n", ""),
+        "[[lines]]",
+        "missing field `section`",
+        "",
+    );
+}
+
+#[test]
+fn unusable_numbers_are_refused() {
+    check(
+        &with("A = [0, 0, 0]", "A = [0, nan, 0]"),
+        "nan",
+        "the number nan",
+        "finite",
+    );
+    check(
+        &with("EA = 1e6", "EA = inf"),
+        "inf",
+        "the number inf",
+        "finite",
+    );
+    check(
+        &with("EA = 1e6", "EA = 1e400"),
+        "1e400",
+        "the number 1e400",
+        "finite",
+    );
+    check(
+        &with("B = [1, 0, 0]", "B = [-1e200, 0, 0]"),
+        "-1e200",
+        "the number -1e200",
+        "1e100",
+    );
+}
+
+#[test]
+fn unknown_names_get_a_suggestion() {
+    check(
+        &with("to = \"B\"", "to = \"C\""),
+        "\"C\"",
+        "no node named \"C\"",
+        "`A`, `B`",
+    );
+    check(
+        &with("section = \"main\"", "section = \"mian\""),
+        "\"mian\"",
+        "no section named \"mian\"",
+        "did you mean `main`?",
+    );
+    check(
+        &with("node = \"A\"\nfix", "node = \"beam/8\"\nfix"),
+        "\"beam/8\"",
+        "no node named \"beam/8\"",
+        "did you mean `beam/",
+    );
+    check(
+        &with("element = \"beam:4\"", "element = \"beam:9\""),
+        "\"beam:9\"",
+        "no element named \"beam:9\"",
+        "`beam:8`",
+    );
+    let loaded = with("node = \"B\"\nmoment", "line = \"bem\"\nforce_per_length");
+    check(
+        &loaded,
+        "\"bem\"",
+        "no line named \"bem\"",
+        "did you mean `beam`?",
+    );
+}
+
+#[test]
+fn names_must_be_usable_and_distinct() {
+    let twice = MODEL.to_owned()
+        + "\n[[lines]]\nname = \"beam\"\nfrom = \"A\"\nto = \"B\"\nelements = 1\nsection = \"main\"\n";
+    check(&twice, "\"beam\"", "two lines named \"beam\"", "own name");
+    let probe =
+        MODEL.to_owned() + "\n[[probes]]\nname = \"tip\"\nnode = \"B\"\nquantity = \"position\"\n";
+    check(&probe, "\"tip\"", "two probes named \"tip\"", "own name");
+    check(
+        &with("name = \"beam\"", "name = \"be/am\""),
+        "\"be/am\"",
+        "line name \"be/am\"",
+        "must not contain",
+    );
+    check(
+        &with("[nodes]\n", "[nodes]\n\"beam/3\" = [0, 1, 0]\n"),
+        "\"beam/3\"",
+        "node name \"beam/3\"",
+        "inner node",
+    );
+}
+
+#[test]
+fn empty_files_and_files_without_a_structure() {
+    for text in ["", "\n\n", "# nothing but a comment\n"] {
+        assert_eq!(refusal(text).to_string(), "the model file is empty");
+    }
+    assert_eq!(
+        refusal("title = \"a\"").to_string(),
+        "the model has no nodes"
+    );
+    assert_eq!(
+        refusal("[nodes]\nA = [0, 0, 0]").to_string(),
+        "the model has no lines, bodies or springs"
+    );
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let directory = directory("program_refusals");
+    let missing = directory.join("missing.toml");
+    let said = load(&missing).err().unwrap().to_string();
+    assert!(
+        said.contains("cannot read") && said.contains("missing.toml"),
+        "{said}"
+    );
+    assert!(load(&directory).is_err(), "a directory is no model file");
+    let latin = directory.join("latin.toml");
+    std::fs::write(&latin, b"# one\ntitle = \"\xe4\"\n").unwrap();
+    let said = load(&latin).err().unwrap().to_string();
+    assert!(
+        said.contains("not UTF-8") && said.contains("line 2") && said.contains("byte 15"),
+        "{said}"
+    );
+}
+
+#[test]
+fn mutilated_files_never_panic() {
+    // Every prefix, and every line left out or repeated: refused or accepted, but answered.
+    for end in (0..MODEL.len()).filter(|&k| MODEL.is_char_boundary(k)) {
+        let _ = assemble_text("", &MODEL[..end]);
+    }
+    let lines: Vec<&str> = MODEL.lines().collect();
+    for k in 0..lines.len() {
+        let without = [&lines[..k], &lines[k + 1..]].concat().join("\n");
+        let _ = assemble_text("", &without);
+        let twice = [&lines[..=k], &lines[k..]].concat().join("\n");
+        let _ = assemble_text("", &twice);
+    }
+    // Every number replaced by an extreme one.
+    for extreme in [
+        "1e100",
+        "-1e100",
+        "1e-300",
+        "0",
+        "-1",
+        "9223372036854775807",
+    ] {
+        for (k, _) in MODEL.match_indices(|c: char| c.is_ascii_digit()) {
+            let text = format!("{}{extreme}{}", &MODEL[..k], &MODEL[k + 1..]);
+            let _ = assemble_text("", &text);
+        }
+    }
+}
+
+#[test]
+fn documented_and_example_models_are_accepted() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reference = std::fs::read_to_string(root.join("docs/model_file.md")).unwrap();
+    let blocks = reference.split("```toml\n").skip(1);
+    let blocks: Vec<&str> = blocks.filter_map(|b| b.split("```").next()).collect();
+    assert!(!blocks.is_empty());
+    for block in blocks {
+        assemble_text("docs/model_file.md", block)
+            .map_err(|e| e.to_string())
+            .unwrap();
+    }
+    for entry in std::fs::read_dir(root.join("examples/models")).unwrap() {
+        let path = entry.unwrap().path();
+        load(&path)
+            .map_err(|e| format!("{}: {e}", path.display()))
+            .unwrap();
+    }
+}
+
+#[test]
+fn functions_of_t_are_documented_as_they_are() {
+    let reference = include_str!("../../../docs/model_file.md");
+    let rows = reference.lines().filter_map(|l| l.strip_prefix("| `{ "));
+    let functions: Vec<&str> = rows.filter_map(|l| l.split('`').next()).collect();
+    assert_eq!(functions.len(), 8);
+    let load = "moment = [0, 0, 3.141592653589793]";
+    for function in functions {
+        let text = with(load, &format!("{load}\ntime = {{ {function}"));
+        assemble_text("", &text)
+            .map_err(|e| format!("{function}: {e}"))
+            .unwrap();
+    }
+}

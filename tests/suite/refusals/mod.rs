@@ -1,0 +1,9 @@
+//! What is refused or hinted at, and in which words.
+
+mod file;
+mod hints;
+mod model;
+mod motion;
+mod registry;
+mod registry_nodes;
+mod statics;

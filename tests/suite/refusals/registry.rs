@@ -1,0 +1,392 @@
+//! Joints of a program's own in model files: they do what those of the library do, and what is wrong
+//! with them is refused with its place.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, number, write};
+use pullback::elements::joint::{Revolute, Sheet};
+use pullback::input::{BoxedError, InputError};
+use pullback::manifold::map::Kinematics;
+use pullback::prelude::*;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// A frame on a bench: two ways along given directions and a turn about their normal.
+#[derive(Clone, serde::Deserialize, schemars::JsonSchema)]
+struct Bench {
+    /// Direction of the first way.
+    first: [f64; 3],
+    /// Direction of the second way.
+    second: [f64; 3],
+    /// How it is used.
+    #[serde(default)]
+    used: Use,
+}
+
+#[derive(Clone, Default, serde::Deserialize, schemars::JsonSchema)]
+struct Use {
+    /// Scale of both ways.
+    scale: Option<f64>,
+}
+
+impl Joint<9> for Bench {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
+        let along = |e: [f64; 3]| Vector3::from(e).map(S::constant);
+        let way = along(self.first) * q[6] + along(self.second) * q[7];
+        let normal = Vector3::from(self.first).cross(&Vector3::from(self.second));
+        let way = way * S::constant(self.used.scale.unwrap_or(1.0));
+        let turn = Quaternion::about(&normal.normalize(), q[8]);
+        Pose::of(q, 0).moved(&way).turned(&turn)
+    }
+
+    fn released(&self) -> &'static [Released] {
+        const {
+            &[
+                Released::way("left"),
+                Released::way("right"),
+                Released::angle("turn"),
+            ]
+        }
+    }
+}
+
+fn registry() -> Registry {
+    Registry::standard()
+        .joint("bench", |at, keys: Bench| {
+            if keys.first == keys.second {
+                return Err::<_, BoxedError>("its two ways are one".into());
+            }
+            Ok(at.join(keys)?)
+        })
+        .joint_along("bead", |at, _: Empty| {
+            slide(at.builder, at.name, at.chain, 0.25)
+        })
+}
+
+/// No keys.
+#[derive(serde::Deserialize, schemars::JsonSchema)]
+struct Empty {}
+
+const MODEL: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "table"
+type = "bench"
+master = "ground"
+first = [1, 0, 0]
+second = [0, 1, 0]
+coordinates = { left = { spring = { k = 50 }, value = 0.2 }, right = { driven = { proportional = 2 } }, turn = { motor = { constant = 0.3 }, rate = 1 } }
+
+[[bodies]]
+name = "body"
+node = "table"
+mass = 2.0
+inertia = [1, 1, 0.6]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+scheme = { newmark = [0.25, 0.5] }
+record_every = 10
+checkpoint_every = 300
+
+[output]
+paraview_every = 0
+
+[[probes]]
+name = "left"
+quantity = "joint_coordinate"
+joint = "table left"
+
+[[probes]]
+name = "turn"
+quantity = "joint_coordinate"
+joint = "table turn"
+
+[[probes]]
+name = "place"
+quantity = "position"
+node = "table"
+"#;
+
+fn program(arguments: &[&Path]) -> u8 {
+    let words = [OsString::from("mine"), OsString::from("run")];
+    let all = words
+        .into_iter()
+        .chain(arguments.iter().map(OsString::from));
+    pullback::cli::run(&registry(), all)
+}
+
+#[test]
+fn springs_drives_motors_and_probes_act_on_its_coordinates() {
+    let directory = directory("registry_run");
+    let model = write(&directory, MODEL);
+    assert_eq!(program(&[&model]), 0);
+    let out = directory.join("model.out");
+    let rows = history(&out);
+    assert_eq!(rows.len(), 101);
+    for row in &rows {
+        let t = number(row, "t");
+        // A mass on a spring, a turntable under a moment, and a way that is driven.
+        let left = 0.2 * (5.0 * t).cos();
+        assert!((number(row, "left") - left).abs() < 1e-5);
+        assert!((number(row, "place.x") - left).abs() < 1e-5);
+        assert!((number(row, "place.y") - 2.0 * t).abs() < 1e-12);
+        assert!((number(row, "turn") - (t + 0.25 * t * t)).abs() < 1e-9);
+    }
+    // It is drawn as everything is.
+    let drawn = std::fs::read_to_string(out.join("history.svg")).unwrap();
+    assert!(drawn.contains("joint coordinate"));
+    // A curve is read to half a unit of 0.7e-3.
+    let extremes = crate::support::drawings::extremes(&drawn);
+    for (found, known) in extremes.iter().zip([[-0.2, 0.2], [0.0, 1.25]]) {
+        let off = [0, 1].map(|k| (found[k] - known[k]).abs());
+        assert!(off[0].max(off[1]) < 2e-3, "{extremes:?}");
+    }
+    assert_eq!(extremes.len(), 2);
+    // And a longer run goes on from where this one has ended.
+    let whole = std::fs::read(out.join("history.csv")).unwrap();
+    let longer = MODEL.replace("to = 1.0", "to = 1.2");
+    write(&directory, &longer);
+    assert_eq!(program(&[&model, Path::new("--resume")]), 0);
+    let resumed = std::fs::read(out.join("history.csv")).unwrap();
+    assert!(resumed.starts_with(&whole) && resumed.len() > whole.len());
+    // The program without this joint refuses the file.
+    let standard = crate::support::program::program(&[&model]);
+    assert_eq!(standard.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&standard.stderr).into_owned();
+    assert!(said.contains("no type of joint named \"bench\""), "{said}");
+}
+
+/// A revolute joint of a program's own, whose author has lost a factor 2 in Ḃ.
+#[derive(Clone)]
+struct Halved(Revolute);
+
+impl Joint<7> for Halved {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> Pose<S> {
+        self.0.pose(t, q)
+    }
+
+    fn released(&self) -> &'static [Released] {
+        self.0.released()
+    }
+
+    fn kinematics(
+        &self,
+        sheet: Sheet,
+        t: f64,
+        q: &SVector<f64, 7>,
+        v: &SVector<f64, 7>,
+        a: &SVector<f64, 7>,
+    ) -> Option<Kinematics<7, 6>> {
+        let right = self.0.kinematics(sheet, t, q, v, a)?;
+        Some(Kinematics {
+            B_dot: right.B_dot * 0.5,
+            ..right
+        })
+    }
+}
+
+#[test]
+fn check_fails_on_a_wrong_joint_and_blames_its_block() {
+    let pin = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let registry = Registry::standard().joint("pin", move |at, _: Empty| at.join(Halved(pin)));
+    let text = r#"
+[nodes]
+ground = [0, 0, 0]
+
+[[joints]]
+name = "pivot"
+type = "revolute"
+master = "ground"
+axis = [0, 1, 0]
+
+[[joints]]
+name = "arm"
+type = "offset"
+master = "pivot"
+place = [1, 0, 0]
+
+[[joints]]
+name = "wrong"
+type = "pin"
+master = "arm"
+
+[[bodies]]
+name = "body"
+node = "wrong"
+mass = 2.0
+inertia = [1, 1, 0.6]
+
+[[supports]]
+node = "ground"
+fix = "all"
+
+[analysis.dynamic]
+to = 1.0
+step = 0.001
+"#;
+    let model = write(&directory("registry_check"), text);
+    let words = ["mine", "check"].map(OsString::from).into_iter();
+    let code = pullback::cli::run(&registry, words.chain([model.into()]));
+    assert_eq!(code, 1);
+    let mut job = registry.assemble_text("model.toml", text).unwrap();
+    let report = check::job(&mut job, 0);
+    assert!(!report.is_ok());
+    let table = check::table(&report);
+    let blame = "it is 0.500 times what is right";
+    let of_it = |line: &str| line.starts_with("FAIL joint wrong") && line.contains("B_dot");
+    assert!(table.contains(blame) && table.lines().any(of_it), "{table}");
+}
+
+#[track_caller]
+fn refused(old: &str, new: &str) -> (InputError, String) {
+    assert!(MODEL.contains(old));
+    let text = MODEL.replacen(old, new, 1);
+    match registry().assemble_text("model.toml", &text) {
+        Ok(_) => panic!("this was accepted:\n{text}"),
+        Err(error) => (error, text),
+    }
+}
+
+#[test]
+fn what_is_wrong_with_its_keys_is_pointed_at() {
+    let cases = [
+        (
+            "\"bench\"",
+            "\"bensh\"",
+            "\"bensh\"",
+            "no type of joint",
+            "did you mean `bench`",
+        ),
+        (
+            "\"bench\"",
+            "\"screw\"",
+            "\"screw\"",
+            "no type of joint",
+            "`revolute`",
+        ),
+        (
+            "first =",
+            "frist =",
+            "frist",
+            "no use for frist",
+            "did you mean `first`",
+        ),
+        ("second = [0, 1, 0]\n", "", "[[joints]]", "needs second", ""),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1]",
+            "[0, 1]",
+            "length 2",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1, 0, 0]",
+            "[0, 1, 0, 0]",
+            "length 4",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, \"1\", 0]",
+            "\"1\"",
+            "invalid type",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1, 0]\nused = { scael = 2 }",
+            "scael",
+            "no use for used.scael",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1, 0]\nused = { scale = \"big\" }",
+            "\"big\"",
+            "invalid type",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [1, 0, 0]",
+            "[[joints]]",
+            "its two ways are one",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1, 0]\nlines = [\"a\"]",
+            "lines",
+            "no use for lines",
+            "",
+        ),
+        (
+            "second = [0, 1, 0]",
+            "second = [0, 1, 0]\nspring = { k = 1 }",
+            "spring",
+            "no use for spring",
+            "",
+        ),
+        (
+            "{ left = ",
+            "{ lef = ",
+            "lef",
+            "no coordinate of the joint named \"lef\"",
+            "did you mean `left`",
+        ),
+        (
+            "master = \"ground\"\n",
+            "",
+            "[[joints]]",
+            "needs master",
+            "",
+        ),
+    ];
+    for (old, new, place, message, advice) in cases {
+        let (error, text) = refused(old, new);
+        let said = error.to_string();
+        assert!(said.contains(message), "{said:?} lacks {message:?}");
+        let help = error.problem.advice().unwrap_or_default();
+        assert!(help.contains(advice), "{said}: {help:?} lacks {advice:?}");
+        let span = error.span.clone().expect("a place");
+        assert!(
+            text[span.start..].starts_with(place),
+            "{said}: {:?}",
+            &text[span]
+        );
+    }
+}
+
+#[test]
+fn the_schema_has_its_keys() {
+    let schema = registry().schema();
+    let joints = schema["$defs"]["Joint"]["oneOf"].as_array().unwrap();
+    assert_eq!(joints.len(), 15);
+    let of = |name: &str| {
+        let found = joints
+            .iter()
+            .find(|j| j["properties"]["type"]["const"] == name);
+        found.unwrap().clone()
+    };
+    let bench = of("bench");
+    assert_eq!(
+        bench["properties"]["second"]["description"],
+        "Direction of the second way."
+    );
+    assert_eq!(
+        bench["required"],
+        serde_json::json!(["name", "type", "master", "first", "second"])
+    );
+    assert_eq!(bench["additionalProperties"], false);
+    let bead = of("bead");
+    assert!(bead["properties"]["lines"].is_object() && bead["properties"]["master"].is_null());
+}

@@ -1,0 +1,156 @@
+//! Where a slide is handed over: exact motions of beads on polygons of wire.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::dynamics::{observed, tight};
+use crate::support::landing::{G, Track};
+use nalgebra::Vector3;
+use pullback::integrators::dynamics::{Progress, Scheme};
+
+/// Largest errors in place and speed of a bead that starts at s with speed v on its way to time `to`.
+fn errors(
+    track: &Track,
+    scheme: Scheme,
+    [s, v]: [f64; 2],
+    to: f64,
+    h: f64,
+) -> ([f64; 2], Progress) {
+    let (mut model, beads) = track.model(&[s]);
+    let mut worst = [0.0_f64; 2];
+    let options = tight(scheme, to, h);
+    let progress = observed(&mut model, [&[], &[v]], &options, &mut |model, step| {
+        let t = step.progress.state.t;
+        let exact = track.exact(s, v, t);
+        let found = model.coordinate(beads[0].way, 0).unwrap();
+        worst[0] = worst[0].max((s + found[0] - exact[0]).abs());
+        worst[1] = worst[1].max((found[1] - exact[1]).abs());
+        let place = model.node_state(beads[0].frame).place - track.velocity * t;
+        assert!(
+            (place - track.at(s + found[0])).norm() < 1e-9,
+            "{place} at {t}"
+        );
+    });
+    (worst, progress)
+}
+
+/// Sides of half a metre, each steeper than the one before.
+fn bowl() -> Track {
+    Track::of(&[[0.5, 0.2], [0.5, 0.35], [0.5, 0.6], [0.5, 0.9]])
+}
+
+#[test]
+fn a_bead_that_turns_near_a_corner_turns_where_it_should() {
+    // It climbs 0.4 m of the second side and turns so far behind its end, or before it, within a step.
+    let track = bowl();
+    let h = 0.01;
+    let height = |s: f64| track.at(s).z;
+    for beyond in [
+        -1e-3, -1e-7, -1e-12, 0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 1e-2,
+    ] {
+        let v = (2.0 * G * (height(1.0 + beyond) - height(0.6))).sqrt();
+        let (worst, run) = errors(&track, Scheme::default(), [0.6, v], 0.8, h);
+        // A height known to a few units in its last place decides for how long it is on the next side.
+        let excursion = 2.0 * (2.0_f64 * 1e-14 / 3.0).sqrt();
+        let allowed = 1e-9 + 2.0 * excursion;
+        assert!(
+            worst[1] < allowed,
+            "{beyond:e}: {worst:?}, allowed {allowed:e}"
+        );
+        assert!(worst[0] < allowed, "{beyond:e}: {worst:?}");
+        assert!(
+            run.summary.steps < 80 + 12,
+            "{beyond:e}: {}",
+            run.summary.steps
+        );
+    }
+}
+
+#[test]
+fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
+    let track = bowl();
+    for v in [-3.0, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 3.0] {
+        for corner in [0.5, 1.0] {
+            let (worst, run) = errors(&track, Scheme::default(), [corner, v], 0.12, 0.01);
+            assert!(worst[0].max(worst[1]) < 1e-9, "{v} at {corner}: {worst:?}");
+            assert!(run.summary.steps < 12 + 6, "{v}: {}", run.summary.steps);
+        }
+    }
+    // On a ridge it goes down one of the sides, in a valley it stays.
+    let ridge = Track::of(&[[1.0, 0.4], [1.0, -0.7]]);
+    let (worst, _) = errors(&ridge, Scheme::default(), [1.0, 0.0], 0.3, 0.01);
+    assert!(worst[0].max(worst[1]) < 1e-9, "{worst:?}");
+    let valley = Track::of(&[[1.0, -0.4], [1.0, 0.7]]);
+    for h in [0.01, 0.001] {
+        let (mut model, beads) = valley.model(&[1.0]);
+        let mut worst = 0.0_f64;
+        let run = observed(
+            &mut model,
+            [&[], &[]],
+            &tight(Scheme::default(), 0.5, h),
+            &mut |m, _| {
+                worst = worst.max(m.coordinate(beads[0].way, 0).unwrap()[0].abs());
+            },
+        );
+        // A step of its weight at most, again and again.
+        assert!(worst < 4.0 * 0.5 * G * h * h, "{worst:e}");
+        assert!(
+            run.summary.steps < (60.0 * 0.5 / h) as usize,
+            "{}",
+            run.summary.steps
+        );
+    }
+}
+
+#[test]
+fn a_bead_swings_in_a_valley() {
+    // From slow swings to some that are faster than the steps.
+    let track = Track::of(&[[1.0, -0.4], [1.0, 0.4]]);
+    let h = 0.01;
+    for v in [1.0, 0.1, 1e-2, 1e-3] {
+        let (mut model, _) = track.model(&[1.0]);
+        let mut worst = 0.0_f64;
+        let run = observed(
+            &mut model,
+            [&[], &[v]],
+            &tight(Scheme::default(), 1.0, h),
+            &mut |_, s| {
+                let energy = |s: f64, v: f64| 0.5 * v * v + G * 0.4_f64.sin() * s.abs();
+                let state = &s.progress.state;
+                worst = worst.max((energy(state.q[0], state.v[0]) / energy(0.0, v) - 1.0).abs());
+            },
+        );
+        assert!(worst < 1e-6, "{v}: {worst:e}");
+        // Twice for a swing, of 4 v / (g sin 0.4), and the steps between.
+        let swings = G * 0.4_f64.sin() / (4.0 * v);
+        assert!(
+            run.summary.steps as f64 <= 2.0 * swings + 102.0,
+            "{v}: {}",
+            run.summary.steps
+        );
+    }
+}
+
+#[test]
+fn a_fast_bead_crosses_many_elements_in_a_step() {
+    for sides in [40, 400] {
+        let n = f64::from(sides);
+        let shape: Vec<[f64; 2]> = (0..sides)
+            .map(|k| [4.0 / n, -0.8 + 1.2 * (f64::from(k) + 0.5) / n])
+            .collect();
+        let track = Track::of(&shape);
+        // The whole way in about eight steps, 5 or 50 elements each, and in one.
+        for h in [0.01, 0.1] {
+            let (worst, run) = errors(&track, Scheme::default(), [0.013, 50.0], 0.07, h);
+            assert!(worst[0].max(worst[1]) < 1e-8, "{sides}, {h}: {worst:?}");
+            assert!(run.summary.chart_changes > sides as usize * 8 / 10);
+        }
+    }
+}
+
+#[test]
+fn a_moving_wire_is_a_wire_at_rest_to_who_moves_with_it() {
+    for velocity in [Vector3::new(3.0, 0.0, 0.0), Vector3::new(-1.0, 2.0, 5.0)] {
+        let track = Track { velocity, ..bowl() };
+        let (worst, _) = errors(&track, Scheme::default(), [0.1, 4.0], 0.5, 0.01);
+        assert!(worst[0].max(worst[1]) < 1e-9, "{worst:?}");
+    }
+}

@@ -1,0 +1,269 @@
+//! Several slides, closed rings, schemes of all families, adaptive steps, and failing steps, where slides
+//! are handed over.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::dynamics::{observed, slopes, tight};
+use crate::support::landing::{G, Track, bead};
+use nalgebra::{Vector2, Vector3};
+use pullback::elements::joint::SlideNodes;
+use pullback::elements::model::{Model, ModelBuilder, NodeId};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
+use pullback::integrators::dynamics::{
+    Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
+};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// Largest errors in place or speed of beads that start at these places with these speeds.
+fn worst(
+    (model, beads): &mut (Model, Vec<SlideNodes>),
+    ways: &[(&Track, [f64; 2])],
+    options: &DynamicOptions,
+) -> (f64, Progress) {
+    let mut v = vec![0.0; beads.len()];
+    for (bead, (_, start)) in beads.iter().zip(ways) {
+        model.set(&mut v, bead.way, 0, start[1]);
+    }
+    let mut worst = 0.0_f64;
+    let progress = observed(model, [&[], &v], options, &mut |model, step| {
+        for (bead, (track, [s, v])) in beads.iter().zip(ways) {
+            let found = model.coordinate(bead.way, 0).unwrap();
+            let exact = track.exact(*s, *v, step.progress.state.t);
+            let error = Vector2::new(s + found[0], found[1]) - exact;
+            worst = worst.max(error.amax());
+        }
+    });
+    (worst, progress)
+}
+
+fn bowl() -> Track {
+    Track::of(&[[0.5, 0.2], [0.5, 0.35], [0.5, 0.6], [0.5, 0.9]])
+}
+
+#[test]
+fn slides_on_one_chain_are_handed_over_one_right_after_another() {
+    let track = bowl();
+    let options = tight(Scheme::default(), 0.15, 0.01);
+    for gap in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3, 1e-2] {
+        // The third one comes the other way.
+        let ways = [
+            [0.2, 4.0],
+            [0.2 - gap, 4.0],
+            [1.3 + gap, -3.0],
+            [0.2 - 2.0 * gap, 4.0],
+        ];
+        let mut model = track.model(&ways.map(|w| w[0]));
+        let all = ways.map(|way| (&track, way));
+        let (worst, run) = worst(&mut model, &all, &options);
+        assert!(worst < 1e-9, "{gap:e}: {worst:e}");
+        assert!(
+            run.summary.steps < 15 + 16,
+            "{gap:e}: {}",
+            run.summary.steps
+        );
+    }
+}
+
+#[test]
+fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
+    // The one is the other seen in a mirror, and once with another course.
+    let mirror: Vec<[f64; 2]> = [[0.5, -0.9], [0.5, -0.6], [0.5, -0.35], [0.5, -0.2]].into();
+    let tracks = [
+        bowl(),
+        Track::of(&mirror),
+        Track::of(&[[0.7, -0.3], [1.0, 0.9]]),
+    ];
+    let ways = [[0.2, 4.0], [1.8, -4.0], [0.4, 3.0]];
+    let mut b = ModelBuilder::new();
+    let beads = tracks
+        .iter()
+        .zip(ways)
+        .enumerate()
+        .map(|(k, (track, way))| {
+            let nodes = track.nodes(&mut b, &format!("wire {k}"));
+            bead(&mut b, &format!("bead {k}"), &nodes, way[0])
+        });
+    let beads: Vec<SlideNodes> = beads.collect();
+    let mut model = (b.build().unwrap(), beads);
+    let all: Vec<(&Track, [f64; 2])> = tracks.iter().zip(ways).collect();
+    let (worst, run) = worst(&mut model, &all, &tight(Scheme::default(), 0.2, 0.01));
+    assert!(worst < 1e-9, "{worst:e}");
+    assert!(
+        run.summary.chart_changes >= 3,
+        "{}",
+        run.summary.chart_changes
+    );
+}
+
+/// A ring of twelve elements in a vertical plane, a chain that goes round it `rounds` times.
+fn ring(rounds: usize) -> (Model, SlideNodes, Track) {
+    let sides: Vec<[f64; 2]> = (0..12)
+        .map(|k| [0.5, TAU * (f64::from(k) + 0.5) / 12.0])
+        .collect();
+    let once = Track::of(&sides);
+    let mut b = ModelBuilder::new();
+    let closed = Track {
+        places: once.places[..12].to_vec(),
+        ..Track::of(&[])
+    };
+    let nodes = closed.nodes(&mut b, "ring");
+    let chain: Vec<NodeId> = (0..=12 * rounds).map(|k| nodes[k % 12]).collect();
+    let bead = bead(&mut b, "bead", &chain, 0.0);
+    (b.build().unwrap(), bead, Track::of(&sides.repeat(rounds)))
+}
+
+#[test]
+fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
+    // From the lowest point with enough for the highest, 1.93 m above: two rounds and a half.
+    let (mut model, bead, track) = ring(3);
+    let (mut energies, mut last) = (Vec::new(), 0.0);
+    let options = tight(Scheme::default(), 1.6, 0.01);
+    let run = observed(&mut model, [&[], &[11.0]], &options, &mut |model, step| {
+        let s = model.node_state(bead.frame);
+        energies.push(0.5 * s.velocity.norm_squared() + G * s.place.z);
+        last = model.coordinate(bead.way, 0).unwrap()[0];
+        let exact = track.exact(0.0, 11.0, step.progress.state.t);
+        assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
+    });
+    assert!(last > 2.2 * 6.0, "{last}");
+    assert!(run.summary.chart_changes >= 26);
+    assert!(energies.iter().all(|e| (e / 60.5 - 1.0).abs() < 1e-10));
+    // A chain that goes round once ends where it began, and says so.
+    let (mut model, ..) = ring(1);
+    let mut progress = Progress::new(start(&model, 0.0, &[], &[11.0]).unwrap());
+    let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let error = integrate(&mut model, &mut progress, &options, onward).unwrap_err();
+    let DynamicsError::Step(failed) = &error else {
+        panic!("{error}");
+    };
+    let text = failed.to_string();
+    assert!(text.contains("its chain of beams over an end"), "{text}");
+    assert!(
+        text.contains("bead") && text.contains("smallest step"),
+        "{text}"
+    );
+    assert!(failed.to - failed.from >= options.min_step, "{text}");
+    assert!(progress.summary.failed < 30, "{}", progress.summary.failed);
+    assert!(
+        (progress.state.q[0] - 6.0).abs() < 1e-4,
+        "{}",
+        progress.state.q[0]
+    );
+}
+
+/// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
+fn spring(sides: usize) -> (Model, SlideNodes) {
+    let length = 4.0 / sides as f64;
+    let place = |k: usize| {
+        let right = (length * 0.8) * k as f64;
+        Vector3::new(right, length * 0.6 * (k % 2) as f64, 0.0)
+    };
+    let track = Track {
+        places: (0..=sides).map(place).collect(),
+        ..Track::of(&[])
+    };
+    let mut b = ModelBuilder::new();
+    let nodes = track.nodes(&mut b, "wire");
+    let bead = bead(&mut b, "bead", &nodes, 2.0);
+    let law = CoordinateLaw {
+        k: 1.3 * 4.0,
+        ..CoordinateLaw::default()
+    };
+    b.element("spring", CoordinateSpring::new(law).unwrap(), &[bead.way])
+        .unwrap();
+    (b.build().unwrap(), bead)
+}
+
+#[test]
+fn schemes_of_every_family_keep_their_order_over_landings() {
+    let words = [
+        ("newmark", 2.0),
+        ("newmark:0.3025:0.6", 1.0),
+        ("hht:-0.1", 2.0),
+        ("wbz:0.8", 2.0),
+        ("ga:0.5", 2.0),
+        ("em", 2.0),
+        ("bathe", 2.0),
+        ("radau", 3.0),
+        ("central-difference", 2.0),
+    ];
+    for (word, order) in words {
+        let scheme: Scheme = word.parse().unwrap();
+        assert_eq!(scheme.order() as f64, order);
+        let to = 2.3_f64;
+        let errors = [60.0, 120.0, 240.0].map(|n| {
+            let (mut model, _) = spring(9);
+            let options = tight(scheme, to, to / n);
+            let run = observed(&mut model, [&[1.0], &[]], &options, &mut |_, _| ());
+            assert!(
+                run.summary.chart_changes >= 6,
+                "{}",
+                run.summary.chart_changes
+            );
+            // No lost steps: those of the plain way, and what lands.
+            assert!(run.summary.steps as f64 <= n + 2.0 * 12.0);
+            let exact = [(2.0 * to).cos(), -2.0 * (2.0 * to).sin()];
+            (run.state.q[0] - exact[0]).hypot(run.state.v[0] - exact[1])
+        });
+        for slope in slopes(&errors) {
+            assert!((slope - order).abs() < 0.25, "{word}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn adaptive_steps_are_not_spoilt_by_landings() {
+    let to = 6.0;
+    let run = |sides: usize, tolerance: f64| {
+        let (mut model, _) = spring(sides);
+        let options = DynamicOptions {
+            adaptivity: Some(Adaptivity {
+                tolerance,
+                max_step: 0.5,
+            }),
+            energies: true,
+            ..tight(Scheme::default(), to, 1e-3)
+        };
+        let mut booked = 0;
+        let mut t = 0.0;
+        let run = observed(&mut model, [&[1.0], &[]], &options, &mut |_, step| {
+            booked += step.iterations;
+            t += step.step_size;
+            assert!((t - step.progress.state.t).abs() < 1e-12, "{t}");
+        });
+        let s = run.summary;
+        assert_eq!(booked, s.iterations);
+        assert!(s.evaluations > s.steps && s.factorisations >= s.steps);
+        let error = (run.state.q[0] - (2.0 * to).cos()).abs();
+        (error, s)
+    };
+    for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
+        // Two sides with the corner at the middle, many, and hardly any step without a landing.
+        for sides in [2, 9, 101] {
+            let ((plain, one), (error, many)) = (run(1, tolerance), run(sides, tolerance));
+            let landings = many.chart_changes;
+            assert!(landings as f64 > 0.15 * sides as f64 * to, "{landings}");
+            assert!(
+                error < 1.5 * plain,
+                "{sides}, {tolerance:e}: {error:e} for {plain:e}"
+            );
+            // A step in two, the rest of a step that others had begun with, and what smaller errors
+            // before the next step cost.
+            let most = one.steps + one.steps / 10 + 3 * landings;
+            assert!(
+                many.steps <= most,
+                "{sides}: {} for {}",
+                many.steps,
+                one.steps
+            );
+            let rejected = one.inaccurate + landings / 4 + 4;
+            assert!(
+                many.inaccurate <= rejected,
+                "{}, {}",
+                many.inaccurate,
+                one.inaccurate
+            );
+            assert!(many.energy.unwrap().largest_defect < 1e-9);
+        }
+    }
+}

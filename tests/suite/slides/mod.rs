@@ -1,0 +1,7 @@
+//! Slides along chains, and their landings.
+
+mod landings;
+mod landings_flexible;
+mod landings_many;
+mod program;
+mod slide;

@@ -1,0 +1,9 @@
+//! Equilibria and their stability.
+
+mod convergence;
+mod corrections;
+mod energies;
+mod equilibrium;
+mod program;
+mod stability;
+mod units;

@@ -1,0 +1,296 @@
+//! What a run in statics records and warns of.
+#![allow(clippy::unwrap_used)]
+
+use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
+use crate::support::program::{
+    MODEL, directory, history, number, program, read, results, with, write,
+};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+type Rows = Vec<HashMap<String, String>>;
+
+/// Runs a text to its end: rows, result.json and directory.
+fn run(name: &str, text: &str) -> (Rows, Value, PathBuf) {
+    let directory = directory(name);
+    let model = write(&directory, text);
+    let output = program(&[&model]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let out = directory.join("model.out");
+    let result = results(&out);
+    for warning in result["warnings"].as_array().unwrap() {
+        assert!(said.contains(warning.as_str().unwrap()), "{said}");
+    }
+    (history(&out), result, out)
+}
+
+/// The example of Lee's frame with another analysis.
+fn lee(analysis: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/lee_frame.toml");
+    let text = read(path);
+    let start = text.find("[analysis").unwrap();
+    let end = text[start..].find("[[probes]]").unwrap() + start;
+    format!(
+        "{}{analysis}\n{}\n[output]\nfigures = false\nparaview_every = 0\n",
+        &text[..start],
+        &text[end..]
+    )
+}
+
+#[test]
+fn located_rows_are_where_they_say_whatever_the_step() {
+    let analysis = |step: f64| {
+        format!(
+            "[analysis.arc-length]\nfirst_step = {step}\nmax_step = {step}\n\
+             record = [{{ load = 0.25 }}, {{ load = 0.9 }}, \"turning-point\"]\n\
+             stop = [{{ load = 1 }}]"
+        )
+    };
+    let (reference, ..) = run("statics_lee", &lee(&analysis(0.05)));
+    let place = |rows: &Rows, event: &str| -> Vec<f64> {
+        let row = rows.iter().find(|r| r["event"] == event).unwrap();
+        let columns = row.keys().filter(|k| k.starts_with("load point."));
+        let mut columns: Vec<&String> = columns.collect();
+        columns.sort();
+        assert_eq!(columns.len(), 3, "{:?}", row.keys());
+        columns.into_iter().map(|c| number(row, c)).collect()
+    };
+    for step in [0.5, 1.0, 10.0, 12.0] {
+        let (rows, result, _) = run(&format!("statics_lee_{step}"), &lee(&analysis(step)));
+        for row in &rows {
+            let event = &row["event"];
+            let context = format!("first step {step}, {event} at load {}", row["t"]);
+            if let Some(load) = event.strip_prefix("load = ") {
+                let load: f64 = load.parse().unwrap();
+                assert!((number(row, "t") - load).abs() < 2e-9, "{context}");
+                for (x, y) in place(&rows, event).iter().zip(place(&reference, event)) {
+                    // Of a frame of 120.
+                    assert!((x - y).abs() < 1e-5, "{context}: {x} for {y}");
+                }
+            }
+            if !event.is_empty() {
+                // The corrections of a trial that failed are of the size of the frame.
+                assert!(number(row, "last_correction") < 1e-2, "{context}");
+                assert!(number(row, "iterations") > 0.0, "{context}");
+            }
+        }
+        let told: f64 = rows.iter().map(|r| number(r, "iterations")).sum();
+        assert_eq!(result["statistics"]["iterations"], told as u64, "{step}");
+    }
+}
+
+#[test]
+fn a_path_plays_in_the_order_of_its_rows() {
+    let analysis = "[analysis.arc-length]\nstop = [\"turning-point\"]\nmax_step = 0.3\n";
+    let (rows, _, out) = run(
+        "statics_pvd",
+        &lee(analysis).replace("paraview_every = 0", "paraview_every = 1"),
+    );
+    let text = read(out.join("steps.pvd"));
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let sets = document.descendants().filter(|n| n.has_tag_name("DataSet"));
+    let mut count = 0;
+    for (k, set) in sets.enumerate() {
+        assert_eq!(set.attribute("timestep").unwrap().parse(), Ok(k as f64));
+        let grid = read(out.join(set.attribute("file").unwrap()));
+        let grid = roxmltree::Document::parse(&grid).unwrap();
+        let array = grid
+            .descendants()
+            .find(|n| n.attribute("Name") == Some("load_parameter"))
+            .unwrap();
+        assert!(array.parent().unwrap().has_tag_name("FieldData"));
+        let load: f64 = array.text().unwrap().trim().parse().unwrap();
+        assert_eq!(load, number(&rows[k], "t"));
+        count += 1;
+    }
+    assert_eq!(count, rows.len());
+}
+
+#[test]
+fn a_spring_that_parts_hold_at_the_start_is_in_balance() {
+    // Without a load the reactions are rounding errors of nothing, and measure no residual.
+    let k = "spring = { k = 60 }";
+    let closed = format!("axis = [0.3, 1, 0]\nchild = \"b\"\n{}\n{k}", CLOSURES[1]);
+    let file = [
+        GROUND,
+        &hinge("A", "ground", k),
+        &arm("a", "A", [0.31, 1.04, 0.0]),
+        &hinge("B", "a", k),
+        &arm("b", "B", [1.26, 1.37, 0.0]),
+        &hinge("D", "ground", k),
+        &arm("d", "D", [1.26, 1.37, 0.0]),
+        &joint("C", "prismatic", "d", &closed),
+        "[[springs]]\nname = \"stay\"\nnodes = [\"d\", \"a\"]\nstiffness = 18\nrest_length = 1.1\n",
+        "[[loads]]\nnode = \"a\"\nforce = [0.3, -1, 0]\n",
+        "[analysis.static]\nsteps = 2\n",
+    ];
+    let (rows, result, _) = run("statics_strained", &file.concat());
+    assert_eq!(result["warnings"].to_string(), "[]");
+    let strain = 0.95_f64.hypot(0.33) - 1.1;
+    let energy = number(&rows[0], "strain_energy");
+    assert!((energy - 9.0 * strain * strain).abs() < 1e-14, "{energy}");
+}
+
+#[test]
+fn what_does_nothing_or_too_much_is_warned_of() {
+    let moment = "moment = [0, 0, 3.141592653589793]";
+    let at_b = "[[loads]]\nnode = \"B\"\nmoment";
+    let first = |result: &Value| {
+        let warnings = result["warnings"].as_array().unwrap();
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        warnings[0].as_str().unwrap().to_owned()
+    };
+    let (_, result, _) = run("statics_well", MODEL);
+    assert_eq!(result["warnings"].as_array().unwrap().len(), 0);
+
+    let idle = with(moment, "moment = [0, 0, 0]");
+    let (_, result, _) = run("statics_idle", &idle);
+    assert!(first(&result).contains("no load acts and nothing is driven"));
+
+    let held = with(at_b, "[[loads]]\nnode = \"A\"\nmoment");
+    let (_, result, _) = run("statics_held", &held);
+    assert!(first(&result).contains("supports hold"));
+
+    // EA = 1e6: rounding errors of forces are of the order of 1e-9.
+    let faint = with(moment, "force = [1e-12, 0, 0]");
+    let (_, result, _) = run("statics_faint", &faint);
+    assert!(first(&result).contains("no larger than rounding errors"));
+
+    // 30 % of elongation, and a bar pressed to -10 % of its length.
+    let stretched = with(moment, "force = [3e5, 0, 0]");
+    let (_, result, _) = run("statics_stretched", &stretched);
+    let said = first(&result);
+    assert!(
+        said.contains("element beam:") && said.contains("%"),
+        "{said}"
+    );
+    let pressed = with(moment, "force = [-1.1e6, 0, 0]").replace(
+        "fix = \"all\"",
+        "fix = \"all\"\n\n[[supports]]\nnode = \"B\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
+    );
+    let (_, result, _) = run("statics_pressed", &pressed);
+    let warnings = result["warnings"].to_string();
+    assert!(
+        warnings.contains("inside out") && warnings.contains("element beam:1"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("load parameter 1 "), "{warnings}");
+}
+
+#[test]
+fn the_equilibrium_at_the_start_is_the_first_row() {
+    // Half of the moment is there at the start, the other half grows: both turn the tip by M L/EI.
+    let half = format!("moment = [0, 0, {}]", PI / 2.0);
+    let constant = format!("{half}\ntime = {{ constant = 1 }}");
+    let text = with("moment = [0, 0, 3.141592653589793]", &constant);
+    let text = text.replacen(
+        "[analysis.static]",
+        &format!("[[loads]]\nnode = \"B\"\n{half}\n\n[analysis.static]"),
+        1,
+    );
+    let path = text.replace("[analysis.static]\nsteps = 4", "[analysis.arc-length]");
+    for (name, text) in [("statics_start", text), ("statics_start_path", path)] {
+        let (rows, result, _) = run(name, &text);
+        assert_eq!(rows[0]["step"], "0");
+        assert_eq!(number(&rows[0], "t"), 0.0);
+        assert!(number(&rows[0], "iterations") > 1.0);
+        for row in &rows {
+            let expected = (1.0 + number(row, "t")) * PI / 4.0;
+            assert!((number(row, "turn") - expected).abs() < 1e-8, "{name}");
+        }
+        let told: f64 = rows.iter().map(|r| number(r, "iterations")).sum();
+        assert_eq!(result["statistics"]["iterations"], told as u64);
+        assert_eq!(
+            result["statistics"]["steps"].to_string(),
+            rows.iter().map(|r| r["step"].as_str()).next_back().unwrap()
+        );
+    }
+}
+
+#[test]
+fn figures_tell_exaggeration_and_incompleteness() {
+    let scaled = format!("{MODEL}\n[output]\ndeformation_scale = 25\nparaview_every = 0\n");
+    let (_, result, out) = run("statics_scaled", &scaled);
+    let shape = read(out.join("deformed.svg"));
+    assert!(shape.contains("Quarter circle, displacements × 25"));
+    assert!(!read(out.join("history.svg")).contains('×'));
+    // Whatever the defaults depend on, the results tell them.
+    assert_eq!(result["settings"]["analysis"]["static"]["min_step"], 1e-6);
+    let (_, result, out) = run("statics_plain", &MODEL.replace("steps = 4", ""));
+    assert!(!read(out.join("deformed.svg")).contains('×'));
+    let settings = &result["settings"]["analysis"]["static"];
+    assert_eq!(settings["first_step"], 0.1);
+    assert_eq!(settings["max_step"], 0.25);
+
+    let directory = directory("statics_incomplete");
+    let failing = with(
+        "steps = 4",
+        "first_step = 0.25\nmax_step = 0.25\nmin_step = 0.2\nnewton = { max_iterations = 1 }",
+    );
+    assert_eq!(
+        program(&[&write(&directory, &failing)]).status.code(),
+        Some(1)
+    );
+    for name in ["deformed.svg", "history.svg"] {
+        let figure = read(directory.join("model.out").join(name));
+        assert!(figure.contains("Quarter circle, incomplete"), "{name}");
+    }
+}
+
+#[test]
+fn a_truss_of_springs_snaps_through_and_is_drawn() {
+    let truss = r#"
+        [nodes]
+        A = [-1, 0, 0]
+        B = [1, 0, 0]
+        T = [0, 0.5, 0]
+        [[springs]]
+        name = "s1"
+        nodes = ["A", "T"]
+        stiffness = 1
+        [[springs]]
+        name = "s2"
+        nodes = ["T", "B"]
+        stiffness = 1
+        [[supports]]
+        node = "A"
+        fix = "place"
+        [[supports]]
+        node = "B"
+        fix = "place"
+        [[supports]]
+        node = "T"
+        fix = ["z"]
+        [[loads]]
+        node = "T"
+        force = [0, -0.1, 0]
+        [analysis.arc-length]
+        record = ["turning-point"]
+    "#;
+    let (rows, result, out) = run("statics_springs", truss);
+    // dP/dy = 0 of P = 2 y (l₀/l − 1) where l³ = l₀.
+    let rest = 1.25_f64.sqrt();
+    let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
+    let limit = 2.0 * y * (rest / (1.0 + y * y).sqrt() - 1.0);
+    let turning = rows.iter().find(|r| r["event"] == "turning-point").unwrap();
+    assert!((0.1 * number(turning, "t") / limit - 1.0).abs() < 1e-6);
+    let warnings = result["warnings"].to_string();
+    assert!(warnings.contains("limit point between"), "{warnings}");
+    assert!(warnings.contains("would snap through"), "{warnings}");
+    let text = read(out.join("step_0000.vtu"));
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let piece = document.descendants().find(|n| n.has_tag_name("Piece"));
+    assert_eq!(piece.unwrap().attribute("NumberOfCells"), Some("2"));
+    let array = |name: &str| -> Vec<f64> {
+        let mut all = document.descendants();
+        let found = all.find(|n| n.attribute("Name") == Some(name)).unwrap();
+        let words = found.text().unwrap().split_whitespace();
+        words.map(|w| w.parse().unwrap()).collect()
+    };
+    let ends = [-1.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0];
+    assert_eq!(array("Points"), ends);
+    assert_eq!(array("types"), [3.0, 3.0]);
+}

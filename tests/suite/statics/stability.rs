@@ -1,0 +1,196 @@
+//! Stability of equilibria by the signs of pivots: columns against Euler's loads, arches at their
+//! limit points.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use crate::support::program::{directory, history, number, program, results, write};
+use pullback::input::{Plan, assemble_text};
+use pullback::prelude::*;
+use std::f64::consts::PI;
+
+/// Elements of a column.
+const ELEMENTS: usize = 16;
+
+/// A straight column along x between A and B, pinned about both cross axes at B and by `base` at A,
+/// with a compressive force of 1 at B. EA = GA₂ = GA₃.
+fn column(base: &str, analysis: &str) -> String {
+    format!(
+        r#"
+        [sections.main]
+        stiffness = {{ EA = 1e4, GA = [1e4, 1e4], GJ = 10.0, EI = [3.0, 1.0] }}
+        [nodes]
+        A = [0, 0, 0]
+        B = [1, 0, 0]
+        {base}
+        [[lines]]
+        name = "column"
+        from = "A"
+        to = "B"
+        elements = {ELEMENTS}
+        section = "main"
+        [[supports]]
+        node = "B"
+        fix = ["y", "z", "rx"]
+        [[loads]]
+        node = "B"
+        force = [-1, 0, 0]
+        {analysis}
+        "#
+    )
+}
+
+const PINNED: &str = r#"
+    [[supports]]
+    node = "A"
+    fix = ["x", "y", "z"]
+"#;
+
+/// Critical loads up to `most` of half waves in bending with the stiffness EI.
+///
+/// With EA = GA the equation of the beam is EI φ″ + P φ = 0 exactly: the compression P/EA takes from
+/// the lever arm what the shear P/GA gives to it. Elements with linear interpolation and one
+/// integration point make it EI (φ₊ − 2φ + φ₋)/h² + P (φ₊ + 2φ + φ₋)/4 = 0 with the
+/// solutions cos(kπx/L), P = 4 EI/h² tan²(kπh/2L).
+fn euler_loads(EI: f64, most: f64) -> Vec<f64> {
+    let n = ELEMENTS as f64;
+    (1..)
+        .map(|k| 4.0 * EI * n * n * (f64::from(k) * PI / (2.0 * n)).tan().powi(2))
+        .take_while(|P| *P < most)
+        .collect()
+}
+
+/// Load and unstable directions of each row.
+fn counts(text: &str) -> Vec<(f64, Option<usize>)> {
+    let mut job = assemble_text("column.toml", text).unwrap();
+    let mut found = Vec::new();
+    let mut observe = |_: &mut Model, step: &Step<'_>| {
+        found.push((step.t, step.unstable));
+        ControlFlow::Continue(())
+    };
+    match &job.plan {
+        Plan::Static(options) => {
+            solve_statics(&mut job.model, &mut vec![], options, &mut observe).unwrap();
+        }
+        Plan::Path(options, _) => {
+            trace_path(&mut job.model, &mut vec![], options, &mut observe).unwrap();
+        }
+        Plan::Dynamic(_) => unreachable!(),
+    }
+    found
+}
+
+#[test]
+fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
+    let most = 110.0;
+    let mut critical = euler_loads(1.0, most);
+    critical.extend(euler_loads(3.0, most));
+    assert_eq!(critical.len(), 4);
+    // To 1e-6 of the critical loads, by load steps that end there.
+    for P in &critical {
+        for to in [P * (1.0 - 1e-6), P * (1.0 + 1e-6)] {
+            let steps = format!("[analysis.static]\nto = {to:?}\nsteps = 3");
+            let rows = counts(&column(PINNED, &steps));
+            assert_eq!(rows.len(), 3);
+            for (t, unstable) in rows {
+                let passed = critical.iter().filter(|P| **P < t).count();
+                assert_eq!(unstable, Some(passed), "P = {t}");
+            }
+        }
+    }
+    // Along the path.
+    let path = "[analysis.arc-length]\nload_scale = 30\nstop = [{ load = 110 }]\n\
+                record = [{ load = 9.8 }, { load = 9.95 }]";
+    let rows = counts(&column(PINNED, path));
+    assert!(rows.len() > 20);
+    for (t, unstable) in rows {
+        let passed = critical.iter().filter(|P| **P < t).count();
+        assert_eq!(unstable, Some(passed), "P = {t}");
+    }
+}
+
+#[test]
+fn multipliers_do_not_count() {
+    // The hinge at A as a joint that is closed by multipliers, one of six equations redundant or not.
+    let base = r#"
+        [nodes.ground]
+        [[supports]]
+        node = "G"
+        fix = "all"
+        [[joints]]
+        name = "hinge"
+        type = "revolute"
+        master = "G"
+        axis = [0, 0, 1]
+        child = "A"
+        closure = "multipliers"
+    "#
+    .replace("[nodes.ground]", "G = [0, 0, 0]");
+    let first = euler_loads(1.0, 20.0)[0];
+    for (load, expected) in [(0.99 * first, 0), (1.01 * first, 1)] {
+        let steps = format!("[analysis.static]\nto = {load:?}\nsteps = 2");
+        let rows = counts(&column(&base, &steps));
+        assert_eq!(rows[0].1, Some(0), "{load}");
+        assert_eq!(rows[1].1, Some(expected), "{load}");
+    }
+}
+
+#[test]
+fn a_column_beyond_its_load_is_warned_of() {
+    let directory = directory("stability_column");
+    let first = euler_loads(1.0, 20.0)[0];
+    let steps = format!("[analysis.static]\nto = {}\nsteps = 2", 1.5 * first);
+    let model = write(&directory, &column(PINNED, &steps));
+    let output = program(&[&model]);
+    assert!(output.status.success());
+    let said = String::from_utf8(output.stderr).unwrap();
+    let result = results(&directory.join("model.out"));
+    let warnings = result["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let words = warnings[0].as_str().unwrap();
+    assert!(said.contains(words), "{said}");
+    let span = format!(
+        "between load parameter {:.4}",
+        (0.75 * first * 1e4).floor() / 1e4
+    );
+    for part in [
+        &span,
+        "bifurcation",
+        "unstable in 1 direction",
+        "imperfection",
+        "max_step",
+    ] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    assert_eq!(result["last"]["unstable"], 1);
+    let rows = history(&directory.join("model.out"));
+    let column: Vec<&str> = rows.iter().map(|r| r["unstable"].as_str()).collect();
+    assert_eq!(column, ["", "0", "1"]);
+}
+
+#[test]
+fn a_deep_arch_is_unstable_from_its_limit_point_on() {
+    let directory = directory("stability_arch");
+    let example = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/models/deep_arch.toml"
+    );
+    let out = directory.join("out");
+    let output = program(&[example.as_ref(), "--out".as_ref(), &out]);
+    assert!(output.status.success());
+    let rows = history(&out);
+    let turning = rows.iter().position(|r| r["event"] == "turning-point");
+    let turning = turning.unwrap();
+    // Where the tangent is singular nothing can be said.
+    assert_eq!(rows[turning]["unstable"], "");
+    let known = |row: &&std::collections::HashMap<String, String>| !row["unstable"].is_empty();
+    assert!(
+        rows[1..turning]
+            .iter()
+            .all(|r| number(r, "unstable") == 0.0)
+    );
+    for row in rows[turning..].iter().filter(known) {
+        assert_eq!(number(row, "unstable"), 1.0, "load {}", row["t"]);
+    }
+    let result = results(&out);
+    let words = result["warnings"][0].as_str().unwrap();
+    assert!(words.contains("limit point"), "{words}");
+}

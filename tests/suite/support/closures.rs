@@ -1,0 +1,98 @@
+//! Joints and loops in words, for tests of closures by the program.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use crate::support::program::{directory, history, program, write};
+use pullback::input::assemble_text;
+use pullback::manifold::system::Point;
+use std::collections::HashMap;
+
+pub const GROUND: &str =
+    "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
+pub const RUN: &str =
+    "[analysis.dynamic]\nto = 0.5\nstep = 0.005\nscheme = { generalised-alpha = 0.8 }\n";
+pub const STATIC: &str = "[analysis.static]\nsteps = 4\n";
+pub const CLOSURES: [&str; 3] = [
+    "closure = \"map\"",
+    "closure = \"multipliers\"",
+    "closure = \"penalty\"\npenalty = 1e7",
+];
+
+pub fn joint(name: &str, kind: &str, master: &str, more: &str) -> String {
+    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+}
+
+pub fn hinge(name: &str, master: &str, more: &str) -> String {
+    joint(
+        name,
+        "revolute",
+        master,
+        &format!("axis = [0, 0, 1]\n{more}"),
+    )
+}
+
+pub fn arm(name: &str, master: &str, place: [f64; 3]) -> String {
+    joint(name, "offset", master, &format!("place = {place:?}"))
+}
+
+pub fn body(node: &str) -> String {
+    format!(
+        "[[bodies]]\nname = \"body of {node}\"\nnode = \"{node}\"\nmass = 1.0\n\
+         inertia = [0.1, 0.1, 0.1]\n"
+    )
+}
+
+/// Cranks of 1 at A and √1.1 at D on the ground, bars of √1.64 and √1.25 between their tips, no bodies;
+/// with what A, D and the closing joint C have besides.
+pub fn five_bar([at_a, at_d, at_c]: [&str; 3]) -> String {
+    [
+        GROUND,
+        RUN,
+        &hinge("A", "ground", at_a),
+        &arm("a", "A", [1.0, 0.0, 0.0]),
+        &hinge("B", "a", ""),
+        &arm("b", "B", [1.8, 1.0, 0.0]),
+        &hinge("E", "b", ""),
+        &arm("e", "E", [1.3, 2.0, 0.0]),
+        &arm("foot", "ground", [0.0, 2.0, 0.0]),
+        &hinge("D", "foot", at_d),
+        &arm("d", "D", [1.3, 2.0, 0.0]),
+        &hinge("C", "e", &format!("child = \"d\"\n{at_c}")),
+    ]
+    .concat()
+}
+
+pub fn angle(joint: &str) -> String {
+    format!(
+        "[[probes]]\nname = \"{joint}\"\nquantity = \"joint_coordinate\"\njoint = \"{joint}\"\n"
+    )
+}
+
+pub type Rows = Vec<HashMap<String, String>>;
+
+pub fn rows(name: &str, text: &str) -> (String, Rows) {
+    let out = directory(name);
+    let ran = program(&[&write(&out, text)]);
+    let error = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{name}: {error}");
+    let said = String::from_utf8(ran.stdout).unwrap();
+    (said, history(&out.join("model.out")))
+}
+
+pub fn failure(name: &str, text: &str) -> String {
+    let ran = program(&[&write(&directory(name), text)]);
+    assert!(!ran.status.success(), "{name} was accepted");
+    String::from_utf8(ran.stderr).unwrap()
+}
+
+/// Coordinates of joints at the start: names with their values and rates, and the notes.
+pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
+    let mut job = assemble_text("model.toml", text).unwrap();
+    let a = vec![0.0; job.start.q.len()];
+    let (t, q, v) = (0.0, &job.start.q, &job.start.v);
+    job.model.configure(Point { t, q, v, a: &a }).unwrap();
+    let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.model.coordinate(n, 0)?));
+    (
+        job.model.released().filter_map(coordinate).collect(),
+        job.model.notes(),
+    )
+}

@@ -1,0 +1,29 @@
+//! The page of docs/formulations.md, its commands and the tables that they have left.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use crate::support::program::read;
+
+/// The page.
+pub const PAGE: &str = include_str!("../../../docs/formulations.md");
+
+/// Where the results lie that the page shows.
+pub fn results(name: &str) -> String {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    read(root.join("docs/formulations").join(name).join("compare.md"))
+}
+
+/// The first table under a heading, its lines.
+pub fn table<'a>(text: &'a str, heading: &str) -> Vec<&'a str> {
+    let found = text.split_once(&format!("\n## {heading}\n"));
+    let (_, text) = found.unwrap_or_else(|| panic!("no heading {heading}"));
+    let lines = text.lines().skip_while(|line| !line.starts_with('|'));
+    lines.take_while(|line| line.starts_with('|')).collect()
+}
+
+/// The commands that the page shows.
+pub fn commands() -> Vec<&'static str> {
+    let lines = PAGE
+        .lines()
+        .filter(|line| line.starts_with("pullback compare "));
+    lines.collect()
+}

@@ -1,0 +1,127 @@
+//! Shared by the tests of closed loops: bars on pins, runs that watch the constraint.
+
+#![allow(non_snake_case, dead_code)]
+
+pub mod four_bar;
+pub mod linkage;
+
+use crate::support::dynamics::*;
+use nalgebra::{Matrix3, SVector, Vector3};
+use pullback::elements::body::RigidBody;
+use pullback::elements::joint::{Revolute, offset};
+use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback::elements::time::Constant;
+use pullback::integrators::dynamics::{Progress, Scheme};
+use pullback::manifold::jet::Taylor;
+use pullback::manifold::map::{Linear, Map};
+use pullback::manifold::system::{Kind, Point, System};
+
+pub const G: f64 = 9.81;
+
+pub fn ground(b: &mut ModelBuilder) -> NodeId {
+    let ground = b.node("ground", [0.0; 3]).unwrap();
+    b.support(ground, &Dof::ALL);
+    ground
+}
+
+/// Weight along −e2 of whatever can be weighed.
+pub const DOWN: [f64; 3] = [0.0, -G, 0.0];
+
+/// A uniform bar of length l along e1 where its angle is zero, on a pin at `place`.
+pub fn bar(
+    b: &mut ModelBuilder,
+    on: NodeId,
+    place: [f64; 3],
+    angle: NodeId,
+    l: f64,
+    m: f64,
+) -> NodeId {
+    let name = format!("bar at {}", b.node_name(angle));
+    let pin = offset(b, &format!("pin of {name}"), on, place).unwrap();
+    let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
+    let frame = b.hang(name.clone(), place, hinge, &[pin, angle]).unwrap();
+    let J = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (m * l * l / 12.0);
+    let body = RigidBody::new(m, J, Vector3::new(0.5 * l, 0.0, 0.0)).unwrap();
+    let weight = body.weight(DOWN, Box::new(Constant(1.0)));
+    b.element(name.clone(), body, &[frame]).unwrap();
+    b.element(format!("weight of {name}"), weight, &[frame])
+        .unwrap();
+    frame
+}
+
+pub fn pick<const X: usize>(b: &mut ModelBuilder, x: NodeId, k: usize, kind: Kind) -> NodeId {
+    let map = Linear::<X, 1>::pick(k, 0.0).boxed();
+    b.mapped_coordinates(format!("x{k}"), &[kind], map, &[x])
+        .unwrap()
+}
+
+/// What a run leaves behind.
+pub struct Run {
+    /// x and ẋ at the end.
+    pub end: Vec<f64>,
+    /// Largest change of the energy.
+    pub drift: f64,
+    /// Largest residual of the constraint on the way.
+    pub residual: f64,
+    /// What the map said of itself, and from when on.
+    pub notes: Vec<(f64, String)>,
+    pub progress: Progress,
+}
+
+/// Runs a model whose loop coordinates are those of the node `x`.
+pub fn run<const X: usize>(
+    mut model: Model,
+    x: NodeId,
+    velocity: &[f64],
+    h: &dyn Fn(&SVector<f64, X>) -> f64,
+    [to, step]: [f64; 2],
+) -> Run {
+    let zero = vec![0.0; model.pattern().dim()];
+    let mut options = tight(Scheme::default(), to, step);
+    options.newton.absolute = 1e-13;
+    let mut notes: Vec<(f64, String)> = model.note(x).map(|n| (0.0, n)).into_iter().collect();
+    let (mut end, mut residual, mut drift) = (Vec::new(), 0.0_f64, 0.0_f64);
+    let mut start = None;
+    let progress = observed(
+        &mut model,
+        [&zero, velocity],
+        &options,
+        &mut |model, step| {
+            let both: [[f64; 2]; X] = std::array::from_fn(|k| model.coordinate(x, k).unwrap());
+            residual = residual.max(h(&SVector::from_fn(|k, _| both[k][0])));
+            end = (0..2 * X).map(|k| both[k % X][k / X]).collect();
+            let note = model.note(x).unwrap();
+            if notes.last().is_none_or(|last| last.1 != note) {
+                notes.push((step.progress.state.t, note));
+            }
+            let state = &step.progress.state;
+            let at = Point {
+                t: state.t,
+                q: &state.q,
+                v: &state.v,
+                a: &state.a,
+            };
+            let audit = model.audit(at).unwrap();
+            let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
+            drift = drift.max((energy - *start.get_or_insert(energy)).abs());
+        },
+    );
+    Run {
+        end,
+        drift,
+        residual,
+        notes,
+        progress,
+    }
+}
+
+pub fn gap(found: &[f64], exact: &[f64]) -> f64 {
+    assert_eq!(found.len(), exact.len());
+    let gaps = found.iter().zip(exact).map(|(a, b)| (a - b).abs());
+    gaps.fold(0.0, f64::max)
+}
+
+/// Accelerations of one coordinate: M θ̈ + ½ M′ θ̇² + V′ = 0.
+pub fn one_freedom(M: Taylor<f64>, V: Taylor<f64>, rate: f64) -> f64 {
+    -(0.5 * M.d * rate * rate + V.d) / M.v
+}

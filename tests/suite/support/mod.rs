@@ -1,0 +1,12 @@
+//! Set-up that several tests share.
+
+pub mod closures;
+pub mod drawings;
+pub mod dynamics;
+pub mod formulations;
+pub mod included;
+pub mod independent;
+pub mod laboratory;
+pub mod landing;
+pub mod loops;
+pub mod program;
