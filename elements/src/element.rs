@@ -52,6 +52,14 @@ pub enum ElementError {
         /// The angle of the relative rotation in radians.
         psi: f64,
     },
+    /// The equations that it enforces are outside of their domain.
+    #[error("it left {edge}")]
+    OutsideDomain {
+        /// What it left, and what to do about it.
+        edge: &'static str,
+        /// Distance to the edge, ≤ 0.
+        margin: f64,
+    },
     /// The two ends of a spring coincide.
     #[error("its ends coincide (length {length:.3e}): its force has no direction")]
     ZeroLength {

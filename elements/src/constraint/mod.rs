@@ -31,6 +31,13 @@ use pullback_manifold::scalar::Scalar;
 /// Most equations that one constraint may have.
 pub const MAX_EQUATIONS: usize = 32;
 
+/// Residual, in the size of its equation, from which on the equation does not hold any more.
+const TORN: f64 = 0.1;
+/// What a constraint leaves whose residual is larger.
+const OPEN: &str = "the neighbourhood of its closed position: its gap would be more than a tenth of the size \
+                    of the model, as its penalty is too small for these loads, or no closed position carries \
+                    them";
+
 /// Equations divided by their sizes: the map s ∘ h with a factor for each equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaled<H, const M: usize> {
@@ -70,6 +77,16 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
             *h = *h * factor;
         }
         h
+    }
+
+    /// A residual that is not small beside the size of its equation closes nothing: a penalty has
+    /// equilibria there too, where a loop is torn open and its springs stand at a dead point.
+    fn margin(&self, t: f64, x: &SVector<f64, N>) -> f64 {
+        TORN - self.phi(t, x).amax()
+    }
+
+    fn edge(&self) -> &'static str {
+        OPEN
     }
 
     fn is_objective(&self) -> bool {

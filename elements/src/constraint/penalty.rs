@@ -36,7 +36,8 @@ pub enum PenaltyError {
 ///
 /// The equations are violated by μ/p: errors are of order 1/p, and so are the periods squared of
 /// what vibrates on the springs, which a scheme without damping keeps. Redundant equations do no
-/// harm.
+/// harm. Outside the domain of h nothing is evaluated: that of [`Scaled`](super::Scaled) equations ends
+/// where a loop is torn open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<H, const N: usize, const M: usize> {
     h: H,
@@ -89,6 +90,11 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         let Stiffness { p, tau } = self.stiffness;
         let [x, v, a] = vectors::<N>(at);
+        let margin = self.h.margin(at.t, &x);
+        if margin <= 0.0 {
+            let edge = self.h.edge();
+            return Err(ElementError::OutsideDomain { edge, margin });
+        }
         let h = self.h.tangent(at.t, &x);
         let damped = tau > 0.0 && !at.v.is_empty();
         let moving = damped.then(|| self.h.kinematics(at.t, &x, &v, &a));

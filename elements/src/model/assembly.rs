@@ -245,6 +245,11 @@ pub(super) fn named(error: ElementError, name: &str) -> SystemError {
             what: format!("element {name}"),
             margin: TAU - psi,
         },
+        ElementError::OutsideDomain { edge, margin } => SystemError::OutsideChart {
+            edge,
+            what: format!("element {name}"),
+            margin,
+        },
         ElementError::ZeroLength { .. } => SystemError::OutsideChart {
             edge: CHART_EDGE,
             what: format!("element {name}, whose ends coincide,"),

@@ -6,8 +6,12 @@ use crate::support::closures::{
     CLOSURES, GROUND, RUN, STATIC, angle, arm, body, failure, hinge, joint, rows, start,
 };
 use crate::support::program::{check, number, refusal};
+use pullback::elements::model::Model;
 use pullback::input::assemble_text;
+use pullback::integrators::statics::{StaticOptions, Step, solve_statics};
 use pullback::manifold::system::Point;
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 /// Crank 1, coupler 1.5, rocker √3.77, ground 1.6; words for crank, coupler and rocker, and how the
 /// last joint closes the loop.
@@ -46,6 +50,50 @@ fn linkage(crank: f64) -> [f64; 2] {
     };
     let ([b, d], [b0, d0]) = (angles(crank), angles(0.0));
     [b - b0 - crank, d - d0]
+}
+
+/// The linkage closed by a penalty, a spring on its crank and a force on the coupler's tip: angles
+/// of crank, coupler and rocker in equilibrium, or why there is none.
+fn loaded(force: [f64; 2], penalty: f64) -> Result<[f64; 3], String> {
+    let closure = format!("closure = \"penalty\"\npenalty = {penalty}");
+    let [x, y] = force;
+    let load = format!("[[loads]]\nnode = \"coupler tip\"\nforce = [{x:?}, {y:?}, 0]\n");
+    let linkage = four_bar(["spring = { k = 30 }", "", ""], &closure);
+    let mut job = assemble_text("model.toml", &[GROUND, &linkage, &load].concat()).unwrap();
+    let mut q = job.model.initial().to_vec();
+    let options = StaticOptions::default();
+    let go_on = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    solve_statics(&mut job.model, &mut q, &options, go_on).map_err(|error| error.to_string())?;
+    Ok(["A", "B", "D"].map(|joint| {
+        let angle = job.model.find(&format!("{joint} angle")).unwrap();
+        q[job.model.unknown_at(angle, 0).unwrap()]
+    }))
+}
+
+#[test]
+fn a_penalty_stays_closed_under_any_load() {
+    let tip = |crank: f64| {
+        let (sin, cos) = linkage(crank)[1].sin_cos();
+        [-0.4 * cos - 1.9 * sin, -0.4 * sin + 1.9 * cos]
+    };
+    for k in 0..28 {
+        let size = [30.0, 100.0, 300.0, 1000.0][k / 7];
+        let (sin, cos) = (TAU * (k % 7) as f64 / 7.0).sin_cos();
+        let force = [size * cos, size * sin];
+        let [crank, b, d] = loaded(force, 1e6).unwrap();
+        let exact = linkage(crank);
+        let apart = |a: f64, b: f64| ((a - b + PI).rem_euclid(TAU) - PI).abs();
+        let off = apart(b, exact[0]).max(apart(d, exact[1]));
+        // The spring balances the force by the tip's way over the crank's angle; gaps are of size F/p.
+        let [ahead, behind] = [1e-5, -1e-5].map(|h| tip(crank + h));
+        let along = |k: usize| (ahead[k] - behind[k]) / 2e-5;
+        let balance = force[0] * along(0) + force[1] * along(1) - 30.0 * crank;
+        assert!(off < 0.01, "load {k}: {off}");
+        assert!(balance.abs() < 0.02 * size, "load {k}: {balance}");
+    }
+    let said = loaded([1000.0, 0.0], 3e3).unwrap_err();
+    let named = "element closure of C left the neighbourhood of its closed position";
+    assert!(said.contains(named), "{said}");
 }
 
 #[test]
