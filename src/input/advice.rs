@@ -162,6 +162,10 @@ impl Problem {
             Self::LoopMotion { .. } => {
                 "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"
             }
+            Self::DrawnApart { .. } => {
+                "draw both where they start, or give the nodes of the line [[initial]] entries with \
+                 displacement and rotation"
+            }
             Self::InitialStatics => "add [analysis.dynamic], or remove [[initial]]",
             Self::Cycle { .. } => "let at least one of them start at a node of [nodes]",
             _ => return None,

@@ -176,6 +176,11 @@ pub enum Problem {
          like that"
     )]
     LoopMotion { joint: String },
+    #[error(
+        "line \"{line}\" is drawn from node \"{node}\", which the joints above carry elsewhere at t = 0, \
+         to nodes that stay where they are drawn"
+    )]
+    DrawnApart { line: String, node: String },
     #[error("initial conditions belong to a dynamic analysis")]
     InitialStatics,
     #[error("{message}")]

@@ -3,6 +3,7 @@
 use super::asked::{self, Asked, Rate};
 use super::assemble::{LineGeometry, Names};
 use super::file::{Initial, ModelFile};
+use super::values::{self, geared, given};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::model::{Model, NodeId, RigidMotion};
@@ -65,6 +66,7 @@ pub(super) fn start(
         };
         chosen.push((node, line));
     }
+    values::start(source, model, released, lines, file, &mut q, &placed)?;
     // Rates in loops: what is asked for, by whom, and where the first of them stands.
     let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
     // What entries ask for of the loops that multipliers and penalties close.
@@ -153,45 +155,24 @@ pub(super) fn start(
     }
     let mut rates = spins;
     let mut held: Vec<Rate> = Vec::new();
-    for (k, joint) in file.joints.iter().enumerate() {
-        let index = k.to_string();
-        for (coordinate, acts) in joint.all_acts() {
-            let name = match coordinate {
-                "" => joint.name.clone(),
-                _ => format!("{} {coordinate}", joint.name),
-            };
-            for (key, given, vector) in [("value", acts.value, &mut q), ("rate", acts.rate, &mut v)]
-            {
-                let Some(given) = given else { continue };
-                let at = ["joints", index.as_str(), key];
-                let node = released.find(source, &at, &name)?;
-                let geared = file.gears.iter().any(|g| g.joints.contains(&name));
-                // Values of a loop have been there when it was assembled.
-                // In a model that enforces equations values have been there when it was assembled,
-                // where they fit together.
-                let assembled = key == "value" && model.is_enforced();
-                let set = match model.unknown_at(node, 0) {
-                    Some(_) if assembled => true,
-                    _ => model.set(vector, node, 0, given),
-                };
-                if let (true, "rate", Some(u)) = (set, key, model.unknown_at(node, 0)) {
-                    held.push(Rate {
-                        u,
-                        of: name.clone(),
-                        at: whole(&at),
-                        given,
-                    });
-                }
-                if !set && geared && !model.in_loop(node) {
-                    let joint = name.clone();
-                    return Err(source.value(&at, Problem::Geared { joint, key }));
-                }
-                if !set && key == "rate" && !model.is_own(node) {
-                    rates.push((node, 0, given));
-                    names.push(name.clone());
-                    first.get_or_insert(whole(&at));
-                }
-            }
+    for (index, name, rate) in given(file, |acts| acts.rate) {
+        let at = ["joints", index.as_str(), "rate"];
+        let node = released.find(source, &at, &name)?;
+        if let Some(u) = model.unknown_at(node, 0) {
+            v[u] = rate;
+            held.push(Rate {
+                u,
+                of: name.clone(),
+                at: whole(&at),
+                given: rate,
+            });
+        } else if !model.in_loop(node) {
+            geared(source, &at, file, &name, "rate")?;
+        }
+        if !model.is_own(node) {
+            rates.push((node, 0, rate));
+            names.push(name);
+            first.get_or_insert(whole(&at));
         }
     }
     if !rates.is_empty() {

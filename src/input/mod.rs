@@ -22,6 +22,7 @@ mod schema;
 mod sections;
 mod settings;
 mod suggest;
+mod values;
 
 pub use assemble::{BodyGeometry, Geometry, Job, LineGeometry};
 pub use error::{InputError, Problem};

@@ -182,38 +182,41 @@ fn add(out: &mut [f64], x: &[f64], factor: f64) {
 impl Model {
     /// Coordinates, velocities, accelerations and operators of all nodes that follow others.
     pub(super) fn expand_dependent(&mut self, t: f64) -> Result<(), SystemError> {
+        (0..self.dependent.len()).try_for_each(|k| self.expand_node(t, self.dependent[k]))
+    }
+
+    /// The same of one node, where it follows others.
+    pub(super) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
         let w = &mut self.work;
-        for &n in &self.dependent {
-            let node = &self.nodes[n as usize];
-            let Source::Mapped(d) = &node.source else {
-                continue;
-            };
-            let local = &mut w.local;
-            let k = collect(d.masters(), &self.spans, &w.x, &mut local.q);
-            collect(d.masters(), &self.spans, &w.v, &mut local.qv);
-            collect(d.masters(), &self.spans, &w.a, &mut local.qa);
-            let margin = d.map.margin(t, &local.q[..k]);
-            if margin.is_nan() || margin <= 0.0 {
-                let what = format!("joint at node {}", node.name);
-                let edge = d.map.edge();
-                return Err(match d.map.trouble(t, &local.q[..k]) {
-                    Some(why) => SystemError::Unsolved { what, why },
-                    None => SystemError::OutsideChart { edge, what, margin },
-                });
-            }
-            let own = node.range();
-            let range = d.local..d.local + node.dim * d.direct;
-            let out = KinematicsMut {
-                x: &mut w.x[own.clone()],
-                x_dot: &mut w.v[own.clone()],
-                x_ddot: &mut w.a[own],
-                B: &mut w.operators.B[range.clone()],
-                B_dot: &mut w.operators.B_dot[range.clone()],
-                B_ddot: &mut w.operators.B_ddot[range],
-            };
-            let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
-            d.map.kinematics(t, q, v, a, out);
+        let node = &self.nodes[n as usize];
+        let Source::Mapped(d) = &node.source else {
+            return Ok(());
+        };
+        let local = &mut w.local;
+        let k = collect(d.masters(), &self.spans, &w.x, &mut local.q);
+        collect(d.masters(), &self.spans, &w.v, &mut local.qv);
+        collect(d.masters(), &self.spans, &w.a, &mut local.qa);
+        let margin = d.map.margin(t, &local.q[..k]);
+        if margin.is_nan() || margin <= 0.0 {
+            let what = format!("joint at node {}", node.name);
+            let edge = d.map.edge();
+            return Err(match d.map.trouble(t, &local.q[..k]) {
+                Some(why) => SystemError::Unsolved { what, why },
+                None => SystemError::OutsideChart { edge, what, margin },
+            });
         }
+        let own = node.range();
+        let range = d.local..d.local + node.dim * d.direct;
+        let out = KinematicsMut {
+            x: &mut w.x[own.clone()],
+            x_dot: &mut w.v[own.clone()],
+            x_ddot: &mut w.a[own],
+            B: &mut w.operators.B[range.clone()],
+            B_dot: &mut w.operators.B_dot[range.clone()],
+            B_ddot: &mut w.operators.B_ddot[range],
+        };
+        let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
+        d.map.kinematics(t, q, v, a, out);
         Ok(())
     }
 

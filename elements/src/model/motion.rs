@@ -9,6 +9,8 @@ use super::{Form, Model, NONE, Source};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, Spins};
+use pullback_manifold::system::{Point, SystemError};
+use std::f64::consts::PI;
 
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,6 +167,63 @@ impl Model {
             unknowns[u] = value;
         }
         u.is_some()
+    }
+
+    /// Turns what joints leave free to turn (ball joints, points on curves and surfaces) with the
+    /// frames that they are attached to, as `q` has these at t = 0: their coordinates are rotation
+    /// vectors in space, which the joints above do not change. Rotations in `given` stay, and so do
+    /// those in loops. The unknowns that have changed.
+    ///
+    /// # Errors
+    /// [`SystemError`] when a joint is outside its domain.
+    pub fn carry_rotations(
+        &mut self,
+        q: &mut [f64],
+        given: &[usize],
+    ) -> Result<Vec<usize>, SystemError> {
+        let (t, v, a) = (0.0, &[][..], &[][..]);
+        self.expand(Point { t, q, v, a })?;
+        let closing = self
+            .enforced
+            .iter()
+            .flat_map(|&e| self.elements[e].nodes.iter());
+        let closing: Vec<NodeId> = closing.map(|&n| NodeId(n)).collect();
+        let mut stay = self.unknowns_behind(&closing);
+        stay.extend(given);
+        let mut carried = Vec::new();
+        for k in 0..self.dependent.len() {
+            let n = self.dependent[k];
+            // The frames above have been carried along.
+            self.expand_node(t, n)?;
+            let rotation = self.free_rotation_of(NodeId(n));
+            let Source::Mapped(d) = &self.nodes[n as usize].source else {
+                continue;
+            };
+            let mut parents = d.masters().iter().map(|&m| &self.nodes[m as usize]);
+            let Some(parent) = parents.find(|m| m.is_frame()) else {
+                continue;
+            };
+            let mut psi = Vector3::from_column_slice(&self.work.x[parent.first + 3..][..3]);
+            if psi.norm() > PI {
+                psi = so3::complement(&psi);
+            }
+            let [Some(u), Some(_), Some(_)] = [0, 1, 2].map(|k| self.unknown_at(rotation, k))
+            else {
+                continue;
+            };
+            let given = rotation == NodeId(n) || stay.contains(&u);
+            if given || q[u..u + 3] == *psi.as_slice() {
+                continue;
+            }
+            q[u..u + 3].copy_from_slice(psi.as_slice());
+            carried.extend(u..u + 3);
+            let turned = &self.nodes[rotation.0 as usize];
+            for c in [turned.first, self.carrier(turned).first] {
+                self.work.x[c..c + 3].copy_from_slice(psi.as_slice());
+            }
+            self.expand_node(t, n)?;
+        }
+        Ok(carried)
     }
 
     /// Writes the velocities of a rigid motion of the nodes in `nodes` (all of them if it is

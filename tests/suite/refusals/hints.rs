@@ -1,7 +1,10 @@
 //! What the program says about motions that are not what they seem.
 #![allow(clippy::unwrap_used)]
 
+use nalgebra::Vector3;
 use crate::support::program::{directory, refusal, write};
+use pullback::input::assemble_text;
+use pullback::manifold::system::Point;
 use pullback::run::run;
 use std::ops::ControlFlow;
 
@@ -64,6 +67,77 @@ fn a_line_does_not_start_with_the_rate_of_its_joint() {
         !warnings.iter().any(|w| w.starts_with(warning)),
         "{warnings:?}"
     );
+}
+
+#[test]
+fn what_ball_joints_hold_starts_with_the_value_above_them() {
+    let offset = |name: &str, parent: &str, position: [f64; 3]| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nmaster = \"{parent}\"\nplace = {position:?}\n"
+        )
+    };
+    let ball = |name: &str, parent: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"spherical\"\nmaster = \"{parent}\"\n")
+    };
+    let drawn = [[2.0, 0.0, 0.0], [3.0, 1.0, 0.5]];
+    let chain = |value: f64, scheme: &str, more: &str| {
+        let run = format!("[analysis.dynamic]\nto = 0.01\nstep = 0.01\nscheme = \"{scheme}\"\n");
+        [
+            "[nodes]\nground = [0, 0, 0]\ntip = [4, 0, 0]\n",
+            HELD,
+            &joint("revolute", &format!("value = {value}")),
+            &offset("a", "J", [1.0, 0.0, 0.0]),
+            &ball("S", "a"),
+            &offset("e", "S", drawn[0]),
+            &ball("T", "e"),
+            &offset("f", "T", drawn[1]),
+            &BODY.replace("\"J\"", "\"f\""),
+            more,
+            &run,
+        ]
+        .concat()
+    };
+    let ends = |text: &str| {
+        let mut job = assemble_text("model.toml", text).unwrap();
+        let (t, q, v, a) = (
+            0.0,
+            &job.start.q,
+            &job.start.v,
+            vec![0.0; job.start.q.len()],
+        );
+        job.model.configure(Point { t, q, v, a: &a }).unwrap();
+        ["e", "f"].map(|n| job.model.node_state(job.model.find(n).unwrap()).place)
+    };
+    for (value, scheme) in [
+        (0.5_f64, "newmark"),
+        (4.0, "newmark"),
+        (0.5, "lie-newmark"),
+        (4.0, "ul-newmark"),
+    ] {
+        let (sin, cos) = value.sin_cos();
+        for (found, [x, y, z]) in ends(&chain(value, scheme, LINE_ELSEWHERE))
+            .iter()
+            .zip(drawn)
+        {
+            let exact = Vector3::new(cos * x - sin * y, sin * x + cos * y, z);
+            assert!((found - exact).norm() < 1e-14, "{value} {scheme}: {found}");
+        }
+    }
+    // A rotation that is given is one in space, and carries what hangs below.
+    let given = "[[initial]]\nnode = \"S\"\nrotation = [0, 0, 1.5707963267948966]\n";
+    let [e, f] = ends(&chain(0.5, "newmark", &[LINE_ELSEWHERE, given].concat()));
+    let a = Vector3::new(0.5_f64.cos(), 0.5_f64.sin(), 0.0);
+    assert!((e - a - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-14, "{e}");
+    assert!((f - e - Vector3::new(-1.0, 1.0, 0.5)).norm() < 1e-14, "{f}");
+    // A line from there ends where it is drawn.
+    let line = LINE.replace("\"J\"", "\"f\"");
+    let said = refusal(&chain(0.5, "newmark", &line)).to_string();
+    assert!(
+        said.contains("line \"L\" is drawn from node \"f\""),
+        "{said}"
+    );
+    let straight = chain(0.0, "newmark", &line);
+    assert!(assemble_text("model.toml", &straight).is_ok());
 }
 
 #[test]

@@ -1,0 +1,100 @@
+//! Values that joints start with, and what they carry along.
+
+use super::assemble::{LineGeometry, Names};
+use super::file::{Acts, Analysis, ModelFile};
+use super::{InputError, Problem, Text};
+use pullback_elements::model::{Model, NodeId};
+
+/// Sets the coordinates of joints that have a value, and turns what ball joints hold with the frames above
+/// them; the unknowns that are `placed` stay.
+pub(super) fn start(
+    source: &Text<'_>,
+    model: &mut Model,
+    released: &Names<NodeId>,
+    lines: &[LineGeometry],
+    file: &ModelFile,
+    q: &mut [f64],
+    placed: &[usize],
+) -> Result<(), InputError> {
+    for (index, name, value) in given(file, |acts| acts.value) {
+        let at = ["joints", index.as_str(), "value"];
+        let node = released.find(source, &at, &name)?;
+        // In a model that enforces equations values have been there when it was assembled, where they
+        // fit together.
+        let assembled = model.is_enforced() && model.unknown_at(node, 0).is_some();
+        if !assembled && !model.set(q, node, 0, value) && !model.in_loop(node) {
+            geared(source, &at, file, &name, "value")?;
+        }
+    }
+    if !matches!(file.analysis, Analysis::Dynamic(_)) {
+        return Ok(());
+    }
+    // Where a map cannot be evaluated at the start, the analysis says so.
+    let carried = model.carry_rotations(q, placed).unwrap_or_default();
+    drawn_apart(source, model, lines, [&carried, placed])
+}
+
+/// What the file gives of the coordinates that joints release one by one: number of the joint, name
+/// of the coordinate, and the number itself.
+pub(super) fn given(
+    file: &ModelFile,
+    pick: fn(&Acts) -> Option<f64>,
+) -> impl Iterator<Item = (String, String, f64)> + '_ {
+    (file.joints.iter().enumerate()).flat_map(move |(k, joint)| {
+        let acts = joint.all_acts();
+        let given = acts.filter_map(move |(coordinate, acts)| {
+            let name = format!("{} {coordinate}", joint.name);
+            Some((k.to_string(), name.trim_end().to_owned(), pick(&acts)?))
+        });
+        given.collect::<Vec<_>>()
+    })
+}
+
+/// Refuses a value or rate of a coordinate that follows from another one through a gear.
+pub(super) fn geared(
+    source: &Text<'_>,
+    at: &[&str; 3],
+    file: &ModelFile,
+    name: &str,
+    key: &'static str,
+) -> Result<(), InputError> {
+    if file
+        .gears
+        .iter()
+        .any(|g| g.joints.iter().any(|j| j == name))
+    {
+        let joint = name.to_owned();
+        return Err(source.value(at, Problem::Geared { joint, key }));
+    }
+    Ok(())
+}
+
+/// Refuses lines from what a ball joint has carried along to nodes that stay where they are drawn.
+fn drawn_apart(
+    source: &Text<'_>,
+    model: &Model,
+    lines: &[LineGeometry],
+    [carried, placed]: [&[usize]; 2],
+) -> Result<(), InputError> {
+    for (k, line) in lines.iter().enumerate().filter(|_| !carried.is_empty()) {
+        let among = |n: NodeId, some: &[usize]| {
+            let behind = model.unknowns_behind(&[n]);
+            behind.iter().any(|u| some.contains(u))
+        };
+        let moves = |n: &&NodeId| !model.is_own(**n) && among(**n, carried);
+        let stays = |n: &NodeId| model.is_own(*n) && !among(*n, placed);
+        let Some(&moves) = line.nodes.iter().find(moves) else {
+            continue;
+        };
+        if line.nodes.iter().any(stays) {
+            let mut frames = model.frames();
+            let node = frames.find(|(id, _)| *id == moves);
+            let problem = Problem::DrawnApart {
+                line: line.name.clone(),
+                node: node.map_or_else(String::new, |(_, name)| name.to_owned()),
+            };
+            return Err(source.value(&["lines", &k.to_string(), "name"], problem));
+        }
+    }
+    Ok(())
+}
