@@ -197,10 +197,10 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
     } = &asked;
     let directory = out.clone();
     let directory = directory.unwrap_or_else(|| compare::default_directory(&models[0]));
-    let interrupt = Interrupt::install();
     let progress = Progress::new(*quiet);
     let watch = Watch {
-        flow: &|| interrupt.flow(),
+        // As in a run, from the first step on.
+        flow: &|| Interrupt::install().flow(),
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
         refused: &|name, why| {
             let why = why.lines().next().unwrap_or_default();

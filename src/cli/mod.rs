@@ -171,7 +171,6 @@ fn run_model(
 ) -> u8 {
     let directory = out.unwrap_or_else(|| default_directory(model));
     let source = model.display().to_string();
-    let interrupt = Interrupt::install();
     let mut progress = Progress::new(quiet);
     let job = registry.load(model).map_err(RunError::from);
     if let Ok(Plan::Dynamic(motion)) = job.as_ref().map(|job| &job.plan) {
@@ -179,7 +178,8 @@ fn run_model(
     }
     let mut observer = |step: &Advance<'_>| {
         progress.step(step);
-        interrupt.flow()
+        // Before the first step there is nothing to keep: until then Ctrl-C ends the program at once.
+        Interrupt::install().flow()
     };
     let ran = job.and_then(|job| match again {
         true => resume_job(job, &source, &directory, &mut observer),

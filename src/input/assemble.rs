@@ -347,6 +347,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         | ModelError::OwnMaster { joint, .. }
         | ModelError::Rigid { joint, .. }
         | ModelError::Unclosed { joint, .. } => joint.clone(),
+        ModelError::FarStart { coordinate, .. } => coordinate.clone(),
         ModelError::Loop { joints, .. }
         | ModelError::AllDriven { joints, .. }
         | ModelError::LockedLoop { joints } => {

@@ -6,6 +6,7 @@ use super::connections::check_connections;
 use super::formulation;
 use super::loops;
 use super::placement::Placement;
+use super::start;
 use super::workspace::Workspace;
 use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span};
 use crate::time::TimeFunction;
@@ -22,6 +23,7 @@ impl ModelBuilder {
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };
+        start::check_values(&self.nodes, &self.starts, length)?;
         let (forces, enforced) = self.enforce_closings(length)?;
         if self.nodes.is_empty() {
             return Err(ModelError::Empty);

@@ -176,6 +176,15 @@ pub enum ModelError {
         gap: f64,
         driven: String,
     },
+    #[error(
+        "{coordinate} cannot start at {value:e}: beyond {most:.0e} rounding errors are no small part of a \
+         turn or of the model. Give the same position by a smaller number"
+    )]
+    FarStart {
+        coordinate: String,
+        value: f64,
+        most: f64,
+    },
     #[error("the model cannot be assembled: {source}")]
     Start { source: SystemError },
     #[error("node {node} carries no element (loads do not count); connect it or remove it")]

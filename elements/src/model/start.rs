@@ -5,9 +5,10 @@
 
 use super::enforced::Equations;
 use super::loops::Report;
-use super::{Model, ModelError, NodeId};
+use super::{Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{System, SystemError};
+use pullback_manifold::system::{Kind, System, SystemError};
+use std::collections::HashMap;
 
 /// Largest scaled residual of equations that are satisfied.
 const CLOSED: f64 = 1e-11;
@@ -16,8 +17,11 @@ const CLOSED: f64 = 1e-11;
 const FITS: f64 = 1e-9;
 /// What rounding leaves of scaled residuals.
 const ROUNDING: f64 = 1e-14;
-/// Largest step to a value that a coordinate should start with, in its size.
+/// Largest step to a value that a coordinate should start with, in its size, unless that takes too many.
 const STRIDE: f64 = 0.1;
+const STRIDES: f64 = 256.0;
+/// Values, in sizes of their coordinates, whose rounding errors are no rounding errors of a position.
+const FARTHEST: f64 = FITS / f64::EPSILON;
 /// Coordinates, in their sizes, at which a model counts as closed as it is drawn.
 const DRAWN: f64 = 1e-6;
 
@@ -256,7 +260,9 @@ impl Model {
         let near = |q: &&[f64]| (0..q.len()).all(|u| far(q, u, 0.0) < DRAWN);
         if let Some(from) = drawn.filter(near) {
             let way = held.iter().map(|&(u, x)| far(from, u, x));
-            let steps = (way.fold(0.0, f64::max) / STRIDE).ceil().max(1.0);
+            let steps = (way.fold(0.0, f64::max) / STRIDE)
+                .ceil()
+                .clamp(1.0, STRIDES);
             let mut q = from.to_vec();
             self.start_element_charts(0.0, &q);
             let arrived = (1..=steps as usize).all(|k| {
@@ -319,6 +325,28 @@ impl Model {
         let e = &self.elements[all.of[i].0];
         e.name.trim_start_matches("closure of ").to_owned()
     }
+}
+
+/// Refuses values to start with that are too large to tell positions apart, in a model of this size.
+pub(super) fn check_values(
+    nodes: &[Node],
+    starts: &HashMap<(NodeId, usize), f64>,
+    length: f64,
+) -> Result<(), ModelError> {
+    for (n, node) in nodes.iter().enumerate() {
+        for (k, kind) in node.kinds.iter().enumerate() {
+            let size = if *kind == Kind::Angle { 1.0 } else { length };
+            let given = starts.get(&(NodeId(n as u32), k));
+            if let Some(&value) = given.filter(|x| x.abs() > FARTHEST * size) {
+                return Err(ModelError::FarStart {
+                    coordinate: node.coordinate_name(k),
+                    value,
+                    most: FARTHEST * size,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A start that cannot be evaluated.

@@ -134,6 +134,34 @@ fn values_are_kept_in_the_order_of_the_file() {
 }
 
 /// Test Set for IVP Solvers (Mazzia & Magherini 2008), II-9: all seven angles are given.
+/// The way to a value is walked in steps, of which there is an end.
+#[test]
+fn a_value_that_no_digits_hold_is_refused() {
+    for closure in CLOSURES {
+        let text = [GROUND, RUN, &four_bar(["", "value = 1e15", ""], closure)].concat();
+        check(&text, "\"B\"", "B angle cannot start at 1e15", "");
+    }
+    // A loop over a body that flies, which no map closes.
+    let crank = hinge("A", "ground", "value = 1e6");
+    let loop_over = joint(
+        "C",
+        "weld",
+        "tip",
+        "child = \"free\"\nclosure = \"multipliers\"",
+    );
+    let text = [
+        "[nodes]\nground = [0, 0, 0]\nfree = [1, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
+        RUN,
+        &crank,
+        &arm("tip", "A", [1.0, 0.0, 0.0]),
+        &loop_over,
+        &body("A"),
+        &body("free"),
+    ];
+    let (angles, _) = start(&text.concat());
+    assert_eq!(angles["A angle"][0], 1e6);
+}
+
 #[test]
 fn andrews_squeezer_starts_at_its_published_angles() {
     let text = include_str!("../../../examples/models/squeezer.toml");

@@ -135,3 +135,31 @@ fn ctrl_c_stops_after_a_step_and_keeps_it() {
     );
     assert!(!files(&out).iter().any(|f| f.starts_with('.')));
 }
+
+/// The model file is a pipe that nobody writes into: the program waits for it before its first step.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_before_the_first_step_ends_the_program_at_once() {
+    use std::time::{Duration, Instant};
+    let pipe = directory("program_early_ctrl_c").join("pipe.toml");
+    let made = Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pullback"))
+        .arg("run")
+        .arg(&pipe)
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(500));
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.unwrap().success());
+    let start = Instant::now();
+    let mut ended = None;
+    while ended.is_none() && start.elapsed() < Duration::from_secs(5) {
+        std::thread::sleep(Duration::from_millis(20));
+        ended = child.try_wait().unwrap();
+    }
+    child.kill().ok();
+    assert!(ended.is_some_and(|status| !status.success()), "{ended:?}");
+}
