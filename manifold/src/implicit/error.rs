@@ -129,6 +129,12 @@ pub enum Trouble {
         /// Names of the coordinates concerned.
         coordinates: String,
     },
+    /// There is a singular configuration on the way from the last converged state.
+    #[error(
+        "its equations, or its coordinates with them, become singular on the way there: take smaller \
+         steps"
+    )]
+    Crossed,
     /// The nearest solution lies on another branch.
     #[error(
         "the nearest solution of its equations is on another branch, {off:.1e} from where it should \

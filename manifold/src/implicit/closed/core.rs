@@ -37,7 +37,8 @@ pub(super) struct Core {
     /// Where q = 0.
     pub reference: Vec<f64>,
     pub chart: Chart,
-    /// The last converged (q, p), x, and their derivative there: Newton's method starts from it.
+    /// The last converged (q, p), x, its derivatives Y by them and P by the equations: Newton's method
+    /// starts from it.
     pub anchor: Anchor,
     /// Largest length of each row of h_x so far.
     pub sizes: Vec<f64>,
@@ -52,6 +53,7 @@ pub(super) struct Anchor {
     pub q: Vec<f64>,
     pub x: Vec<f64>,
     pub Y: Vec<f64>,
+    pub P: Vec<f64>,
 }
 
 /// What was found last, and room to work.
@@ -393,6 +395,7 @@ impl Core {
         self.anchor.q.copy_from_slice(q);
         self.anchor.x.copy_from_slice(&w.y[self.p..]);
         self.anchor.Y.copy_from_slice(&w.Y);
+        self.anchor.P.copy_from_slice(&w.P);
         true
     }
 }

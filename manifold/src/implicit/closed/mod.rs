@@ -24,7 +24,7 @@ mod names;
 mod start;
 mod walk;
 
-use super::ImplicitError;
+use super::{ImplicitError, Trouble};
 use crate::map::{KinematicsMut, Parametrization};
 use crate::system::ChartChanges;
 pub(super) use start::aside;
@@ -199,13 +199,13 @@ impl Parametrization for Closed {
     }
 
     fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.core().solve(t, q).err().map(|t| t.to_string())
+        self.core().solve(t, q).err().map(advised)
     }
 
     fn doubt(&self) -> Option<String> {
         let mut core = self.core();
         let from = core.anchor.clone();
-        core.close_to_singular(&from).map(|t| t.to_string())
+        core.close_to_singular(&from).map(advised)
     }
 
     fn note(&self) -> Option<String> {
@@ -260,5 +260,15 @@ impl Parametrization for Closed {
             Ok(()) => core.multipliers(f, lambda),
             Err(_) => lambda.fill(f64::NAN),
         }
+    }
+}
+
+/// What there is to say, and to do.
+fn advised(trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Singular { .. } | Trouble::Crossed => format!(
+            "{trouble}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
+        ),
+        other => other.to_string(),
     }
 }

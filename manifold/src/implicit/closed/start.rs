@@ -72,6 +72,7 @@ impl Core {
             q: vec![0.0; core.D],
             x: vec![0.0; X],
             Y: vec![0.0; X * (core.D + core.p)],
+            P: vec![0.0; X * M],
         };
         core.anchor.q.extend_from_slice(p);
         core.parked = core.anchor.clone();

@@ -93,6 +93,7 @@ impl Core {
             self.anchor.q.copy_from_slice(&next);
             self.anchor.x.copy_from_slice(&self.work.y[self.p..]);
             self.anchor.Y.copy_from_slice(&self.work.Y);
+            self.anchor.P.copy_from_slice(&self.work.P);
         }
         self.work.stop = next;
         outcome
@@ -104,6 +105,9 @@ impl Core {
         self.operators();
         if !follow {
             return Ok(());
+        }
+        if self.changed() >= 1.0 {
+            return Err(Trouble::Crossed);
         }
         let (mut step, mut off) = (0.0_f64, 0.0_f64);
         for k in 0..self.X {
@@ -121,5 +125,24 @@ impl Core {
         } else {
             Err(Trouble::OtherBranch { off })
         }
+    }
+
+    /// How much the equations have changed since the anchor, ‖(h_x − h_x₀) P₀‖ with equations over their
+    /// sizes. Below one A is regular all along the segment between the two places (Neumann's series);
+    /// across a singular configuration, where branches meet, it is one or more however short the way.
+    fn changed(&self) -> f64 {
+        let (p, X, M, w) = (self.p, self.X, self.M, &self.work);
+        let used = |i: &usize| self.chart.used[*i];
+        let mut squares = 0.0;
+        for j in (0..M).filter(used) {
+            let P = &self.anchor.P[j * X..(j + 1) * X];
+            for i in (0..M).filter(used) {
+                let row = P.iter().enumerate();
+                let product: f64 = row.map(|(k, P)| w.J[i + (p + k) * M] * P).sum();
+                let change = product - f64::from(u8::from(i == j));
+                squares += (change * self.sizes[j] / self.sizes[i]).powi(2);
+            }
+        }
+        squares.sqrt()
     }
 }
