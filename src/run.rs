@@ -123,8 +123,7 @@ pub fn resume_job(
         return Err(ResumeError::Statics.into());
     };
     let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let columns = job.probes.iter().map(|p| p.columns().len()).sum();
-    let checkpoint = Checkpoint::read(directory, &settings, &job.model, columns)?;
+    let checkpoint = Checkpoint::read(directory, &settings, &job.model)?;
     let (t, to) = (checkpoint.progress().state.t, plan.options.to);
     // A run may have been killed between its last step and its results.
     if t > to || t == to && is_complete(directory) {

@@ -1,7 +1,7 @@
 //! `checkpoint.json`: with the rows in the log beside it, everything that a motion needs to go on as if
 //! it had never stopped.
 
-use super::directory::{OutputError, is_grid};
+use super::directory::OutputError;
 use super::history::Row;
 use super::log::{self, Extent};
 use super::plot::Shapes;
@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 /// Program and version.
 const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
+
+/// What is wrong with a file that was damaged, or changed by hand.
+const CHECKSUM: &str = "its checksum is not that of its content";
 
 /// Name of the file.
 pub(super) const NAME: &str = "checkpoint.json";
@@ -44,6 +47,9 @@ pub(super) struct Record {
 /// A motion that can be taken up again.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checkpoint {
+    /// Of what stands behind it in the file.
+    #[serde(skip_serializing)]
+    crc32: u32,
     program: String,
     /// The model file with defaults.
     settings: Value,
@@ -100,7 +106,7 @@ pub enum ResumeError {
         /// What has changed.
         part: String,
     },
-    /// The file contradicts itself.
+    /// The file is not as it was written.
     #[error("{} is damaged: {what}; run without --resume", path.display())]
     Damaged {
         /// The file.
@@ -123,6 +129,7 @@ pub enum ResumeError {
 impl Checkpoint {
     pub(super) fn new(settings: Value, unknowns: Vec<String>, progress: &Progress) -> Self {
         Self {
+            crc32: 0,
             program: PROGRAM.to_owned(),
             settings,
             unknowns,
@@ -137,31 +144,41 @@ impl Checkpoint {
         }
     }
 
+    /// Its text: an object of JSON, whose first entry is the checksum of what follows.
     pub(super) fn text(&self) -> Result<String, OutputError> {
-        serde_json::to_string(self).map_err(|source| OutputError::Encode {
+        let text = serde_json::to_string(self).map_err(|source| OutputError::Encode {
             name: NAME.to_owned(),
             source,
-        })
+        })?;
+        let content = &text[1..];
+        let crc32 = crc32fast::hash(content.as_bytes());
+        Ok(format!("{{\"crc32\":{crc32},{content}"))
     }
 
     /// Reads the checkpoint of a directory, for a model file that now says `settings`.
     ///
     /// # Errors
     /// [`ResumeError`].
-    pub fn read(
-        directory: &Path,
-        settings: &Value,
-        model: &Model,
-        columns: usize,
-    ) -> Result<Self, ResumeError> {
+    pub fn read(directory: &Path, settings: &Value, model: &Model) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
         let text = std::fs::read_to_string(&path).map_err(|source| ResumeError::None {
             path: path.clone(),
             source,
         })?;
         let unusable = |path, source| ResumeError::Unusable { path, source };
+        let damaged = |path, what: &str| {
+            let what = what.to_owned();
+            ResumeError::Damaged { path, what }
+        };
         let mut read: Self =
             serde_json::from_str(&text).map_err(|source| unusable(path.clone(), source))?;
+        if read.program != PROGRAM {
+            return Err(damaged(path, "it is of another version"));
+        }
+        let content = text.split_once(',').map_or("", |(_, content)| content);
+        if crc32fast::hash(content.as_bytes()) != read.crc32 {
+            return Err(damaged(path, CHECKSUM));
+        }
         if let Some(part) = changed(&read.settings, settings) {
             return Err(ResumeError::Changed { path, part });
         }
@@ -169,65 +186,20 @@ impl Checkpoint {
             let part = "the order of nodes".to_owned();
             return Err(ResumeError::Changed { path, part });
         }
-        let rows = directory.join(log::NAME);
-        let text = std::fs::read(&rows).map_err(|source| ResumeError::None {
-            path: rows.clone(),
+        let path = directory.join(log::NAME);
+        let lines = std::fs::read(&path).map_err(|source| ResumeError::None {
+            path: path.clone(),
             source,
         })?;
         // What stands behind was written after this checkpoint.
-        let lines = text.get(..read.log.bytes).map(std::str::from_utf8);
-        let Some(Ok(lines)) = lines else {
-            let what = "it ends before its checkpoint does".to_owned();
-            return Err(ResumeError::Damaged { path: rows, what });
+        let Some(lines) = lines.get(..read.log.bytes) else {
+            return Err(damaged(path, "it ends before its checkpoint does"));
         };
-        (read.rows, read.frames) = log::read(lines).map_err(|source| unusable(rows, source))?;
-        match read.damage(model, columns) {
-            Some(what) => Err(ResumeError::Damaged { path, what }),
-            None => Ok(read),
+        if crc32fast::hash(lines) != read.log.crc32 {
+            return Err(damaged(path, CHECKSUM));
         }
-    }
-
-    /// What is wrong with it, for a model and a number of probe columns.
-    fn damage(&self, model: &Model, columns: usize) -> Option<String> {
-        let n = self.unknowns.len();
-        let state = &self.progress.state;
-        let vectors = [&state.q, &state.v, &state.a, &state.algorithmic];
-        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
-        let step = self.progress.last_step;
-        let frames = self.frames.iter();
-        let wrong = [
-            ("it is of another version", self.program != PROGRAM),
-            (
-                "a state has another length",
-                vectors.iter().any(|x| x.len() != n),
-            ),
-            ("a state is not finite", !vectors.iter().all(|x| finite(x))),
-            (
-                "its time is no time",
-                !(state.t >= 0.0 && state.t.is_finite()),
-            ),
-            ("its step is none", !(step >= 0.0 && step.is_finite())),
-            (
-                "charts of elements are missing",
-                self.element_charts.len() != model.element_charts().len(),
-            ),
-            ("there are no rows", self.rows.is_empty()),
-            (
-                "the log has another number of rows",
-                self.rows.len() != self.log.rows || self.frames.len() != self.log.frames,
-            ),
-            (
-                "rows have another number of columns",
-                self.rows.iter().any(|row| row.probes.len() != columns),
-            ),
-            (
-                "a file name is none",
-                !frames.into_iter().all(|f| is_grid(&f.file)),
-            ),
-            ("a number of rows is zero", self.record.stride == 0),
-        ];
-        let found = wrong.into_iter().find(|(_, wrong)| *wrong);
-        found.map(|(what, _)| what.to_owned())
+        (read.rows, read.frames) = log::read(lines).map_err(|source| unusable(path, source))?;
+        Ok(read)
     }
 
     /// Where the motion is.

@@ -15,6 +15,17 @@ pub(super) struct Extent {
     /// Those of them that have a grid.
     pub frames: usize,
     pub bytes: usize,
+    /// Checksum of these bytes.
+    pub crc32: u32,
+}
+
+impl Extent {
+    /// The checksum when `lines` stand behind.
+    pub(super) fn crc32_with(&self, lines: &str) -> u32 {
+        let mut hasher = crc32fast::Hasher::new_with_initial(self.crc32);
+        hasher.update(lines.as_bytes());
+        hasher.finalize()
+    }
 }
 
 /// The lines of rows, of which some have a grid: `frames` in the same order, and `name` that of the
@@ -35,10 +46,10 @@ pub(super) fn lines(
 }
 
 /// What lines hold.
-pub(super) fn read(lines: &str) -> Result<(Vec<Row>, Vec<Frame>), serde_json::Error> {
+pub(super) fn read(lines: &[u8]) -> Result<(Vec<Row>, Vec<Frame>), serde_json::Error> {
     let (mut rows, mut frames) = (Vec::new(), Vec::new());
-    for line in lines.lines() {
-        let (row, grid): (Row, Option<String>) = serde_json::from_str(line)?;
+    for line in serde_json::Deserializer::from_slice(lines).into_iter() {
+        let (row, grid): (Row, Option<String>) = line?;
         frames.extend(grid.map(|file| Frame { t: row.t, file }));
         rows.push(row);
     }

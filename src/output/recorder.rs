@@ -359,19 +359,16 @@ impl<'a> Recorder<'a> {
             let name = name.to_owned();
             |source| OutputError::Encode { name, source }
         };
-        let Extent {
-            rows,
-            frames,
-            bytes,
-        } = self.log;
-        let name = |k| grid_name(self.setting.plan, rows + k);
-        let lines = log::lines(&self.rows[rows..], &self.frames[frames..], name)
-            .map_err(fail(log::NAME))?;
-        self.directory.append(log::NAME, bytes, &lines)?;
+        let before = self.log;
+        let name = |k| grid_name(self.setting.plan, before.rows + k);
+        let (rows, frames) = (&self.rows[before.rows..], &self.frames[before.frames..]);
+        let lines = log::lines(rows, frames, name).map_err(fail(log::NAME))?;
+        self.directory.append(log::NAME, before.bytes, &lines)?;
         self.log = Extent {
             rows: self.rows.len(),
             frames: self.frames.len(),
-            bytes: bytes + lines.len(),
+            bytes: before.bytes + lines.len(),
+            crc32: before.crc32_with(&lines),
         };
         let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
