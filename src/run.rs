@@ -192,7 +192,7 @@ fn execute(
     let mut recorder = Recorder::new(setting, directory, probes, &model, warnings)?;
     match (&plan, checkpoint) {
         (Plan::Dynamic(_), Some(checkpoint)) => {
-            recorder.resume(checkpoint);
+            recorder.resume(checkpoint)?;
             recorder.look(&mut model, &progress)?;
         }
         (Plan::Dynamic(_), None) => recorder.start_motion(&mut model, &progress)?,

@@ -30,6 +30,8 @@ pub(super) struct Record {
     pub shapes: Vec<(f64, Shapes)>,
     /// The shape of the last row, where it is not among them.
     pub latest: Option<(f64, Shapes)>,
+    /// The grid of the last row, where it has not been written.
+    pub pending: Option<(Frame, String)>,
     /// Every how many rows a shape is kept.
     pub stride: usize,
     /// Iterations and changes of chart of steps after the last row.

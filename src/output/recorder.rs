@@ -51,8 +51,6 @@ pub struct Recorder<'a> {
     /// What of rows and frames is in the log of the last checkpoint.
     log: Extent,
     last: Option<FinalState>,
-    /// The grid of the last row, where it has not been written.
-    pending: Option<(Frame, String)>,
     grids: Grids,
     watch: Watch,
     turns: Turns,
@@ -102,7 +100,6 @@ impl<'a> Recorder<'a> {
                 ..Record::default()
             },
             last: None,
-            pending: None,
             statistics,
             started: now,
             saved: now,
@@ -112,7 +109,10 @@ impl<'a> Recorder<'a> {
     }
 
     /// Goes on from a checkpoint.
-    pub fn resume(&mut self, checkpoint: Checkpoint) {
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), OutputError> {
         for (probe, memory) in self.probes.iter_mut().zip(checkpoint.memories) {
             probe.remember(memory);
         }
@@ -121,6 +121,11 @@ impl<'a> Recorder<'a> {
         self.frames = checkpoint.frames;
         self.log = checkpoint.log;
         self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
+        // Grids that were written after the checkpoint are gone.
+        match self.grids {
+            Grids::None => Ok(()),
+            _ => self.write_collection(),
+        }
     }
 
     /// Records the reference configuration where nothing acts on it at the first load; otherwise the
@@ -296,7 +301,7 @@ impl<'a> Recorder<'a> {
                 file: grid_name(self.setting.plan, number),
             };
             let text = grid(model, self.setting.geometry, &answers, load);
-            self.pending = Some((frame, text));
+            self.record.pending = Some((frame, text));
             let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {
                 self.write_pending()?;
@@ -319,13 +324,16 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_pending(&mut self) -> Result<(), OutputError> {
-        if let Some((frame, text)) = self.pending.take() {
+        if let Some((frame, text)) = self.record.pending.take() {
             self.directory.write(&frame.file, &text)?;
             self.frames.push(frame);
-            self.directory
-                .write("steps.pvd", &collection(&self.frames))?;
+            self.write_collection()?;
         }
         Ok(())
+    }
+
+    fn write_collection(&mut self) -> Result<(), OutputError> {
+        self.directory.write("steps.pvd", &collection(&self.frames))
     }
 
     fn columns(&self) -> Vec<String> {
