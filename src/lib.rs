@@ -81,6 +81,9 @@
 //!
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
 
+// Both panic where a reader has gone away: `terminal::tell` and `cli::print` do not.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod check;
 pub mod cli;
 pub mod compare;

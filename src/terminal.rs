@@ -4,10 +4,16 @@ use crate::gallery::Comparison;
 use crate::solve::{Advance, Counts};
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback_integrators::significant;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
+use std::io::{self, Write as _};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+
+/// Writes a line to standard error. Whoever has closed it does not want to know.
+pub fn tell(what: impl Display) {
+    writeln!(io::stderr(), "{what}").ok();
+}
 
 /// A line that tells where the analysis is; silent when standard error is no terminal.
 pub struct Progress {
@@ -61,7 +67,7 @@ impl Progress {
 
     /// Tells something that stays, above the line.
     pub fn tell(&self, what: &str) {
-        self.bar.suspend(|| eprintln!("{what}"));
+        self.bar.suspend(|| tell(what));
     }
 
     /// Removes the line.
@@ -93,8 +99,8 @@ fn part(t: f64, to: f64) -> u64 {
     }
 }
 
-/// Ctrl-C: the first asks the analysis to stop after the present step, the second ends the
-/// program at once.
+/// Ctrl-C, SIGTERM and SIGHUP: the first asks the analysis to stop after the present step, the second
+/// ends the program at once.
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
@@ -121,10 +127,12 @@ fn listen() -> Arc<AtomicBool> {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(crate::cli::INTERRUPTED));
         }
-        eprintln!("\nstopping after this step (Ctrl-C again stops at once)");
+        tell("\nstopping after this step (Ctrl-C again stops at once)");
     });
     if let Err(error) = installed {
-        eprintln!("warning: Ctrl-C will stop the program without saving: {error}");
+        tell(format_args!(
+            "warning: Ctrl-C will stop the program without saving: {error}"
+        ));
     }
     asked
 }

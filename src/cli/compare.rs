@@ -5,7 +5,7 @@ use crate::compare::{self, CompareError, Contender, Options, Subject, Watch};
 use crate::gallery;
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
-use crate::terminal::{Interrupt, Progress};
+use crate::terminal::{Interrupt, Progress, tell};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -235,38 +235,40 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
             return REFUSED;
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(format_args!("error: {error}"));
             return REFUSED;
         }
     };
     let kept = directory.display();
     if comparisons.iter().any(|c| !c.complete) {
-        eprintln!("interrupted: what was found is kept in {kept}, marked incomplete");
+        tell(format_args!(
+            "interrupted: what was found is kept in {kept}, marked incomplete"
+        ));
         return INTERRUPTED;
     }
     for comparison in &comparisons {
         if let Some(failure) = &comparison.reference_failure {
             let model = &comparison.model;
-            eprintln!(
+            tell(format_args!(
                 "error: {model}: there is no reference, hence no error: {failure}\nresults are in \
                  {kept}"
-            );
+            ));
             return FAILED;
         }
     }
     if let Some(comparison) = comparisons.iter().find(|c| !c.is_known()) {
         let model = &comparison.model;
         let why = compare::unknown(comparison).unwrap_or_default();
-        eprintln!("error: {model}: {why}\nresults are in {kept}");
+        tell(format_args!("error: {model}: {why}\nresults are in {kept}"));
         return FAILED;
     }
     for comparison in &comparisons {
         let failures = comparison.rows.iter().map(|row| row.failure.as_deref());
         if let Some([first, ..]) = failures.collect::<Option<Vec<_>>>().as_deref() {
             let (model, name) = (&comparison.model, &comparison.rows[0].scheme);
-            eprintln!(
+            tell(format_args!(
                 "error: {model}: no run came to its end; {name}: {first}\nresults are in {kept}"
-            );
+            ));
             return FAILED;
         }
     }

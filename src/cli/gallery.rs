@@ -2,7 +2,7 @@
 
 use super::{FAILED, REFUSED, print};
 use crate::gallery::{self, Comparison};
-use crate::terminal::{self, Progress};
+use crate::terminal::{self, Progress, tell};
 use std::path::Path;
 
 /// The cases by name, for the help.
@@ -19,12 +19,12 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     let rows = match ran {
         Ok(rows) => rows,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(format_args!("error: {error}"));
             return REFUSED;
         }
     };
     if out.is_some_and(|out| !out.exists()) {
-        eprintln!("note: none of these cases draws a plot");
+        tell("note: none of these cases draws a plot");
     }
     match answer(&rows, json) {
         Ok((text, code)) => match print(&text) {
@@ -32,7 +32,7 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
             unwritten => unwritten,
         },
         Err(error) => {
-            eprintln!("cannot encode the rows: {error}");
+            tell(format_args!("cannot encode the rows: {error}"));
             REFUSED
         }
     }

@@ -8,7 +8,7 @@ use crate::input::{InputError, Plan, Registry};
 use crate::output::Ending;
 use crate::run::{Outcome, RunError, default_directory, resume_job, run_job};
 use crate::solve::Advance;
-use crate::terminal::{self, Interrupt, Progress};
+use crate::terminal::{self, Interrupt, Progress, tell};
 use clap::{Parser, Subcommand};
 use pullback_integrators::significant;
 use std::ffi::OsString;
@@ -20,7 +20,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 /// The model file is refused, or results cannot be written.
 const REFUSED: u8 = 2;
-/// Stopped by Ctrl-C.
+/// Stopped by Ctrl-C, SIGTERM or SIGHUP.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Flexible multibody dynamics on manifolds.
@@ -36,8 +36,8 @@ enum Command {
     /// Runs a model file and writes history, results, figures and ParaView files.
     ///
     /// Exit code 0: complete; 1: the analysis failed; 2: the model file is refused or the results
-    /// cannot be written; 130: interrupted. After a failure or Ctrl-C the steps that converged are
-    /// kept, and result.json says that they are not all; a dynamic analysis can be resumed.
+    /// cannot be written; 130: interrupted. After a failure, Ctrl-C, SIGTERM or SIGHUP the steps that
+    /// converged are kept, and result.json says that they are not all; a dynamic analysis can be resumed.
     Run {
         /// Model file (TOML; see docs/model_file.md).
         model: PathBuf,
@@ -145,7 +145,7 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
 fn print(text: &str) -> u8 {
     match io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            eprintln!("cannot write to standard output: {error}");
+            tell(format_args!("cannot write to standard output: {error}"));
             REFUSED
         }
         _ => 0,
@@ -156,7 +156,7 @@ fn print_schema(registry: &Registry) -> u8 {
     match serde_json::to_string_pretty(&registry.schema()) {
         Ok(text) => print(&(text + "\n")),
         Err(error) => {
-            eprintln!("cannot encode the schema: {error}");
+            tell(format_args!("cannot encode the schema: {error}"));
             REFUSED
         }
     }
@@ -192,7 +192,7 @@ fn run_model(
             REFUSED
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(format_args!("error: {error}"));
             REFUSED
         }
         Ok(outcome) => report(&outcome, quiet),
@@ -213,32 +213,36 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
         &"time" => "; --resume goes on from there",
         _ => "",
     };
-    for note in outcome.notes.iter().filter(|_| !quiet) {
-        println!("{note}");
+    let mut code = 0;
+    if !quiet {
+        let notes = outcome.notes.iter().map(|note| format!("{note}\n"));
+        code = print(&notes.collect::<String>());
     }
     for warning in &outcome.warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     if !quiet && outcome.ending != Ending::Complete {
-        println!("{}", terminal::counts(&outcome.counts).trim_end());
+        print(&terminal::counts(&outcome.counts));
     }
     let kept = format!("kept in {directory}: {reached}, marked incomplete{again}");
     match &outcome.ending {
         Ending::Complete if quiet => 0,
-        Ending::Complete => print(&format!(
+        Ending::Complete => code.max(print(&format!(
             "complete: {reached} in {directory}\n{}",
             terminal::counts(&outcome.counts)
-        )),
+        ))),
         Ending::Interrupted { .. } => {
-            eprintln!("interrupted: {kept}");
+            tell(format_args!("interrupted: {kept}"));
             INTERRUPTED
         }
         Ending::StepLimit { max_steps, .. } => {
-            eprintln!("error: no stop was reached within max_steps = {max_steps}; {kept}");
+            tell(format_args!(
+                "error: no stop was reached within max_steps = {max_steps}; {kept}"
+            ));
             FAILED
         }
         Ending::Failed { message } => {
-            eprintln!("error: {message}\n{kept}");
+            tell(format_args!("error: {message}\n{kept}"));
             FAILED
         }
         Ending::Running => FAILED,
@@ -247,7 +251,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
 
 /// Prints a refusal with the place in the file.
 fn complain(error: &InputError) {
-    eprintln!("{}", error.report(io::stderr().is_terminal()));
+    tell(error.report(io::stderr().is_terminal()));
 }
 
 fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -> u8 {
@@ -269,7 +273,7 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
         match serde_json::to_string_pretty(&crate::check::entries(&report)) {
             Ok(text) => text + "\n",
             Err(error) => {
-                eprintln!("cannot encode the rows: {error}");
+                tell(format_args!("cannot encode the rows: {error}"));
                 return REFUSED;
             }
         }

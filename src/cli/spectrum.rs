@@ -2,6 +2,7 @@
 
 use super::{REFUSED, print};
 use crate::spectrum::{self, SpectrumError};
+use crate::terminal::tell;
 use std::path::PathBuf;
 
 /// Ω of the files unless others are named.
@@ -35,8 +36,8 @@ pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
             spectrum::write(&all, Some(command), directory)?;
         }
         if asked.out.is_none() && [asked.from, asked.to] != [FROM, TO] {
-            eprintln!(
-                "note: --from and --to are for files, which --out asks for; the table has places of its own"
+            tell(
+                "note: --from and --to are for files, which --out asks for; the table has places of its own",
             );
         }
         Ok(table)
@@ -44,7 +45,7 @@ pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
     match done() {
         Ok(table) => print(&table),
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(format_args!("error: {error}"));
             REFUSED
         }
     }

@@ -1,7 +1,7 @@
 //! `checkpoint.json`: with the rows in the log beside it, everything that a motion needs to go on as if
 //! it had never stopped.
 
-use super::directory::OutputError;
+use super::directory::{self, OutputError};
 use super::history::Row;
 use super::log::{self, Extent};
 use super::plot::Shapes;
@@ -163,22 +163,23 @@ impl Checkpoint {
     /// [`ResumeError`].
     pub fn read(directory: &Path, settings: &Value, model: &Model) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
-        let text = std::fs::read_to_string(&path).map_err(|source| ResumeError::None {
-            path: path.clone(),
-            source,
-        })?;
+        let none = |path: &Path| {
+            let path = path.to_owned();
+            |source| ResumeError::None { path, source }
+        };
+        let text = directory::read(&path).map_err(none(&path))?;
         let unusable = |path, source| ResumeError::Unusable { path, source };
         let damaged = |path, what: &str| {
             let what = what.to_owned();
             ResumeError::Damaged { path, what }
         };
         let mut read: Self =
-            serde_json::from_str(&text).map_err(|source| unusable(path.clone(), source))?;
+            serde_json::from_slice(&text).map_err(|source| unusable(path.clone(), source))?;
         if read.program != PROGRAM {
             return Err(damaged(path, "it is of another version"));
         }
-        let content = text.split_once(',').map_or("", |(_, content)| content);
-        if crc32fast::hash(content.as_bytes()) != read.crc32 {
+        let content = text.splitn(2, |&byte| byte == b',').last();
+        if crc32fast::hash(content.unwrap_or_default()) != read.crc32 {
             return Err(damaged(path, CHECKSUM));
         }
         if let Some(part) = changed(&read.settings, settings) {
@@ -189,10 +190,7 @@ impl Checkpoint {
             return Err(ResumeError::Changed { path, part });
         }
         let path = directory.join(log::NAME);
-        let lines = std::fs::read(&path).map_err(|source| ResumeError::None {
-            path: path.clone(),
-            source,
-        })?;
+        let lines = directory::read(&path).map_err(none(&path))?;
         // What stands behind was written after this checkpoint.
         let Some(lines) = lines.get(..read.log.bytes) else {
             return Err(damaged(path, "it ends before its checkpoint does"));

@@ -2,7 +2,7 @@
 //! of a checkpoint, which says itself how much of it counts.
 
 use super::plot::PlotError;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,18 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// Another process writes into the directory.
+    #[error(
+        "cannot write results to {}: process {process} is writing there; wait for it, or give another \
+         directory (--out)",
+        path.display()
+    )]
+    Busy {
+        /// The directory.
+        path: PathBuf,
+        /// What the process has written of its number.
+        process: String,
+    },
     /// A figure cannot be drawn.
     #[error("cannot draw {name}: {source}")]
     Draw {
@@ -41,11 +53,23 @@ pub enum OutputError {
     },
 }
 
-/// A directory that results are written into.
+/// A directory that results are written into, by nobody else as long as this is there.
 #[derive(Debug)]
 pub struct Directory {
     path: PathBuf,
     files: Vec<String>,
+    /// Locked, so that the claim of a process ends with it however it ends.
+    _claim: fs::File,
+}
+
+/// Name of the file that holds the number of the process that writes into a directory.
+const CLAIM: &str = ".lock";
+
+impl Drop for Directory {
+    fn drop(&mut self) {
+        // Best effort: an old file is no claim, as nobody has locked it.
+        fs::remove_file(self.path.join(CLAIM)).ok();
+    }
 }
 
 impl Directory {
@@ -83,6 +107,7 @@ impl Directory {
             return Err(OutputError::File { path });
         }
         fs::create_dir_all(path).map_err(fail)?;
+        let claim = claim(path)?;
         if path.join(known_by).is_file() {
             for entry in fs::read_dir(path).map_err(fail)? {
                 let entry = entry.map_err(fail)?;
@@ -95,6 +120,7 @@ impl Directory {
         Ok(Self {
             path: path.to_owned(),
             files: Vec::new(),
+            _claim: claim,
         })
     }
 
@@ -108,6 +134,7 @@ impl Directory {
             path: path.to_owned(),
             source,
         };
+        let claim = claim(path)?;
         let mut files: Vec<String> = Vec::new();
         for entry in fs::read_dir(path).map_err(fail)? {
             let entry = entry.map_err(fail)?;
@@ -122,6 +149,7 @@ impl Directory {
         Ok(Self {
             path: path.to_owned(),
             files,
+            _claim: claim,
         })
     }
 
@@ -162,17 +190,21 @@ impl Directory {
         Ok(())
     }
 
-    /// Continues a file behind its first bytes, in place of what may stand there.
+    /// Continues a file behind its first bytes, in place of what may stand there; with none of them it
+    /// is a new file, whatever had its name.
     ///
     /// # Errors
     /// [`OutputError::Write`]; the first bytes are as they were then.
     pub fn append(&mut self, name: &str, bytes: usize, content: &str) -> Result<(), OutputError> {
         let path = self.path.join(name);
+        if bytes == 0 {
+            // A link would be followed, and a pipe waits for its reader.
+            fs::remove_file(&path).ok();
+        }
         let mut options = fs::OpenOptions::new();
         options
             .write(true)
-            .create(true)
-            .truncate(false)
+            .create_new(bytes == 0)
             .open(&path)
             .and_then(|mut file| {
                 file.set_len(bytes as u64)?;
@@ -188,6 +220,52 @@ impl Directory {
     fn add(&mut self, name: &str) {
         if !self.files.iter().any(|f| f == name) {
             self.files.push(name.to_owned());
+        }
+    }
+}
+
+/// Reads a file of results; one that is a link or a pipe is none.
+pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    regular(path)?;
+    fs::read(path)
+}
+
+/// Refuses what has a name but is no file of its own.
+fn regular(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if !found.is_file() => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is a link, a pipe or a directory, where a file is needed",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Claims a directory for this process, until the file is closed.
+fn claim(directory: &Path) -> Result<fs::File, OutputError> {
+    let path = directory.join(CLAIM);
+    let own = std::process::id().to_string();
+    loop {
+        let fail = |source| OutputError::Write {
+            path: path.clone(),
+            source,
+        };
+        regular(&path).map_err(fail)?;
+        let mut options = fs::OpenOptions::new();
+        let options = options.write(true).create(true).truncate(false);
+        let mut file = options.open(&path).map_err(fail)?;
+        // A file system without locks goes without.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(OutputError::Busy {
+                path: directory.to_owned(),
+                process: fs::read_to_string(&path).unwrap_or_default(),
+            });
+        }
+        file.set_len(0).map_err(fail)?;
+        file.write_all(own.as_bytes()).map_err(fail)?;
+        // Whoever had it may have removed the file after it was opened here.
+        if fs::read_to_string(&path).is_ok_and(|owner| owner == own) {
+            return Ok(file);
         }
     }
 }

@@ -157,8 +157,8 @@ pub struct ElementResult {
 
 /// Whether the results in a directory tell of a run that came to its end.
 pub(crate) fn is_complete(directory: &Path) -> bool {
-    let text = std::fs::read_to_string(directory.join(NAME));
-    let read = text.map(|text| serde_json::from_str::<Value>(&text));
+    let text = super::directory::read(&directory.join(NAME));
+    let read = text.map(|text| serde_json::from_slice::<Value>(&text));
     matches!(read, Ok(Ok(read)) if read["complete"] == true)
 }
 

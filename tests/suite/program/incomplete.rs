@@ -100,10 +100,17 @@ fn a_failed_run_keeps_its_steps_and_prints_the_whole_error() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_stops_after_a_step_and_keeps_it() {
+fn signals_stop_after_a_step_and_keep_it() {
+    for signal in ["INT", "TERM", "HUP"] {
+        stopped_by(signal);
+    }
+}
+
+#[cfg(unix)]
+fn stopped_by(signal: &str) {
     use std::process::Stdio;
     use std::time::{Duration, Instant};
-    let directory = directory("program_ctrl_c");
+    let directory = directory(&format!("program_signal_{signal}"));
     let long = with("steps = 4", "steps = 1000000").replace("elements = 8", "elements = 200");
     let long = long + "\n[output]\nparaview_every = 0\n";
     let model = write(&directory, &long);
@@ -120,10 +127,10 @@ fn ctrl_c_stops_after_a_step_and_keeps_it() {
     }
     std::thread::sleep(Duration::from_millis(300));
     let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args([&format!("-{signal}"), &child.id().to_string()])
         .status();
     assert!(killed.unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
     let results = results(&out);
     assert_eq!(results["complete"], false);
     assert_eq!(results["ending"]["kind"], "interrupted");

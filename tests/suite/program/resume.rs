@@ -437,6 +437,41 @@ step = 0.01
     assert!(error.contains("the order of nodes"), "{error}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_log_that_is_a_link_or_a_pipe_is_not_followed() {
+    let directory = directory("program_links");
+    let model = write(&directory, MODEL);
+    let out = directory.join("model.out");
+    let log = out.join("checkpoint.log");
+    std::fs::create_dir(&out).unwrap();
+    let other = directory.join("other");
+    std::fs::write(&other, "mine").unwrap();
+    std::os::unix::fs::symlink(&other, &log).unwrap();
+    run(&model, None, &mut until_step(3)).unwrap();
+    assert_eq!(read(&other), "mine");
+    assert!(std::fs::symlink_metadata(&log).unwrap().is_file());
+
+    // What is read is not followed either.
+    std::fs::rename(&log, &other).unwrap();
+    std::os::unix::fs::symlink(&other, &log).unwrap();
+    let error = resume(&model, None, &mut go_on).unwrap_err().to_string();
+    assert!(error.contains("checkpoint.log: it is a link"), "{error}");
+
+    std::fs::remove_dir_all(&out).unwrap();
+    std::fs::create_dir(&out).unwrap();
+    let made = std::process::Command::new("mkfifo").arg(&log).status();
+    assert!(made.unwrap().success());
+    // Nobody who writes into the pipe waits for a reader.
+    let both = std::fs::OpenOptions::new()
+        .read(true)
+        .write(true)
+        .open(&log);
+    run(&model, None, &mut until_step(3)).unwrap();
+    drop(both);
+    assert!(std::fs::symlink_metadata(&log).unwrap().is_file());
+}
+
 /// A change of a checkpoint.
 type Edit = fn(&mut Value);
 

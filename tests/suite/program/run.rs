@@ -7,7 +7,9 @@ use crate::support::program::{
 use nalgebra::{Rotation3, Vector3};
 use pullback::output::{COLUMNS, STATIC_COLUMNS};
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 #[test]
 fn a_run_writes_all_its_files() {
@@ -315,6 +317,50 @@ fn results_that_cannot_be_written_are_an_error() {
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("cannot write"), "{said}");
+}
+
+#[test]
+fn nobody_has_to_listen() {
+    // A joint is a note on standard output, and that nothing moves a warning on standard error.
+    let directory = directory("program_closed");
+    let joint = "\n[[joints]]\nname = \"pin\"\ntype = \"revolute\"\nmaster = \"B\"\naxis = [0, 0, 1]\n\
+                 spring = { k = 1 }\n";
+    let model = write(&directory, &(with("3.141592653589793", "0") + joint));
+    let run = |file: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pullback"));
+        command.arg("run").arg(file);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let heard = run(&model).wait_with_output().unwrap();
+    assert!(heard.stdout.starts_with(b"degrees of freedom"));
+    assert!(heard.stderr.starts_with(b"warning"));
+    for (file, code) in [(&model, 0), (&directory.join("none.toml"), 2)] {
+        let mut child = run(file);
+        drop((child.stdout.take(), child.stderr.take()));
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+    }
+}
+
+#[test]
+fn two_runs_do_not_write_into_one_directory() {
+    let directory = directory("program_two");
+    let model = write(&directory, MODEL);
+    let mut said = String::new();
+    let outcome = pullback::run::run(&model, None, &mut |step| {
+        if step.number == 1 {
+            let other = program(&[&model]);
+            assert_eq!(other.status.code(), Some(2));
+            said = String::from_utf8(other.stderr).unwrap();
+        }
+        ControlFlow::Continue(())
+    });
+    let process = format!("process {} is writing there", std::process::id());
+    assert!(said.contains(&process), "{said}");
+    assert_eq!(outcome.unwrap().rows, 5);
+    // The claim ends with the run.
+    assert!(program(&[&model]).status.success());
+    assert!(!files(&directory.join("model.out")).contains(&".lock".to_owned()));
 }
 
 #[test]
