@@ -8,7 +8,7 @@ use pullback_integrators::dynamics::{
     Tangent, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -238,4 +238,75 @@ fn a_coordinate_without_mass_is_found_by_its_stiffness_or_named() {
         text.contains("no consistent accelerations at time 0.000000"),
         "{text}"
     );
+}
+
+/// A mass on a spring that is stiffer from the time 1 on.
+struct Stiffening(BlockPattern, f64);
+
+impl Stiffening {
+    fn stiffness(&self, t: f64) -> f64 {
+        if t > 1.0 { self.1 } else { 1.0 }
+    }
+}
+
+impl System for Stiffening {
+    fn pattern(&self) -> &BlockPattern {
+        &self.0
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let k = self.stiffness(at.t);
+        out.r[0] = -k * at.q[0] - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.K * k + w.M;
+        }
+        Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        Ok(Some(Energies {
+            kinetic: 0.5 * at.v[0] * at.v[0],
+            stored: 0.5 * self.stiffness(at.t) * at.q[0] * at.q[0],
+            ..Energies::default()
+        }))
+    }
+}
+
+#[test]
+fn a_motion_whose_energy_grows_without_bounds_is_unstable() {
+    let ends = |k: f64, h: f64, scheme: Scheme| {
+        let mut system = Stiffening(BlockPattern::dense(1), k);
+        let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
+        let options = DynamicOptions {
+            scheme,
+            ..DynamicOptions::new(5.0, h)
+        };
+        integrate(&mut system, &mut progress, &options, &mut onward)
+    };
+    // ω h = 1.99 swings more widely than before, and stays there.
+    let (h, explicit) = (0.1_f64, Scheme::central_difference());
+    ends((1.99 / h).powi(2), h, explicit).unwrap();
+    // Energy that is 3000 times as large at once, by the trapezoidal rule, which keeps it.
+    ends(1e4, 1e-3, Scheme::newmark(0.25, 0.5).unwrap()).unwrap();
+    // ω h = 2.2: the central difference by hand, whose energy is absurd from 1000 times the first on, and
+    // boundless when it has been so for 16 steps.
+    let k = (2.2_f64 / h).powi(2);
+    let error = ends(k, h, explicit).unwrap_err();
+    let DynamicsError::Unstable { t, energy, known } = error else {
+        panic!("{error}");
+    };
+    let (mut q, mut v, mut a) = (1.0_f64, 0.0_f64, -1.0_f64);
+    let mut energies = vec![0.5];
+    while energies.iter().filter(|e| **e > 500.0).count() < 16 {
+        let n = energies.len();
+        let k = if n as f64 * h > 1.0 + 1e-9 { k } else { 1.0 };
+        q += h * v + 0.5 * h * h * a;
+        v += 0.5 * h * (a - k * q);
+        a = -k * q;
+        energies.push(0.5 * (v * v + k * q * q));
+    }
+    let n = energies.len() - 1;
+    assert!((t - n as f64 * h).abs() < 1e-12, "{t} instead of {n} steps");
+    assert!((energy / energies[n] - 1.0).abs() < 1e-9, "{energy:e}");
+    assert_eq!(known, 0.5);
 }

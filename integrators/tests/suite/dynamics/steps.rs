@@ -54,6 +54,34 @@ fn the_pendulum_of_iftomm_with_order_two() {
 }
 
 #[test]
+fn steps_that_change_their_size_keep_the_order() {
+    // x = cos t by steps h, 2h, h, 2h, ...: the algorithmic acceleration goes along.
+    for scheme in schemes() {
+        let error = |parts: u32| {
+            let h = 1.0 / f64::from(3 * parts);
+            let mut system = Oscillator::new(1.0, 1.0);
+            let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
+            for k in 1..=parts {
+                let end = f64::from(k) / f64::from(parts);
+                for (to, step) in [(end - 2.0 * h, h), (end, 2.0 * h)] {
+                    progress.next_step = step;
+                    let options = DynamicOptions {
+                        scheme,
+                        ..DynamicOptions::new(to, step)
+                    };
+                    integrate(&mut system, &mut progress, &options, &mut onward).unwrap();
+                }
+            }
+            assert_eq!(progress.summary.steps, 2 * parts as usize);
+            (progress.state.q[0] - 1.0_f64.cos()).abs()
+        };
+        for slope in slopes(&[error(40), error(80), error(160)]) {
+            assert!((slope - 2.0).abs() < 0.1, "{scheme:?}: {slope}");
+        }
+    }
+}
+
+#[test]
 fn many_turns_of_the_pendulum() {
     // Thrown over the top: energy e = v²/2 − g cos φ fixes the velocity at the top at once.
     let v: f64 = 8.0;

@@ -4,7 +4,9 @@
 
 use crate::support::linear_solver::*;
 use nalgebra::DVector;
-use pullback_integrators::linear_solver::{FaerCholesky, LinearError, Symmetry, null_vector};
+use pullback_integrators::linear_solver::{
+    AutoSolver, FaerCholesky, LinearError, LinearSolver, Symmetry, null_vector,
+};
 use pullback_manifold::sparse::BlockPattern;
 
 /// Scalar springs between neighbours, and to the ground at the nodes given.
@@ -67,6 +69,50 @@ fn an_unsupported_chain_is_singular_and_its_mechanism_is_a_translation() {
             assert!(null_vector(&pattern, &values).is_none());
         }
     }
+}
+
+#[test]
+fn a_vanishing_pivot_is_named_where_it_is_part_of_the_mechanism() {
+    // The last of four nodes is eliminated first; the node of six unknowns makes the matrix one for
+    // the block solver.
+    let error = |matrix: [[f64; 4]; 4]| {
+        let pattern = BlockPattern::new(&[1, 1, 1, 1, 6], [[0, 1, 2, 3]]);
+        let mut values = vec![0.0; pattern.len()];
+        write(&pattern, &mut values, |r, c| match r < 4 {
+            true => matrix[r][c],
+            false => f64::from(u8::from(r == c)),
+        });
+        let mut auto = AutoSolver::new();
+        auto.analyse(&pattern, Symmetry::General).unwrap();
+        auto.factorise(&values).unwrap_err()
+    };
+    // A chain that nothing holds: all of it moves, and its pivot vanishes at its other end.
+    let chain = [
+        [1.0, -1.0, 0.0, 0.0],
+        [-1.0, 2.0, -1.0, 0.0],
+        [0.0, -1.0, 2.0, -1.0],
+        [0.0, 0.0, -1.0, 1.0],
+    ];
+    let error_of_chain = error(chain);
+    assert!(
+        matches!(
+            error_of_chain,
+            LinearError::VanishingPivot { unknown: 0, .. }
+        ),
+        "{error_of_chain}"
+    );
+    // The same of two nodes, and two that a row interchange solves: the first pivot vanishes there.
+    let apart = [
+        [1.0, -1.0, 0.0, 0.0],
+        [-1.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ];
+    let error_apart = error(apart);
+    assert!(
+        matches!(error_apart, LinearError::Singular { .. }),
+        "{error_apart}"
+    );
 }
 
 #[test]

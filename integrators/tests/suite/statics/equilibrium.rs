@@ -122,6 +122,39 @@ fn coordinates_are_located_as_often_as_they_are_passed() {
 }
 
 #[test]
+fn what_happens_exactly_at_the_end_of_a_step_is_located_once() {
+    let path = |first: Event| {
+        let options = ArcLengthOptions {
+            events: vec![(first, false), (Event::Load(0.5), true)],
+            ..ArcLengthOptions::default()
+        };
+        let mut steps = Vec::new();
+        trace_path(&mut truss(), &mut vec![], &options, &mut |_, step| {
+            steps.push((step.event, step.number, step.t, step.q[0]));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        steps
+    };
+    let (_, number, t, w) = path(Event::Load(9.0))[2];
+    let there = Event::Coordinate {
+        unknown: 0,
+        value: w,
+    };
+    for event in [Event::Load(t), there] {
+        let steps = path(event);
+        let mut found = steps.iter().filter(|(event, ..)| *event == Some(0));
+        assert_eq!(found.next(), Some(&(Some(0), number, t, w)));
+        // The load is the same once more behind the first limit point, and once behind the second.
+        let again = found.next().map(|(_, number, ..)| *number);
+        assert!(
+            again != Some(number) && again != Some(number + 1),
+            "{steps:?}"
+        );
+    }
+}
+
+#[test]
 fn load_control_stops_at_a_limit_point_and_says_where() {
     let error = solve_statics(
         &mut truss(),
