@@ -238,6 +238,16 @@ pub enum SystemError {
         /// The element, load or node.
         what: String,
     },
+    /// The caller asks for what a point does not hold, or hands over a slice of another length.
+    #[error("{what}: expected {expected}, got {found}")]
+    Request {
+        /// The slice or value.
+        what: &'static str,
+        /// What it has to be.
+        expected: String,
+        /// What it is.
+        found: String,
+    },
 }
 
 /// A second-order system in chart coordinates, as integrators see it.
@@ -251,7 +261,8 @@ pub trait System {
     /// Fills `out` at the given point.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside the domain of a chart or gives non-finite values.
+    /// [`SystemError`] when the point is outside the domain of a chart or gives non-finite values, when
+    /// C or M is asked for at a static point, and when a slice has a wrong length.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
 
     /// As [`System::evaluate`], in a Newton iteration that came from the state `previous`: the

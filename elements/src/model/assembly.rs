@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::Model;
+use super::runs::check_length;
 use super::scatter::{Group, Into};
 use super::sheets::TOO_FAR;
 use crate::element::ElementError;
@@ -19,8 +20,8 @@ impl Model {
         let statics = at.is_static();
         let w = &mut self.work;
         if !statics {
-            self.runs.scatter(at.v, &mut w.v);
-            self.runs.scatter(at.a, &mut w.a);
+            self.runs.scatter("velocities v", at.v, &mut w.v)?;
+            self.runs.scatter("accelerations a", at.a, &mut w.a)?;
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
@@ -34,7 +35,7 @@ impl Model {
     pub(super) fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
-        self.runs.scatter(q, &mut w.x);
+        self.runs.scatter("coordinates q", q, &mut w.x)?;
         for p in &self.prescribed {
             // In statics the velocity of a prescribed coordinate is its rate with the load
             // parameter; that of free coordinates stays zero.
@@ -199,6 +200,16 @@ impl Model {
         let rates = out.r_t.is_some();
         self.work.assemblies += 1;
         let Evaluation { r, mut S, r_t } = out;
+        if let Some((weights, values)) = &S {
+            check_length("tangent S", self.pattern.len(), values.len())?;
+            if statics && !weights.is_static() {
+                return Err(SystemError::Request {
+                    what: "tangent with C or M",
+                    expected: "velocities and accelerations, zeros at rest".to_owned(),
+                    found: "none".to_owned(),
+                });
+            }
+        }
         self.check_left_out()?;
         self.enter_element_charts();
         self.expand(at)?;
@@ -222,12 +233,12 @@ impl Model {
         self.add_elements(at.t, statics, borrow, rates)?;
         self.pull_back_nodes(at.t, S, rates);
         self.measure_reactions();
-        self.runs.gather(&self.work.r, r);
+        self.runs.gather(&self.work.r, "residual r", r)?;
         if let Some(u) = r.iter().position(|r| !r.is_finite()) {
             return Err(SystemError::NotFinite { what: self.name(u) });
         }
         if let Some(r_t) = r_t {
-            self.runs.gather(&self.work.r_t, r_t);
+            self.runs.gather(&self.work.r_t, "rate r_t", r_t)?;
         }
         Ok(())
     }

@@ -156,7 +156,7 @@ impl Model {
         }
         self.node_momenta(at)?;
         self.pull_back_nodes(at.t, None, false);
-        self.runs.gather(&self.work.r, p);
+        self.runs.gather(&self.work.r, "momentum p", p)?;
         Ok(true)
     }
 

@@ -1,37 +1,76 @@
 //! Unknowns and the coordinates of all nodes: the one vector from and to the other.
 
+use pullback_manifold::system::SystemError;
 use std::ops::Range;
 
 /// The coordinates that are unknowns, as runs without gaps: nearly all of a model is a single one,
 /// and moves without a look at every number.
-pub(super) struct Runs(Vec<Range<usize>>);
+///
+/// All that callers hand over comes in and goes out here: its length is checked.
+pub(super) struct Runs {
+    runs: Vec<Range<usize>>,
+    unknowns: usize,
+}
 
 impl Runs {
     /// Of ascending coordinates.
     pub(super) fn new(coordinates: &[usize]) -> Self {
         let runs = coordinates.chunk_by(|a, b| a + 1 == *b);
-        Self(runs.map(|run| run[0]..run[0] + run.len()).collect())
+        Self {
+            runs: runs.map(|run| run[0]..run[0] + run.len()).collect(),
+            unknowns: coordinates.len(),
+        }
     }
 
     /// Values of the unknowns among those of all coordinates.
-    pub(super) fn gather(&self, all: &[f64], unknowns: &mut [f64]) {
+    pub(super) fn gather(
+        &self,
+        all: &[f64],
+        what: &'static str,
+        unknowns: &mut [f64],
+    ) -> Result<(), SystemError> {
+        check_length(what, self.unknowns, unknowns.len())?;
         let mut rest = unknowns;
-        for run in &self.0 {
+        for run in &self.runs {
             let (own, others) = rest.split_at_mut(run.len());
             copy(&all[run.clone()], own);
             rest = others;
         }
+        Ok(())
     }
 
     /// The reverse; other coordinates stay as they are.
-    pub(super) fn scatter(&self, unknowns: &[f64], all: &mut [f64]) {
+    pub(super) fn scatter(
+        &self,
+        what: &'static str,
+        unknowns: &[f64],
+        all: &mut [f64],
+    ) -> Result<(), SystemError> {
+        check_length(what, self.unknowns, unknowns.len())?;
         let mut rest = unknowns;
-        for run in &self.0 {
+        for run in &self.runs {
             let (own, others) = rest.split_at(run.len());
             copy(own, &mut all[run.clone()]);
             rest = others;
         }
+        Ok(())
     }
+}
+
+/// Refuses a caller's slice of another length than expected.
+pub(super) fn check_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), SystemError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(SystemError::Request {
+        what,
+        expected: format!("{expected} entries"),
+        found: found.to_string(),
+    })
 }
 
 /// Copies a run, that of a single frame without a call.

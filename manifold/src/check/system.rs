@@ -105,8 +105,9 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
     let sizes = with_noise(all.sizes(laws.layout, state), &laws, system, &r);
     tangents(&mut laws, &all, &sizes, &mut |s| residual(system, s));
 
-    // One evaluation with three weights is the weighted sum of three evaluations.
-    let w = weights(0.7, -1.3, 2.1);
+    // One evaluation with three weights is the weighted sum of three evaluations; at rest there is K alone.
+    let rates = if state.is_static() { 0.0 } else { 1.0 };
+    let w = weights(0.7, -1.3 * rates, 2.1 * rates);
     let [K, C, M] = &all.values;
     let nowhere = || (r.clone(), vec![f64::NAN; K.len()]);
     let (again, S) = combined(system, state, w).unwrap_or_else(nowhere);

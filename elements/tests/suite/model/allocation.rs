@@ -120,7 +120,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
             a: &a,
             ..rest
         };
-        for at in [rest, moving] {
+        for (at, weights) in [(rest, Weights::STATIC), (moving, weights)] {
             let out = Evaluation {
                 r: &mut r,
                 S: Some((weights, &mut S)),

@@ -13,7 +13,7 @@ use pullback_elements::time::{Constant, Proportional};
 use pullback_manifold::implicit::{Choice, Implicit, Solved};
 use pullback_manifold::map::{Linear, Map};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
 #[track_caller]
 fn says<T>(outcome: Result<T, ModelError>, message: &str) {
@@ -336,5 +336,48 @@ fn points_outside_a_domain_are_refused_by_name() {
         evaluate(&mut model, &q),
         "joint at node slave left the domain of its chart (it moved or turned too far at once): take \
          smaller steps"
+    );
+}
+
+#[test]
+fn evaluations_that_a_point_does_not_hold_are_refused() {
+    let (b, _) = simple();
+    let mut model = b.build().unwrap();
+    let (n, values) = (model.pattern().dim(), model.pattern().len());
+    let mut says = |[q, v, a, r, S]: [usize; 5], weights: Weights, message: &str| {
+        let (zero, mut r, mut S) = (vec![0.0; 2 * n], vec![0.0; r], vec![0.0; S]);
+        let at = Point {
+            t: 0.0,
+            q: &zero[..q],
+            v: &zero[..v],
+            a: &zero[..a],
+        };
+        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+        let error = model.evaluate(at, out).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    };
+    let STATIC = Weights::STATIC;
+    let rates =
+        "tangent with C or M: expected velocities and accelerations, zeros at rest, got none";
+    says([n, 0, 0, n, values], Weights::MASS, rates);
+    let wrong = |what: &str, expected: usize, found: usize| {
+        format!("{what}: expected {expected} entries, got {found}")
+    };
+    for m in [n - 1, n + 1] {
+        says([m, 0, 0, n, values], STATIC, &wrong("coordinates q", n, m));
+        says([n, m, n, n, values], STATIC, &wrong("velocities v", n, m));
+        says(
+            [n, n, m, n, values],
+            STATIC,
+            &wrong("accelerations a", n, m),
+        );
+        says([n, n, n, m, values], STATIC, &wrong("residual r", n, m));
+    }
+    let short = wrong("tangent S", values, values - 1);
+    says([n, n, n, n, values - 1], STATIC, &short);
+    says(
+        [n, n, 0, n, values],
+        STATIC,
+        &wrong("accelerations a", n, 0),
     );
 }
