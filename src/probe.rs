@@ -48,6 +48,7 @@ pub struct Probe {
 /// The answers of a model at one step, asked once for all probes.
 pub struct Answers {
     sections: Vec<(ElementId, SectionState)>,
+    /// In the order of their nodes' names.
     reactions: Vec<Reaction>,
     strain_energy: f64,
     load_potential: f64,
@@ -58,9 +59,11 @@ pub struct Answers {
 impl Answers {
     /// Asks a model in the configuration it is in.
     pub fn of(model: &Model, t: f64) -> Self {
+        let mut reactions = model.reactions();
+        reactions.sort_unstable_by(|a, b| a.node.cmp(&b.node));
         Self {
             sections: model.section_states(t),
-            reactions: model.reactions(),
+            reactions,
             strain_energy: model.strain_energy(t),
             load_potential: model.load_potential(t),
             audit: None,
@@ -218,8 +221,9 @@ impl Probe {
             Target::Node(node, name) => {
                 let state = model.node_state(*node);
                 let reaction = |part: fn(&Reaction) -> Vector3<f64>| {
-                    let own = answers.reactions.iter().find(|r| r.node == *name);
-                    own.map_or_else(Vector3::zeros, part)
+                    let all = &answers.reactions;
+                    let own = all.binary_search_by(|r| r.node.cmp(name));
+                    own.map_or_else(|_| Vector3::zeros(), |k| part(&all[k]))
                 };
                 match self.quantity {
                     Quantity::position => state.place,

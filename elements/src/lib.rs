@@ -29,6 +29,7 @@ pub mod energy;
 pub mod inertia;
 pub mod joint;
 pub mod load;
+mod memory;
 pub mod model;
 pub mod spring;
 pub mod time;

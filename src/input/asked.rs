@@ -81,6 +81,9 @@ pub(super) fn satisfy(
     placed: &[usize],
     mut asked: Vec<Asked>,
 ) -> Result<Start, InputError> {
+    if !model.is_enforced() {
+        return Ok(start);
+    }
     let failed = |error| locate(source, file, error);
     let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
     (model.satisfy_places(0.0, &mut start.q, &held, placed)).map_err(failed)?;

@@ -124,6 +124,17 @@ impl<T: Copy> Names<T> {
     }
 }
 
+impl Names<usize> {
+    /// The lines of a file, in its order.
+    pub(super) fn lines(file: &ModelFile) -> Self {
+        let mut lines = Self::new("line");
+        for (k, line) in file.lines.iter().enumerate() {
+            lines.add(line.name.clone(), k);
+        }
+        lines
+    }
+}
+
 /// Whether a name can stand in messages, columns and composed names.
 pub(super) fn usable_name(name: &str) -> bool {
     let forbidden = |c: char| c.is_control() || "/:,\"'".contains(c);

@@ -35,6 +35,7 @@ pub(super) fn start(
     let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; n]);
     // All places come before all velocities, whatever their order in the file.
     let (mut chosen, mut placed) = (Vec::new(), Vec::new());
+    let known = Names::lines(file);
     for (k, initial) in file.initial.iter().enumerate() {
         let index = k.to_string();
         let whole = ["initial", index.as_str()];
@@ -52,15 +53,8 @@ pub(super) fn start(
         }
         let line = match &initial.line {
             Some(name) => {
-                let line = lines.iter().find(|l| l.name == *name).ok_or_else(|| {
-                    let problem = Problem::UnknownName {
-                        what: "line",
-                        name: name.clone(),
-                        known: lines.iter().map(|l| l.name.clone()).collect(),
-                    };
-                    source.value(&path("line"), problem)
-                })?;
-                Some(line.nodes.clone())
+                let line = known.find(source, &path("line"), name)?;
+                Some(lines[line].nodes.clone())
             }
             None => node.map(|node| vec![node]),
         };
@@ -131,15 +125,19 @@ pub(super) fn start(
             first.get_or_insert(whole(&["initial", &index]));
             continue;
         }
-        let before = v.clone();
+        let turns = initial.angular_velocity.or(initial.body_angular_velocity);
+        let of = [
+            initial.velocity.is_some() || initial.about.is_some(),
+            turns.is_some(),
+        ];
+        // What the entry does not speak of stays.
+        let others = node.map(|node| asked::unknowns(model, node, of.map(|of| !of)));
+        let others = others.into_iter().flatten();
+        let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
         model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+        kept.into_iter().for_each(|(u, rate)| v[u] = rate);
         if let Some(node) = node {
             movable(source, &path, model, node, initial, &q, &motion)?;
-            // What the entry does not speak of stays.
-            let turns = initial.angular_velocity.or(initial.body_angular_velocity);
-            let goes = initial.velocity.is_some() || initial.about.is_some();
-            keep(model, node, &before, &mut v, [goes, turns.is_some()]);
-            let of = [goes, turns.is_some()];
             asked.push(Asked::of_node(k, model, node, of));
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
@@ -277,19 +275,6 @@ fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
         Vector3::from_fn(|k, _| model.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
     };
     [model.reference(node) + three(node, 0), three(free, first)]
-}
-
-/// Takes back velocities (first) and rates of rotation (second) that are not asked for.
-fn keep(model: &Model, node: NodeId, before: &[f64], v: &mut [f64], asked: [bool; 2]) {
-    let free = model.free_rotation_of(node);
-    let first = if free == node { 3 } else { 0 };
-    for (node, first, asked) in [(node, 0, asked[0]), (free, first, asked[1])] {
-        for k in (0..3).filter(|_| !asked) {
-            if let Some(u) = model.unknown_at(node, first + k) {
-                v[u] = before[u];
-            }
-        }
-    }
 }
 
 /// Refuses a velocity of a node along a coordinate that is held or driven.

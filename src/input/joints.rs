@@ -1,8 +1,9 @@
 //! Joints of the file.
 
-use super::assemble::{LineGeometry, Names};
+use super::assemble::Names;
 use super::file::{Acts, Joint, ModelFile};
 use super::loads::{drive, function};
+use super::parts::Laid;
 use super::registry::{JointType, Refusal, Registry, Site};
 use super::{InputError, Problem, Text, plain};
 use pullback_elements::beam::Interpolation;
@@ -98,7 +99,7 @@ pub(super) fn make(
     builder: &mut ModelBuilder,
     nodes: &Names<NodeId>,
     file: &ModelFile,
-    laid: &[Option<LineGeometry>],
+    laid: &Laid,
     k: usize,
 ) -> Result<JointNodes, InputError> {
     let (joint, index) = (&file.joints[k], k.to_string());
@@ -116,7 +117,7 @@ pub(super) fn make(
         made,
         index,
     };
-    let (chain, interpolation) = hangs_on(&entry, nodes, file, laid)?;
+    let (chain, interpolation) = hangs_on(&entry, nodes, laid)?;
     let Some(&master) = chain.first() else {
         return Err(entry.missing("lines"));
     };
@@ -139,15 +140,14 @@ pub(super) fn make(
 fn hangs_on(
     entry: &Entry<'_>,
     nodes: &Names<NodeId>,
-    file: &ModelFile,
-    laid: &[Option<LineGeometry>],
+    laid: &Laid,
 ) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let Entry { joint, made, .. } = *entry;
     if made.along {
         if joint.master.is_some() {
             return Err(entry.useless(&["master"]));
         }
-        return chain(entry, file, laid);
+        return chain(entry, laid);
     }
     if !joint.lines.is_empty() {
         return Err(entry.useless(&["lines"]));
@@ -204,26 +204,17 @@ fn acts(
 }
 
 /// The nodes along a joint's lines, and the interpolation of rotations between them.
-fn chain(
-    entry: &Entry<'_>,
-    file: &ModelFile,
-    laid: &[Option<LineGeometry>],
-) -> Result<(Vec<NodeId>, Interpolation), InputError> {
+fn chain(entry: &Entry<'_>, laid: &Laid) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let Entry { source, joint, .. } = *entry;
     let mut chain: Vec<NodeId> = Vec::new();
     let mut interpolation = None;
     for (i, name) in joint.lines.iter().enumerate() {
         let index = i.to_string();
         let at = entry.path(&["lines", index.as_str()]);
-        let k = file.lines.iter().position(|l| l.name == *name);
-        let line = k.and_then(|k| laid[k].as_ref()).ok_or_else(|| {
-            let problem = Problem::UnknownName {
-                what: "line",
-                name: name.clone(),
-                known: file.lines.iter().map(|l| l.name.clone()).collect(),
-            };
-            source.value(&at, problem)
-        })?;
+        // Its lines are laid before a joint is made.
+        let Some(line) = &laid.lines[laid.names.find(source, &at, name)?] else {
+            continue;
+        };
         let follows = chain.last().is_none_or(|last| *last == line.nodes[0]);
         let same = *interpolation.get_or_insert(line.interpolation) == line.interpolation;
         if line.order != 1 || !follows || !same {

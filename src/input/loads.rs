@@ -21,7 +21,7 @@ pub(super) fn support(
     file: &ModelFile,
 ) -> Result<Vec<NodeId>, InputError> {
     let mut taken = HashSet::new();
-    let mut supported = Vec::new();
+    let (mut supported, mut known) = (Vec::new(), HashSet::new());
     for (k, support) in file.supports.iter().enumerate() {
         let index = k.to_string();
         let path = |key: &'static str| ["supports", index.as_str(), key];
@@ -53,11 +53,10 @@ pub(super) fn support(
             let node = support.node.clone();
             return Err(source.value(&path("node"), Problem::UselessSupport { node }));
         }
-        if !supported.contains(&node) {
-            supported.push(node);
-        }
+        supported.extend(known.insert(node).then_some(node));
     }
-    for name in file.nodes.keys().filter(|name| !turns(file, name)) {
+    let turning = turning(file);
+    for name in file.nodes.keys().filter(|name| !turning.contains(name)) {
         let Some(node) = nodes.get(name) else {
             continue;
         };
@@ -70,30 +69,28 @@ pub(super) fn support(
     Ok(supported)
 }
 
-/// Whether anything at a node knows of its rotation: point masses, springs along lines and forces
+/// The nodes at which anything knows of their rotation: point masses, springs along lines and forces
 /// do not, and a rotation that nothing resists has no solution.
-fn turns(file: &ModelFile, name: &str) -> bool {
-    let is = |other: &String| other == name;
-    let line = file.lines.iter().any(|l| is(&l.from) || is(&l.to));
-    let joint = file
-        .joints
-        .iter()
-        .any(|j| j.master.as_ref().is_some_and(is) || j.child.as_ref().is_some_and(is));
+fn turning(file: &ModelFile) -> HashSet<&String> {
+    let lines = file.lines.iter().flat_map(|l| [&l.from, &l.to]);
+    let joints = file.joints.iter();
+    let joints = joints.flat_map(|j| [&j.master, &j.child]).flatten();
     let rigid = |b: &&Body| b.inertia.is_some() || b.center.is_some();
-    let body = file.bodies.iter().filter(rigid).any(|b| is(&b.node));
+    let bodies = file.bodies.iter().filter(rigid).map(|b| &b.node);
     let bushings = file.springs.iter().filter(|s| s.bushing.is_some());
-    let bushing = bushings.flat_map(|s| &s.nodes).any(is);
+    let bushings = bushings.flat_map(|s| &s.nodes);
     let moments = file
         .loads
         .iter()
         .filter(|l| l.moment.is_some() || l.follower);
-    let moment = moments.filter_map(|l| l.node.as_ref()).any(is);
+    let moments = moments.filter_map(|l| l.node.as_ref());
     let set = |i: &&Initial| {
         i.rotation.is_some() || i.angular_velocity.is_some() || i.body_angular_velocity.is_some()
     };
     let initial = file.initial.iter().filter(set);
-    let initial = initial.filter_map(|i| i.node.as_ref()).any(is);
-    line || joint || body || bushing || moment || initial
+    let initial = initial.filter_map(|i| i.node.as_ref());
+    let all = lines.chain(joints).chain(bodies).chain(bushings);
+    all.chain(moments).chain(initial).collect()
 }
 
 pub(super) fn function(
@@ -140,6 +137,7 @@ pub(super) fn apply(
         Analysis::Dynamic(_) => Time::Constant(1.0),
         _ => Time::Proportional(1.0),
     };
+    let known = Names::lines(file);
     for (k, load) in file.loads.iter().enumerate() {
         let index = k.to_string();
         let whole = ["loads", index.as_str()];
@@ -156,7 +154,7 @@ pub(super) fn apply(
                     .map_err(model_error)?;
             }
             Kind::Line(vector, name) => {
-                let line = find_line(source, &path("line"), lines, name)?;
+                let line = known.find(source, &path("line"), name)?;
                 for e in 0..lines[line].elements.len() {
                     let (nodes, places) = element(builder, &lines[line], e);
                     let load = LineLoad::new(&places, vector, load.follower, amplitude()?)
@@ -173,7 +171,7 @@ pub(super) fn apply(
             }
             Kind::Gravity(g) => {
                 let only = match &load.line {
-                    Some(name) => Some(find_line(source, &path("line"), lines, name)?),
+                    Some(name) => Some(known.find(source, &path("line"), name)?),
                     None => None,
                 };
                 for (l, line) in lines.iter().enumerate() {
@@ -314,24 +312,6 @@ fn which<'a>(
         _ if load.follower => Err(source.value(&path("follower"), Problem::FollowerGravity)),
         _ => Ok(Kind::Gravity(vector)),
     }
-}
-
-fn find_line(
-    source: &Text<'_>,
-    path: &[&str],
-    lines: &[LineGeometry],
-    name: &str,
-) -> Result<usize, InputError> {
-    lines.iter().position(|l| l.name == name).ok_or_else(|| {
-        source.value(
-            path,
-            Problem::UnknownName {
-                what: "line",
-                name: name.to_owned(),
-                known: lines.iter().map(|l| l.name.clone()).collect(),
-            },
-        )
-    })
 }
 
 /// Nodes and reference places of an element of a line.

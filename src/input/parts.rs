@@ -19,6 +19,12 @@ pub(super) struct Parts {
     pub released: Names<NodeId>,
 }
 
+/// The lines of the file, those that are laid with their nodes.
+pub(super) struct Laid {
+    pub names: Names<usize>,
+    pub lines: Vec<Option<LineGeometry>>,
+}
+
 /// A part that waits for its nodes.
 #[derive(Clone, Copy)]
 enum Part {
@@ -35,7 +41,10 @@ pub(super) fn make(
     sections: &BTreeMap<String, Section>,
     file: &ModelFile,
 ) -> Result<Parts, InputError> {
-    let mut laid: Vec<Option<LineGeometry>> = file.lines.iter().map(|_| None).collect();
+    let mut laid = Laid {
+        names: Names::lines(file),
+        lines: file.lines.iter().map(|_| None).collect(),
+    };
     let mut released = Names::new("joint with a released coordinate (a node of one coordinate)");
     let all = (0..file.lines.len()).map(Part::Line);
     let mut waiting: Vec<Part> = all.chain((0..file.joints.len()).map(Part::Joint)).collect();
@@ -54,11 +63,11 @@ pub(super) fn make(
                     for &node in &made.nodes[1..made.nodes.len() - 1] {
                         nodes.add(builder.node_name(node).to_owned(), node);
                     }
-                    laid[k] = Some(made);
+                    laid.lines[k] = Some(made);
                 }
                 Part::Joint(k) => {
                     let joint = &file.joints[k];
-                    if !ready(joint, nodes, file, &laid) {
+                    if !ready(joint, nodes, &laid) {
                         rest.push(part);
                         continue;
                     }
@@ -99,7 +108,7 @@ pub(super) fn make(
             .map_err(|error| source.value(&["gears", &index], Problem::Model(error)))?;
     }
     Ok(Parts {
-        lines: laid.into_iter().flatten().collect(),
+        lines: laid.lines.into_iter().flatten().collect(),
         released,
     })
 }
@@ -155,16 +164,11 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
 }
 
 /// Whether a joint's masters are there.
-fn ready(
-    joint: &Joint,
-    nodes: &Names<NodeId>,
-    file: &ModelFile,
-    laid: &[Option<LineGeometry>],
-) -> bool {
+fn ready(joint: &Joint, nodes: &Names<NodeId>, laid: &Laid) -> bool {
     let line_ready = |name: &String| {
-        let k = file.lines.iter().position(|l| l.name == *name);
         // An unknown line is refused when the joint is made.
-        k.is_none_or(|k| laid[k].is_some())
+        let k = laid.names.get(name);
+        k.is_none_or(|k| laid.lines[k].is_some())
     };
     joint.lines.iter().all(line_ready) && joint.master.as_ref().is_none_or(|m| nodes.knows(m))
 }

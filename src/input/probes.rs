@@ -32,7 +32,7 @@ pub(super) fn resolve(
         nodes,
         released,
         elements: &elements,
-        supports: &geometry.supports,
+        supports: &geometry.supports.iter().copied().collect(),
     };
     let mut columns: HashSet<String> = (COLUMNS
         .iter()
@@ -59,7 +59,7 @@ struct Known<'a> {
     nodes: &'a Names<NodeId>,
     released: &'a Names<NodeId>,
     elements: &'a Names<ElementId>,
-    supports: &'a [NodeId],
+    supports: &'a HashSet<NodeId>,
 }
 
 fn one(
@@ -98,7 +98,7 @@ fn one(
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }
-            if joint && !model.hung().any(|(hung, _)| hung == node) {
+            if joint && model.is_own(node) {
                 let node = name.clone();
                 return Err(source.value(&path(key), Problem::NoJoint { node }));
             }

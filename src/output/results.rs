@@ -7,7 +7,7 @@ use crate::solve::Counts;
 use pullback_elements::model::Model;
 use serde::Serialize;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 /// Name of the file.
@@ -181,8 +181,8 @@ pub(super) fn final_state(
         };
         (name.to_owned(), result)
     });
-    let supported = |name: &String| file.supports.iter().any(|s| s.node == *name);
-    let reactions = answers.reactions().iter().filter(|r| supported(&r.node));
+    let supported: HashSet<&String> = file.supports.iter().map(|s| &s.node).collect();
+    let reactions = (answers.reactions().iter()).filter(|r| supported.contains(&r.node));
     let reactions = reactions.map(|r| {
         let result = ReactionResult {
             force: r.force.into(),

@@ -1,6 +1,7 @@
 //! On which own nodes the nodes that follow others depend, and in which order they follow.
 
-use super::{Node, Source};
+use super::{ModelError, Node, Source};
+use crate::memory;
 
 /// For every node all sets of own nodes that it can depend on: one for each combination of
 /// segments, each ascending and without repetition.
@@ -8,21 +9,32 @@ pub(super) struct Alternatives(Vec<Vec<Vec<u32>>>);
 
 impl Alternatives {
     /// The sets of all nodes; `order` has those that follow others, masters first.
-    pub(super) fn new(nodes: &[Node], order: &[u32]) -> Self {
+    ///
+    /// # Errors
+    /// [`ModelError::Chain`] where there is no room for all that depends on each other.
+    pub(super) fn new(nodes: &[Node], order: &[u32]) -> Result<Self, ModelError> {
         let own = |(n, node): (usize, &Node)| match node.source {
             Source::Own => vec![vec![n as u32]],
             Source::Mapped(_) => Vec::new(),
         };
         let mut all = Self(nodes.iter().enumerate().map(own).collect());
+        let mut coordinates = 0.0;
         for &n in order {
             if let Source::Mapped(d) = &nodes[n as usize].source {
                 let mut sets: Vec<Vec<u32>> = d.segments.iter().flat_map(|s| all.of(s)).collect();
                 sets.sort_unstable();
                 sets.dedup();
+                let behind = sets.iter().flatten().map(|&m| nodes[m as usize].dim);
+                coordinates += behind.sum::<usize>() as f64;
+                memory::followed(coordinates).map_err(|[needs, free]| ModelError::Chain {
+                    node: nodes[n as usize].name.clone(),
+                    needs,
+                    free,
+                })?;
                 all.0[n as usize] = sets;
             }
         }
-        all
+        Ok(all)
     }
 
     /// All sets of own nodes that a group of nodes can depend on.

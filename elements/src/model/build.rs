@@ -8,7 +8,7 @@ use super::loops;
 use super::placement::Placement;
 use super::start;
 use super::workspace::Workspace;
-use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span};
+use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span, among};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
@@ -57,9 +57,9 @@ impl ModelBuilder {
             total += node.dim;
         }
         let dependent = ancestry::order(&nodes);
-        let alternatives = Alternatives::new(&nodes, &dependent);
+        let alternatives = Alternatives::new(&nodes, &dependent)?;
         let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
-        let prescribed = resolve_prescribed(&nodes, prescribed)?;
+        let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_rewritten(&nodes, &elements, &prescribed)?;
 
@@ -110,14 +110,12 @@ impl ModelBuilder {
         let panels = placement.arrange(&nodes, &dependent, &elements, &alternatives);
         placement.locate(&nodes, &dependent, &mut elements, &pattern);
 
-        let driven_rotations = (0..nodes.len())
-            .filter(|&n| {
-                let first = nodes[n].first;
-                nodes[n].is_frame()
-                    && (3..6).all(|i| prescribed.iter().any(|p| p.coordinate == first + i))
-            })
-            .map(|n| (n, 0))
-            .collect();
+        prescribed.sort_unstable_by_key(|p| p.coordinate);
+        let turned = |n: &usize| {
+            let first = nodes[*n].first;
+            nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
+        };
+        let driven_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
         let magnitude = |node: &Node, kind: Kind| match kind {
             Kind::Length if node.is_frame() => node.place.norm(),
             Kind::Length => length,

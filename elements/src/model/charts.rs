@@ -3,7 +3,7 @@
 use super::dependence::Dependence;
 use super::gather::collect;
 use super::slots::fold;
-use super::{Form, Model, Node, Source};
+use super::{Form, Model, Node, Source, among};
 use nalgebra::Vector3;
 use pullback_manifold::chart::{Chart, Complement, RotationVector};
 use pullback_manifold::map::Map;
@@ -291,12 +291,9 @@ impl Model {
         if unknowns.iter().all(Option::is_none) {
             return None;
         }
-        let held = |p: &&super::Prescribed| (first..first + 3).contains(&p.coordinate);
-        self.prescribed
-            .iter()
-            .filter(held)
-            .all(|p| p.function.is_zero())
-            .then_some(unknowns)
+        let held = among(&self.prescribed, first..first + 3);
+        let still = held.iter().all(|p| p.function.is_zero());
+        still.then_some(unknowns)
     }
 
     /// Whole turns off the rotations that are driven, by the time alone; how many have changed.
@@ -305,10 +302,8 @@ impl Model {
         for (node, turns) in &mut self.driven_rotations {
             let first = self.nodes[*node].first + 3;
             let mut psi = Vector3::zeros();
-            for p in &self.prescribed {
-                if (first..first + 3).contains(&p.coordinate) {
-                    psi[p.coordinate - first] = p.function.at(t)[0];
-                }
+            for p in among(&self.prescribed, first..first + 3) {
+                psi[p.coordinate - first] = p.function.at(t)[0];
             }
             // Nearest whole number of turns, with the same switch at ψ > π as for free nodes.
             let wanted = (psi.norm() / TAU - 1e-12).round() as i32;

@@ -28,6 +28,11 @@ pub enum ModelError {
         expected: usize,
         found: usize,
     },
+    #[error(
+        "the chain of joints to node {node} needs more than {needs:.1} GB of memory, and {free:.1} GB are free: \
+         it grows with the square of the number of joints; take a shorter one"
+    )]
+    Chain { node: String, needs: f64, free: f64 },
     #[error("element {element} has {found} nodes; at most {limit} are possible")]
     TooManyNodes {
         element: String,

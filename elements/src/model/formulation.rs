@@ -5,12 +5,13 @@
 use super::builder::{ModelBuilder, NodeId};
 use super::dependence::Dependence;
 use super::workspace::Workspace;
-use super::{Form, Model, NONE, Node, Source};
+use super::{Form, Model, NONE, Node, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
 use pullback_manifold::so3::{Quaternion, Spin, Spins};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// How the rotations of frames are unknowns of a motion.
@@ -77,14 +78,18 @@ pub(super) fn apply(
         return;
     }
     let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
-    for n in 0..nodes.len() {
-        let node = &nodes[n];
-        let turns = matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
-        let first = node.dim.saturating_sub(3);
-        let held = |p: &(NodeId, usize, _)| p.0.0 as usize == n && p.1 >= first;
-        if !turns || prescribed.iter().any(held) {
-            continue;
+    let turns = |node: &Node| matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
+    let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
+    for (n, k, _) in &*prescribed {
+        // A rotation of which something is held stays as it is.
+        let held = |n: &Node| *k >= n.dim.saturating_sub(3);
+        if nodes.get(n.0 as usize).is_some_and(held) {
+            turning[n.0 as usize] = false;
         }
+    }
+    let mut carriers = HashMap::new();
+    for n in (0..nodes.len()).filter(|&n| turning[n]) {
+        let node = &nodes[n];
         let own = nodes.len() as u32;
         let boxed = if node.is_frame() {
             Map::<6, 6>::boxed(map)
@@ -95,9 +100,10 @@ pub(super) fn apply(
         let (name, kinds) = (node.name.clone(), node.kinds.clone());
         nodes.push(Node::new(name, Form::Increment, &kinds, Source::Own));
         nodes[n].source = Source::Mapped(Box::new(dependence));
-        for p in prescribed.iter_mut().filter(|p| p.0.0 as usize == n) {
-            p.0 = NodeId(own);
-        }
+        carriers.insert(NodeId(n as u32), NodeId(own));
+    }
+    for (n, ..) in prescribed {
+        *n = carriers.get(n).copied().unwrap_or(*n);
     }
 }
 
@@ -205,7 +211,7 @@ impl Model {
         for (i, c) in range.enumerate() {
             let u = self.unknowns[c] as usize;
             if self.unknowns[c] == NONE {
-                let p = self.prescribed.iter().find(|p| p.coordinate == c);
+                let p = among(&self.prescribed, c..c + 1).first();
                 let [x, x_dot, x_ddot] = p.map_or([0.0; 3], |p| p.function.at(t));
                 (local.q[i], local.qv[i]) = (x, x_dot);
                 kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);

@@ -206,9 +206,7 @@ impl Model {
         for block in 0..self.pattern.blocks() {
             let all = self.pattern.unknowns(block);
             let c = self.coordinates[all.start];
-            let Some(n) = self.nodes.iter().position(|n| n.range().contains(&c)) else {
-                continue;
-            };
+            let n = self.node_of(c);
             let node = &self.nodes[n];
             for (range, name, kind) in node.groups() {
                 let own = range.start + node.first..range.end + node.first;

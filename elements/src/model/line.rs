@@ -3,6 +3,7 @@
 use super::builder::{ElementId, ModelBuilder, NodeId};
 use super::{Axis, ModelError};
 use crate::beam::{Interpolation, Section};
+use crate::memory;
 use nalgebra::{Matrix3, Vector3};
 
 /// What stands on an axis: how many elements of which order and section.
@@ -78,6 +79,13 @@ impl ModelBuilder {
                 line.order
             )));
         }
+        let count = self.elements.len() as f64 + line.elements as f64 * line.order as f64;
+        memory::elements(count).map_err(|[needs, free]| {
+            fail(format!(
+                "its {} elements need about {needs:.1} GB of memory, and {free:.1} GB are free",
+                line.elements
+            ))
+        })?;
         let size = (self.place(to) - self.place(from)).norm().max(1e-300);
         for (node, u) in [(from, 0.0), (to, 1.0)] {
             let gap = (axis.at(u).0 - self.place(node)).norm();

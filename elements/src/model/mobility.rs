@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Form, Model, Source};
+use super::{Form, Model, NONE, Node, Source};
 use crate::constraint::Enforced;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
@@ -78,11 +78,9 @@ impl Model {
     /// Degrees of freedom, at the configuration in which the model was built.
     pub fn mobility(&self) -> Mobility {
         let count = |form: Form| {
-            let unknown = |&&c: &&usize| {
-                let mut nodes = self.nodes.iter();
-                nodes.any(|n| n.form == form && n.range().contains(&c))
-            };
-            self.coordinates.iter().filter(unknown).count()
+            let of_form = self.nodes.iter().filter(|n| n.form == form);
+            let all = of_form.flat_map(Node::range);
+            all.filter(|&c| self.unknowns[c] != NONE).count()
         };
         let multipliers = count(Form::Multipliers);
         let free = self.coordinates.len() - multipliers - count(Form::Idle);

@@ -253,6 +253,12 @@ struct Prescribed {
     function: Box<dyn TimeFunction>,
 }
 
+/// What is prescribed of these coordinates, of all in the order of coordinates.
+fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] {
+    let before = |end: usize| prescribed.partition_point(|p| p.coordinate < end);
+    &prescribed[before(coordinates.start)..before(coordinates.end)]
+}
+
 /// An assembled model: a [`System`](pullback_manifold::system::System) with names.
 ///
 /// Made by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
@@ -278,6 +284,7 @@ pub struct Model {
     chosen_at: Vec<f64>,
     /// Whether it does not matter whether these follow from the others.
     unwatched: bool,
+    /// In the order of coordinates.
     prescribed: Vec<Prescribed>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,

@@ -5,7 +5,7 @@
 use super::builder::NodeId;
 use super::gather::collect;
 use super::loops::upwards;
-use super::{Form, Model, NONE, Source};
+use super::{Form, Model, NONE, Source, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, Spins};
@@ -237,14 +237,17 @@ impl Model {
         nodes: Option<&[NodeId]>,
         motion: &RigidMotion,
     ) {
-        let free: Option<Vec<NodeId>> =
-            nodes.map(|all| all.iter().map(|&n| self.free_rotation_of(n)).collect());
-        for (id, n) in self.nodes.iter().enumerate() {
-            let id = NodeId(id as u32);
-            let named = |nodes: &[NodeId]| nodes.contains(&id);
-            let chosen = nodes.is_none_or(named) || free.as_deref().is_some_and(named);
+        let chosen: Vec<NodeId> = match nodes {
+            None => (0..self.nodes.len() as u32).map(NodeId).collect(),
+            Some(nodes) => {
+                let both = |&n: &NodeId| [n, self.free_rotation_of(n)];
+                nodes.iter().flat_map(both).collect()
+            }
+        };
+        for id in chosen {
+            let n = &self.nodes[id.0 as usize];
             let own = self.carrier(n);
-            if !chosen || !own.is_own() {
+            if !own.is_own() {
                 continue;
             }
             let value = |c: usize| match self.unknowns[c] {
@@ -322,7 +325,7 @@ impl Model {
 
     /// Value of a prescribed coordinate at the start.
     fn prescribed_value(&self, c: usize) -> f64 {
-        let p = self.prescribed.iter().find(|p| p.coordinate == c);
+        let p = among(&self.prescribed, c..c + 1).first();
         p.map_or(0.0, |p| p.function.at(0.0)[0])
     }
 

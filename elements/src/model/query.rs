@@ -9,6 +9,7 @@ use crate::element::{Motion, SectionState};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::{Kind, Point, System, SystemError};
+use std::collections::BTreeMap;
 
 /// Force and moment with which a support acts on the structure, in global components.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,12 +95,14 @@ impl Model {
         self.unknown_at(node, dof.index())
     }
 
+    /// The node of a coordinate of all nodes, which stand in the order of their coordinates.
+    pub(super) fn node_of(&self, c: usize) -> usize {
+        self.nodes.partition_point(|n| n.first <= c) - 1
+    }
+
     pub(super) fn coordinate_name(&self, c: usize) -> String {
-        let node = self.nodes.iter().find(|n| n.range().contains(&c));
-        match node {
-            Some(n) => n.coordinate_name(c - n.first),
-            None => format!("coordinate {c}"),
-        }
+        let n = &self.nodes[self.node_of(c)];
+        n.coordinate_name(c - n.first)
     }
 
     /// Brings the whole configuration to a point, for the questions that follow.
@@ -210,18 +213,16 @@ impl Model {
     /// # Errors
     /// [`ModelError::Unsupported`] with a node of the part and the motion it can still make.
     pub fn check_supports(&self) -> Result<(), ModelError> {
-        let parts = self.connected_parts();
-        let mut seen = std::collections::BTreeSet::new();
-        for (n, &part) in parts.iter().enumerate() {
-            if !self.nodes[n].is_frame() || !seen.insert(part) {
-                continue;
+        let mut parts: BTreeMap<usize, Vec<&super::Node>> = BTreeMap::new();
+        for (node, part) in self.nodes.iter().zip(self.connected_parts()) {
+            if node.is_frame() {
+                parts.entry(part).or_default().push(node);
             }
-            let members: Vec<usize> = (0..self.nodes.len())
-                .filter(|&m| parts[m] == part)
-                .collect();
-            if let Some(motion) = self.free_motion(&members) {
+        }
+        for frames in parts.values() {
+            if let Some(motion) = self.free_motion(frames) {
                 return Err(ModelError::Unsupported {
-                    node: self.nodes[n].name.clone(),
+                    node: frames[0].name.clone(),
                     motion,
                 });
             }
@@ -258,19 +259,14 @@ impl Model {
         (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
     }
 
-    /// A rigid motion of the part (by frames `members`) that no support prevents, in words.
-    fn free_motion(&self, members: &[usize]) -> Option<String> {
-        let frames: Vec<&super::Node> = members
-            .iter()
-            .map(|&m| &self.nodes[m])
-            .filter(|n| n.is_frame())
-            .collect();
+    /// A rigid motion of the part of these frames that no support prevents, in words.
+    fn free_motion(&self, frames: &[&super::Node]) -> Option<String> {
         let center: Vector3<f64> =
             frames.iter().map(|n| n.place).sum::<Vector3<f64>>() / frames.len() as f64;
         // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation
         // about the centre times the model's length).
         let mut gram = nalgebra::Matrix6::<f64>::zeros();
-        for node in &frames {
+        for node in frames {
             let arm = (node.place - center) / self.length;
             let own = self.carrier(node);
             for k in 0..6 {

@@ -8,7 +8,7 @@ use super::keep::{Keeper, energies};
 use super::landing::Landing;
 use super::options::check;
 use super::step::{Stepper, rebase};
-use super::stops::{Stop, stops};
+use super::stops::{Stop, kinks, stops};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
@@ -47,11 +47,13 @@ pub fn integrate_with<Y: System + ?Sized>(
     solver
         .analyse(system.pattern(), Symmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
+    let kinks = kinks(system);
     let mut run = Run {
         stepper: Stepper::new(system, options)?,
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
-        stops: stops(system, progress.state.t, options.to),
+        stops: stops(&kinks, progress.state.t, options.to),
+        kinks,
         landing: Landing::default(),
         keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
         options,
@@ -86,6 +88,8 @@ pub(super) struct Run<'a> {
     pub(super) stepper: Stepper,
     /// Times at which a step must end, ascending; the last one is the end.
     stops: Vec<Stop>,
+    /// Times at which functions of time have a kink, ascending.
+    kinks: Vec<f64>,
     /// A momentum that is kept over a jump.
     pub(super) momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
@@ -145,7 +149,7 @@ impl Run<'_> {
         match &progress.kept {
             // A system that is new to a run finds its symmetries again.
             Some(kept) if self.keeper.is_some() && !kept.motions.is_empty() => {
-                let span = [*t, self.next_kink(system, *t)];
+                let span = [*t, self.next_kink(*t)];
                 system.symmetries(span, q, v);
             }
             Some(_) if self.keeper.is_some() => {}
@@ -175,9 +179,10 @@ impl Run<'_> {
     }
 
     /// The next kink, or a time that is some steps away.
-    fn next_kink<Y: System + ?Sized>(&self, system: &Y, t: f64) -> f64 {
-        let kinks = system.kinks().into_iter().filter(|kink| *kink > t);
-        kinks.fold(t + FAR * self.options.step, f64::min)
+    fn next_kink(&self, t: f64) -> f64 {
+        let far = t + FAR * self.options.step;
+        let next = self.kinks.get(self.kinks.partition_point(|k| *k <= t));
+        next.map_or(far, |kink| kink.min(far))
     }
 
     /// A scheme that restores energy and momenta keeps those of this state from now on.
@@ -186,7 +191,7 @@ impl Run<'_> {
         system: &mut Y,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let until = self.next_kink(system, progress.state.t);
+        let until = self.next_kink(progress.state.t);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
         progress.kept = match &mut self.keeper {
@@ -238,7 +243,9 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
-        let stop = self.stops.iter().find(|s| s.left > from);
+        let stop = self
+            .stops
+            .get(self.stops.partition_point(|s| s.left <= from));
         let stop = stop.copied().unwrap_or(Stop::end(self.options.to));
         // Equal steps to the next stop, none of them a tiny remainder.
         let count = ((stop.left - from) / progress.next_step - 1e-6)
@@ -350,8 +357,10 @@ impl Run<'_> {
         h: f64,
     ) -> Result<usize, DynamicsError> {
         let left = self.stepper.next.t;
-        let kink = self.stops.iter().find(|s| s.kink && s.left == left);
-        let kink = kink.copied();
+        let stop = self
+            .stops
+            .get(self.stops.partition_point(|s| s.left < left));
+        let kink = stop.copied().filter(|s| s.kink && s.left == left);
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;

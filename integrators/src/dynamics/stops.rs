@@ -23,14 +23,19 @@ impl Stop {
     }
 }
 
-/// Kinks after the start and until the end, and the end.
-pub(super) fn stops<Y: System + ?Sized>(system: &Y, from: f64, to: f64) -> Vec<Stop> {
-    let slack = 1e-13 * to.abs().max(from.abs());
+/// All kinks, ascending.
+pub(super) fn kinks<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
     let mut kinks = system.kinks();
-    kinks.retain(|&t| t > from + slack && t <= to + slack);
     kinks.sort_by(f64::total_cmp);
+    kinks
+}
+
+/// Kinks after the start and until the end, and the end, ascending.
+pub(super) fn stops(kinks: &[f64], from: f64, to: f64) -> Vec<Stop> {
+    let slack = 1e-13 * to.abs().max(from.abs());
+    let within = |t: &f64| *t > from + slack && *t <= to + slack;
     let mut stops: Vec<Stop> = Vec::new();
-    for t in kinks {
+    for t in kinks.iter().copied().filter(within) {
         match stops.last_mut() {
             Some(last) if t - last.right <= slack => last.right = t,
             _ => stops.push(Stop {

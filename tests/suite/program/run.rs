@@ -419,3 +419,76 @@ fn paths_record_their_events() {
         "step-limit"
     );
 }
+
+/// Rods one beside the other, with what a file can say about each.
+fn many(count: usize) -> String {
+    let section = "[sections]\ns = { stiffness = { EA = 1e3, GA = [1e3, 1e3], GJ = 1, EI = [1, 1] }, \
+                   mass = { A_rho = 1, J = [2, 1, 1] } }\n";
+    let mut nodes = String::from("[nodes]\n");
+    let mut parts = String::new();
+    for k in 0..count {
+        nodes += &format!("a{k} = [0, {k}, 0]\nb{k} = [1, {k}, 0]\nc{k} = [2, {k}, 0]\n");
+        parts += &format!(
+            r#"
+            [[lines]]
+            name = "l{k}"
+            from = "a{k}"
+            to = "b{k}"
+            elements = 1
+            section = "s"
+            [[joints]]
+            name = "j{k}"
+            type = "revolute"
+            master = "b{k}"
+            axis = [0, 0, 1]
+            value = 0.1
+            [[bodies]]
+            name = "m{k}"
+            node = "c{k}"
+            mass = 1
+            [[springs]]
+            name = "k{k}"
+            nodes = ["b{k}", "c{k}"]
+            stiffness = 1
+            [[bodies]]
+            name = "n{k}"
+            node = "j{k}"
+            mass = 1
+            inertia = [1, 1, 1]
+            [[supports]]
+            node = "a{k}"
+            fix = "all"
+            [[loads]]
+            line = "l{k}"
+            force_per_length = [0, 0, 1]
+            [[initial]]
+            node = "b{k}"
+            velocity = [0, 0, 1]
+            [[probes]]
+            name = "p{k}"
+            quantity = "reaction_force"
+            node = "a{k}"
+            "#
+        );
+    }
+    format!("{section}{nodes}{parts}\n[analysis]\ndynamic = {{ to = 1e-4, step = 1e-4 }}\n")
+}
+
+/// Sixteen times as many of everything take sixteen times as long, from the file to the results, where
+/// one search among all for each takes 256 times as long.
+#[test]
+fn files_cost_what_they_say() {
+    let directory = directory("program_growth");
+    let seconds = |count: usize| {
+        let model = write(&directory, &many(count));
+        let time = || {
+            let start = std::time::Instant::now();
+            let output = program(&[&model]);
+            assert!(output.status.success(), "{output:?}");
+            start.elapsed().as_secs_f64()
+        };
+        (0..2).map(|_| time()).fold(f64::INFINITY, f64::min)
+    };
+    let growth = seconds(3200) / seconds(200);
+    assert!(growth < 48.0, "{growth}");
+}

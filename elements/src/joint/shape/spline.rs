@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::joint::Curve;
-use nalgebra::{DMatrix, Matrix3xX, Vector3};
+use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 
 /// Why points make no curve.
@@ -84,7 +84,7 @@ impl Spline {
         let bends = bends(&points, &knots, closed).ok_or(SplineError::Uneven)?;
         let piece = |k: usize| {
             let h = knots[k + 1] - knots[k];
-            let [from, to] = [bends.column(k), bends.column(k + 1)];
+            let [from, to] = [bends[k], bends[k + 1]];
             let slope = (points[k + 1] - points[k]) / h - (2.0 * from + to) * (h / 6.0);
             [points[k], slope, 0.5 * from, (to - from) / (6.0 * h)]
         };
@@ -117,31 +117,39 @@ impl Spline {
 
 /// Second derivatives at the knots: the first derivatives are continuous. `None` where numbers
 /// under- or overflow.
-fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Option<Matrix3xX<f64>> {
+///
+/// The bends inside follow from those at the ends by a tridiagonal system, diagonally dominant. An
+/// open curve has none at its ends; a closed one has the same at both, and its slope is continuous
+/// there too.
+fn bends(points: &[Vector3<f64>], knots: &[f64], closed: bool) -> Option<Vec<Vector3<f64>>> {
     let n = points.len() - 1;
-    let mut A = DMatrix::identity(n + 1, n + 1);
-    let mut b = DMatrix::zeros(n + 1, 3);
-    let mut smooth =
-        |row: usize, [before, at, after]: [usize; 3], h: [f64; 2], ends: [usize; 2]| {
-            A[(row, at)] = (h[0] + h[1]) / 3.0;
-            A[(row, before)] += h[0] / 6.0;
-            A[(row, after)] += h[1] / 6.0;
-            let slopes =
-                (points[ends[1]] - points[at]) / h[1] - (points[at] - points[ends[0]]) / h[0];
-            b.set_row(row, &slopes.transpose());
-        };
     let h = |k: usize| knots[k + 1] - knots[k];
+    let slope = |k: usize| (points[k + 1] - points[k]) / h(k);
+    // Bends where those at the ends are zero, and what is added where these are one.
+    let (mut bends, mut more) = (vec![Vector3::zeros(); n + 1], vec![0.0; n + 1]);
+    (more[0], more[n]) = (1.0, 1.0);
+    let mut upper = vec![0.0; n];
     for k in 1..n {
-        smooth(k, [k - 1, k, k + 1], [h(k - 1), h(k)], [k - 1, k + 1]);
+        let (before, after) = (h(k - 1) / 6.0, h(k) / 6.0);
+        let pivot = 2.0 * (before + after) - before * upper[k - 1];
+        upper[k] = after / pivot;
+        bends[k] = (slope(k) - slope(k - 1) - before * bends[k - 1]) / pivot;
+        more[k] = -before * more[k - 1] / pivot;
+    }
+    for k in (1..n).rev() {
+        bends[k] = bends[k] - upper[k] * bends[k + 1];
+        more[k] -= upper[k] * more[k + 1];
     }
     if closed {
-        // The last point is the first.
-        smooth(0, [n - 1, 0, 1], [h(n - 1), h(0)], [n - 1, 1]);
-        A[(n, 0)] = -1.0;
+        let (before, after) = (h(n - 1) / 6.0, h(0) / 6.0);
+        let jump = slope(0) - slope(n - 1) - before * bends[n - 1] - after * bends[1];
+        let end = jump / (2.0 * (before + after) + before * more[n - 1] + after * more[1]);
+        for (bend, more) in bends.iter_mut().zip(more) {
+            *bend += end * more;
+        }
     }
-    // Diagonally dominant, but for the last row of a closed curve, which copies.
-    let bends = A.lu().solve(&b)?;
-    (bends.iter().all(|b| b.is_finite())).then(|| Matrix3xX::from_fn(n + 1, |i, k| bends[(k, i)]))
+    let finite = bends.iter().flatten().all(|b| b.is_finite());
+    finite.then_some(bends)
 }
 
 impl Curve for Spline {

@@ -10,6 +10,7 @@ use pullback_elements::joint::{
 };
 use pullback_elements::model::{ModelBuilder, ModelError};
 use pullback_manifold::check;
+use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 use std::collections::BTreeSet;
@@ -153,6 +154,30 @@ fn curves_through_points_and_quadrics_obey_the_laws_of_a_map() {
         assert!((surface.at(0.0, 0.0) - Vector3::from(start)).norm() < 1e-15);
         check::map(&Hung::new(joint::OnSurface::new(surface))).assert();
     }
+}
+
+/// A dense matrix of so many points would have 80 GB.
+#[test]
+fn a_curve_may_have_many_points() {
+    let count = 100_000;
+    let at = |k: f64| {
+        let (s, c) = (k * TAU / count as f64).sin_cos();
+        [c, s, 0.1 * s * s]
+    };
+    let points: Vec<[f64; 3]> = (0..count).map(|k| at(k as f64)).collect();
+    let curve = Spline::through(&points, true, 0.0).unwrap();
+    let chord = (Vector3::from(points[1]) - Vector3::from(points[0])).norm();
+    // The second derivative of a cubic spline of step h is off by h^2, here below rounding errors.
+    let middle = Taylor {
+        v: 0.5 * chord,
+        d: 1.0,
+        dd: 0.0,
+    };
+    let bend = curve.at(middle).map(|x| x.dd);
+    assert!(
+        (bend - Vector3::new(-1.0, 0.0, 0.2)).norm() < 1e-3,
+        "{bend}"
+    );
 }
 
 #[test]

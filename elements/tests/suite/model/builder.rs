@@ -4,11 +4,13 @@
 
 use crate::support::{Idle, Offset, beam, line, simple, straight};
 use nalgebra::{Matrix3, Unit, Vector3};
+use pullback_elements::body::PointMass;
 use pullback_elements::model::{
     Arc, Axis, Dof, Model, ModelBuilder, ModelError, NodeId, Straight, frame_along,
 };
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Kind, System};
+use std::time::Instant;
 
 fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Model {
     let (mut b, ends) = simple();
@@ -203,4 +205,32 @@ fn a_line_makes_nodes_and_elements_in_order() {
     // the last of its element, not the end of the line.
     assert!(model.pattern().find(0, 3).is_some());
     assert_eq!(model.pattern().find(0, 6), None);
+}
+
+/// Sixteen times as many nodes take sixteen times as long, where a search among all nodes for every
+/// coordinate takes 256 times as long.
+#[test]
+fn names_and_freedoms_cost_what_a_model_has() {
+    let seconds = |count: usize| {
+        let mut b = ModelBuilder::new();
+        for k in 0..count {
+            let node = b.node(format!("n{k}"), [k as f64, 0.0, 0.0]).unwrap();
+            let mass = PointMass::new(1.0).unwrap();
+            b.element(format!("m{k}"), mass, &[node]).unwrap();
+        }
+        let model = b.build().unwrap();
+        let time = || {
+            let start = Instant::now();
+            assert_eq!(model.mobility().freedoms, 6 * count);
+            let last = (0..6 * count).map(|i| model.name(i)).last();
+            assert_eq!(
+                last,
+                Some(format!("node n{}, rotation about e3", count - 1))
+            );
+            start.elapsed().as_secs_f64()
+        };
+        (0..3).map(|_| time()).fold(f64::INFINITY, f64::min)
+    };
+    let growth = seconds(8000) / seconds(500);
+    assert!(growth < 64.0, "{growth}");
 }
