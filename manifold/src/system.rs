@@ -204,6 +204,15 @@ impl Energies {
 /// velocity, global components.
 pub type RigidRates = [f64; 6];
 
+/// A rigid motion of the whole along which the momentum changes at a constant rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Symmetry {
+    /// The motion.
+    pub motion: RigidRates,
+    /// Power of constant forces along it, and so the rate of the momentum; zero where it is kept.
+    pub force: f64,
+}
+
 /// What coordinates leave when a step is too large for their chart; smaller ones help, if there are
 /// any.
 pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
@@ -393,10 +402,10 @@ pub trait System {
     }
 
     /// Symmetries of the system: a basis of those motions of the whole as a rigid body (velocity of
-    /// the origin, angular velocity) along which neither forces nor constraints do work between two
-    /// times, looked for around the state q, q̇. The momenta along them are constant. None by
+    /// the origin, angular velocity) along which steady loads have a constant power and neither other
+    /// forces nor constraints do work between two times, looked for around the state q, q̇. None by
     /// default.
-    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
         let _ = (span, q, v);
         Vec::new()
     }

@@ -1,17 +1,22 @@
-//! Symmetries of a model: motions of the whole as a rigid body along which nothing does work.
+//! Symmetries of a model: motions of the whole as a rigid body along which only steady loads do work, and
+//! these at a constant rate.
 //!
-//! They are measured, not declared (Noether's theorem): a motion ξ of the six is kept where all frames
-//! with elements follow it, where the forces of the statics at some states and times have no power along
-//! it, where nothing is lost in dampers, and where the kinetic energy is the same after it.
+//! They are measured, not declared (Noether's theorem): a motion ξ of the six is one where all frames
+//! with elements follow it, where at some states and times the steady loads have the same power along
+//! it and the other forces of the statics none, where nothing is lost in dampers, and where the kinetic
+//! energy is the same after it. Its momentum then changes at the rate of that power.
 
 #![allow(non_snake_case)]
 
+use super::assembly::named;
 use super::motion::RigidMotion;
 use super::{Model, NONE, Node, Source};
 use crate::element::{Element, Motion};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
-use pullback_manifold::system::{Evaluation, Kind, Point, RigidRates, System, SystemError};
+use pullback_manifold::system::{
+    Evaluation, Kind, Point, RigidRates, Symmetry, System, SystemError,
+};
 
 /// Power along a motion, relative to that of the parts that cancel in it, that is rounding.
 const NOTHING: f64 = 1e-8;
@@ -68,7 +73,7 @@ impl Model {
         span: [f64; 2],
         q: &[f64],
         v: &[f64],
-    ) -> Vec<RigidRates> {
+    ) -> Vec<Symmetry> {
         let found = self.measure_symmetries(span, q, v).unwrap_or_default();
         let a = vec![0.0; q.len()];
         // Observers find the state that they know.
@@ -86,14 +91,22 @@ impl Model {
         span: [f64; 2],
         q: &[f64],
         v: &[f64],
-    ) -> Result<Vec<RigidRates>, SystemError> {
+    ) -> Result<Vec<Symmetry>, SystemError> {
         self.fit_released(q)?;
         let states: Vec<Vec<f64>> = (0..TIMES.len()).map(|k| self.near(q, k)).collect();
         let times = TIMES.map(|part| span[0] + part * (span[1] - span[0]));
-        let mut rows: Vec<[f64; 6]> = Vec::new();
+        let (mut rows, mut steady) = (Vec::new(), Vec::new());
         for (q, t) in states.iter().zip(times) {
-            self.forces_along(t, q, &mut rows)?;
+            steady.push(self.forces_along(t, q, &mut rows)?);
             self.frames_along(t, q, &mut rows)?;
+        }
+        let largest = steady
+            .iter()
+            .fold(0.0, |most: f64, (_, size)| most.max(*size));
+        let first = steady[0].0;
+        if largest > 0.0 {
+            let change = |row: &[f64; 6]| std::array::from_fn(|k| (row[k] - first[k]) / largest);
+            rows.extend(steady.iter().map(|(row, _)| change(row)));
         }
         let flat = rows.iter().flatten().copied();
         let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
@@ -103,7 +116,17 @@ impl Model {
             // Spins are no rates: what is rigid by frames and forces is so for the kinetic energy.
             let keeps = self.spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
             if keeps && !lost {
-                found.push(xi);
+                let powers = (0..6).map(|k| first[k] / self.measure(k) * xi[k]);
+                let force: f64 = powers.sum();
+                found.push(Symmetry {
+                    motion: xi,
+                    // Of a force that is balanced but for rounding none.
+                    force: if force.abs() > NOTHING * largest {
+                        force
+                    } else {
+                        0.0
+                    },
+                });
             }
         }
         Ok(found)
@@ -172,14 +195,15 @@ impl Model {
         Ok(fields)
     }
 
-    /// The power of the forces of the statics along the six motions, relative to its parts.
+    /// The power along the six motions of the steady loads, with the size of its parts; that of all
+    /// other forces of the statics, relative to its parts, into `rows`.
     fn forces_along(
         &mut self,
         t: f64,
         q: &[f64],
         rows: &mut Vec<[f64; 6]>,
-    ) -> Result<(), SystemError> {
-        let mut r = vec![0.0; q.len()];
+    ) -> Result<([f64; 6], f64), SystemError> {
+        let (mut r, mut steady) = (vec![0.0; q.len()], vec![0.0; q.len()]);
         let at = Point {
             t,
             q,
@@ -187,16 +211,50 @@ impl Model {
             a: &[],
         };
         self.evaluate(at, Evaluation::residual(&mut r))?;
+        self.steady_loads(at, &mut steady)?;
         let fields = self.coordinate_rates(t, q)?;
-        let (mut row, mut largest) = ([0.0; 6], 0.0_f64);
+        let (mut of_steady, mut of_others) = ([0.0; 6], [0.0; 6]);
+        let mut sizes = [0.0_f64; 2];
         for (k, X) in fields.iter().enumerate() {
-            let parts = r.iter().zip(X).map(|(r, X)| r * X * self.measure(k));
-            let (sum, size) = parts.fold((0.0, 0.0), |(s, m), p: f64| (s + p, m + p.abs()));
-            (row[k], largest) = (sum, largest.max(size));
+            let mut parts = [0.0; 2];
+            for ((r, s), X) in r.iter().zip(&steady).zip(X) {
+                let X = X * self.measure(k);
+                of_steady[k] += s * X;
+                of_others[k] += (r - s) * X;
+                // What is left of two that cancel has their rounding errors.
+                parts = [
+                    parts[0] + (s * X).abs(),
+                    parts[1] + ((s * X).abs() + (r * X).abs()),
+                ];
+            }
+            sizes = std::array::from_fn(|i| sizes[i].max(parts[i]));
         }
-        if largest > 0.0 {
-            rows.push(row.map(|x| x / largest));
+        if sizes[1] > 0.0 {
+            rows.push(of_others.map(|x| x / sizes[1]));
         }
+        Ok((of_steady, sizes[0]))
+    }
+
+    /// The forces of the steady loads on the unknowns, in statics.
+    fn steady_loads(&mut self, at: Point<'_>, r: &mut [f64]) -> Result<(), SystemError> {
+        self.expand(at)?;
+        let w = &mut self.work;
+        w.r.fill(0.0);
+        for e in self.elements.iter().filter(|e| e.steady) {
+            let local = &mut w.local;
+            local.gather(e, &self.spans, &w.x);
+            local.gather_rates(e, &self.spans, None);
+            let switched = local.switch(e, &self.nodes);
+            local
+                .evaluate(e, at.t, true, None, false, false)
+                .map_err(|error| named(error, &e.name))?;
+            if switched {
+                local.pull_back_switch(e, &self.nodes, None, true, false);
+            }
+            local.add_residual(e, &self.spans, &mut w.r);
+        }
+        self.pull_back_nodes(at.t, None, false);
+        self.runs.gather(&self.work.r, r);
         Ok(())
     }
 

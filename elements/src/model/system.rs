@@ -3,7 +3,8 @@
 use super::{Model, Source};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, System, SystemError,
+    ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, Symmetry, System,
+    SystemError,
 };
 
 impl System for Model {
@@ -105,7 +106,7 @@ impl System for Model {
         self.generalised_momentum(at, p)
     }
 
-    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<RigidRates> {
+    fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
         self.find_symmetries(span, q, v)
     }
 

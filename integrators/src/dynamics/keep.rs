@@ -7,7 +7,7 @@
 //! q̇ ↦ Σ jₖ eₖ + s w,    w = q̇ − Σ (eₖ·M q̇) eₖ,    eₖ the fields made orthonormal in M
 //! ```
 //!
-//! jₖ the momenta to be kept: they fix the part of the motion that is rigid, and s the energy of the rest
+//! jₖ the momenta to be kept, those that constant forces change with their impulses in them: they fix the part of the motion that is rigid, and s the energy of the rest
 //! (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.4). A body that is rigid, or
 //! nearly so, has no rest: its energy at given momenta depends on how it is turned. So the
 //! projection may turn the whole by η about its centre of mass as well, which changes that energy
@@ -23,7 +23,9 @@
 
 use super::kept::Kept;
 use super::{DynamicsError, Scheme, State};
-use pullback_manifold::system::{Energies, Evaluation, Point, RigidRates, System, Weights};
+use pullback_manifold::system::{
+    Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
+};
 
 /// Passes of the projection at most.
 const PASSES: usize = 5;
@@ -31,9 +33,6 @@ const PASSES: usize = 5;
 const ROUNDING: f64 = 1e-14;
 /// Part of a field's length that may be left of it where it depends on others.
 const DEPENDENT: f64 = 1e-7;
-/// Bounds of s² in a step: where the motion nearly stands still its energy cannot be changed by
-/// velocities, and what is missing is given back later.
-const BOUNDS: [f64; 2] = [0.25, 4.0];
 /// Largest turn in a step, as a part of the motion of the step.
 const TURN: f64 = 0.1;
 
@@ -102,18 +101,16 @@ impl Keeper {
         buffers: [&mut [f64]; 2],
     ) -> Result<Kept, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
-        let motions = system.symmetries([state.t, until], &state.q, &state.v);
+        let symmetries = system.symmetries([state.t, until], &state.q, &state.v);
         self.momentum(system, state, (&now, state.t), buffers)?;
-        let mut momenta = Vec::with_capacity(motions.len());
-        for xi in &motions {
-            system.rigid_rates(&state.q, xi, &mut self.field);
-            momenta.push(dot(&self.field, &self.p));
+        let mut kept = Kept::of(&now);
+        for Symmetry { motion, force } in symmetries {
+            system.rigid_rates(&state.q, &motion, &mut self.field);
+            kept.motions.push(motion);
+            kept.momenta.push(dot(&self.field, &self.p));
+            kept.forces.push(force);
         }
-        Ok(Kept {
-            motions,
-            momenta,
-            ..Kept::of(&now)
-        })
+        Ok(kept)
     }
 
     /// Gives a state at the end of a step of size h what it lacks; its energies.
@@ -196,7 +193,9 @@ impl Keeper {
             return [1.0, 0.0];
         }
         let wanted = 1.0 + 2.0 * needed / slope;
-        let square = wanted.clamp(BOUNDS[0], BOUNDS[1]);
+        // Where the motion nearly stands still velocities have no such energy to give, and the next
+        // steps do.
+        let square = wanted.max(0.0);
         // What the rest does not give; of its share alone no rounding error.
         let left = match square == wanted {
             true => needed * h * h * size / slope,

@@ -25,6 +25,9 @@ pub struct Kept {
     pub motions: Vec<RigidRates>,
     /// Momenta along them.
     pub momenta: Vec<f64>,
+    /// Rates of these momenta: constant forces.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub forces: Vec<f64>,
 }
 
 impl Kept {
@@ -38,10 +41,13 @@ impl Kept {
         kept
     }
 
-    /// Books the work of a step of size h, with the powers at its end.
+    /// Books the work and the impulses of a step of size h, with the powers at its end.
     pub(super) fn work(&mut self, now: &Energies, h: f64) {
         self.energy += 0.5 * h * (self.power + now.power());
         self.unsure += 0.5 * h * (self.gross_power + gross_power(now));
+        for (momentum, force) in self.momenta.iter_mut().zip(&self.forces) {
+            *momentum += h * force;
+        }
         self.note(now);
     }
 

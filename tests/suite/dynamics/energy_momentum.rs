@@ -3,9 +3,10 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
+use pullback::elements::energy::Energies;
 use pullback::elements::joint::{offset, revolute, spherical};
 use pullback::elements::load::{LineLoad, NodalLoad, Which};
 use pullback::elements::model::{
@@ -13,6 +14,7 @@ use pullback::elements::model::{
 };
 use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
+use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Point, System};
 use std::ops::ControlFlow;
 
@@ -220,6 +222,17 @@ fn it_is_of_order_two() {
     }
 }
 
+/// An inertia 1 + uneven cos θ about the axis of a hinge.
+struct Flywheel {
+    uneven: f64,
+}
+
+impl Energies<1> for Flywheel {
+    fn kinetic<S: Scalar>(&self, x: &SVector<S, 1>, v: &SVector<S, 1>) -> S {
+        v[0] * v[0] * (x[0].cos() * self.uneven + 1.0) * 0.5
+    }
+}
+
 #[test]
 fn symmetries_are_found() {
     let count = |model: &mut Model| {
@@ -233,7 +246,8 @@ fn symmetries_are_found() {
     assert_eq!(count(&mut model(1.0, Geodesic, total, |_, _| ())), 6);
     // Total rotation vectors are not objective: translations alone.
     assert_eq!(count(&mut model(1.0, Total, total, |_, _| ())), 3);
-    assert_eq!(count(&mut model(1.0, Geodesic, total, weight)), 3);
+    // Three translations, along the weight with its force, and turns about it.
+    assert_eq!(count(&mut model(1.0, Geodesic, total, weight)), 4);
     let pin = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
         b.support(ends[0], &[Dof::X, Dof::Y, Dof::Z]);
     };
@@ -249,6 +263,18 @@ fn symmetries_are_found() {
     );
     let clamped = |b: &mut ModelBuilder, ends: [NodeId; 2]| b.support(ends[0], &Dof::ALL);
     assert_eq!(count(&mut model(1.0, Geodesic, total, clamped)), 0);
+
+    // A flywheel whose inertia depends on its angle: nothing turns it, and yet its momentum changes.
+    for (uneven, symmetries) in [(0.0, 1), (0.5, 0)] {
+        let mut b = ModelBuilder::new();
+        let ground = b.node("ground", [0.0; 3]).unwrap();
+        b.support(ground, &Dof::ALL);
+        let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]).unwrap();
+        heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
+        let wheel = Flywheel { uneven }.into_element();
+        b.element("flywheel", wheel, &[hinge.angle]).unwrap();
+        assert_eq!(count(&mut b.build().unwrap()), symmetries, "{uneven}");
+    }
 
     // A body on an axis through a ground that is no origin.
     let mut b = ModelBuilder::new();
@@ -326,6 +352,44 @@ fn a_free_body_keeps_energy_and_momenta() {
         kept[0] < 1e-12 && kept[1] < 1e-12 && kept[2] < 1e-11,
         "{kept:?}"
     );
+}
+
+#[test]
+fn constant_loads_change_momentum_by_their_impulse() {
+    let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
+        weight(b, ends);
+        for (end, force) in ends.into_iter().zip([[0.6, 0.1, 0.3], [-0.4, 0.2, -0.1]]) {
+            let load = NodalLoad::new(Which::DeadForce, force, Constant(1.0));
+            b.element("push", load, &[end]).unwrap();
+        }
+    };
+    let beam = model(1.0, Interpolation::Geodesic, Formulation::Total, push);
+    // The weight of a body acts beside its node, and turns it.
+    let mut b = ModelBuilder::new();
+    let node = b.node("body", [0.7, 0.1, 0.0]).unwrap();
+    heavy_body(&mut b, "body", node, 0.5, [0.0, 0.2, 0.4]);
+    let beam_force = Vector3::new(0.2, 0.3, 0.2 - 3.0 * LENGTH);
+    let body_force = Vector3::new(0.0, 0.0, -0.5 * 9.81);
+    for (mut model, force) in [(beam, beam_force), (b.build().unwrap(), body_force)] {
+        let (v, _) = spun(&model);
+        let (start, [p, _]) = at_start(&mut model, &v);
+        let mut worst = [0.0_f64; 2];
+        let q = vec![0.0; v.len()];
+        let options = options(em(), 10.0, 500);
+        observed(&mut model, [&q, &v], &options, &mut |model, step| {
+            let s = &step.progress.state;
+            let at = Point {
+                t: s.t,
+                q: &s.q,
+                v: &s.v,
+                a: &s.a,
+            };
+            let (energy, [now, _]) = audit(model, at);
+            let off = [energy - start, (now - p - force * s.t).norm()];
+            worst = std::array::from_fn(|k| worst[k].max(off[k].abs()));
+        });
+        assert!(worst[0] < 1e-10 && worst[1] < 1e-11, "{worst:?}");
+    }
 }
 
 #[test]
