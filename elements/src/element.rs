@@ -202,6 +202,12 @@ pub trait Element: Send + Sync {
         false
     }
 
+    /// Whether it is a load with a potential, its energy, that is the same function of its coordinates at all
+    /// times. What it does to a motion is then known exactly, and not to the order of a scheme alone.
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     /// The equations that it enforces on its coordinates, where there are such; none by default.
     fn enforced(&self) -> Option<&dyn Enforced> {
         None

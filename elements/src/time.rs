@@ -4,17 +4,20 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Debug;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A function of time with two derivatives.
+/// A function of time with two derivatives, and of nothing else: for what is set from outside there is
+/// [`Input`].
 pub trait TimeFunction: Send + Sync + Debug {
     /// Value, first and second derivative at `t`.
     ///
     /// At a kink these are the ones to the right of it.
     fn at(&self, t: f64) -> [f64; 3];
 
-    /// Whether it is known to be zero at all times.
-    fn is_zero(&self) -> bool {
-        false
+    /// Its value, where that is known to be the same at all times.
+    fn constant(&self) -> Option<f64> {
+        None
     }
 
     /// Times at which a derivative jumps: step boundaries for an integrator.
@@ -51,8 +54,37 @@ impl TimeFunction for Constant {
         [self.0, 0.0, 0.0]
     }
 
-    fn is_zero(&self) -> bool {
-        self.0 == 0.0
+    fn constant(&self) -> Option<f64> {
+        Some(self.0)
+    }
+}
+
+/// A value that is set from outside while a run goes on, by a controller, say: a handle whose clones share it.
+///
+/// [`ModelBuilder::input`](crate::model::ModelBuilder::input) makes one. A run finds accelerations anew where
+/// the value has changed between two steps, as behind a kink; within a step it must not change.
+#[derive(Clone, Debug)]
+pub struct Input(Arc<AtomicU64>);
+
+impl Input {
+    pub(crate) fn new(value: f64) -> Self {
+        Self(Arc::new(AtomicU64::new(value.to_bits())))
+    }
+
+    /// The value.
+    pub fn get(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+
+    /// Sets the value, for all times from the present step on.
+    pub fn set(&self, value: f64) {
+        self.0.store(value.to_bits(), Ordering::Relaxed);
+    }
+}
+
+impl TimeFunction for Input {
+    fn at(&self, _: f64) -> [f64; 3] {
+        [self.get(), 0.0, 0.0]
     }
 }
 
@@ -65,8 +97,8 @@ impl TimeFunction for Proportional {
         [self.0 * t, self.0, 0.0]
     }
 
-    fn is_zero(&self) -> bool {
-        self.0 == 0.0
+    fn constant(&self) -> Option<f64> {
+        (self.0 == 0.0).then_some(0.0)
     }
 }
 
@@ -158,8 +190,9 @@ impl TimeFunction for Table {
         }
     }
 
-    fn is_zero(&self) -> bool {
-        self.points.iter().all(|p| p[1] == 0.0)
+    fn constant(&self) -> Option<f64> {
+        let first = self.points[0][1];
+        self.points.iter().all(|p| p[1] == first).then_some(first)
     }
 
     fn kinks(&self) -> Vec<f64> {

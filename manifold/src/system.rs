@@ -366,6 +366,12 @@ pub trait System {
         Vec::new()
     }
 
+    /// Values that are set from outside while a run goes on. Where one has changed between two steps
+    /// accelerations jump, as behind a kink. None by default.
+    fn inputs(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Energies and powers at a point in motion; `None` for a system that does not know them.
     ///
     /// # Errors

@@ -43,4 +43,8 @@ impl Energies<6> for Gravity {
     fn is_load(&self) -> bool {
         true
     }
+
+    fn is_steady(&self) -> bool {
+        true
+    }
 }

@@ -117,6 +117,11 @@ pub trait Energies<const N: usize>: Send + Sync {
         false
     }
 
+    /// See [`Element::is_steady`].
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     /// See [`Element::is_objective`].
     fn is_objective(&self) -> bool {
         !self.is_load()
@@ -244,6 +249,10 @@ impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
 
     fn is_load(&self) -> bool {
         self.0.is_load()
+    }
+
+    fn is_steady(&self) -> bool {
+        self.0.is_steady()
     }
 
     fn is_objective(&self) -> bool {

@@ -164,6 +164,10 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
         self.points.iter().all(|p| p.energies.is_load())
     }
 
+    fn is_steady(&self) -> bool {
+        self.points.iter().all(|p| p.energies.is_steady())
+    }
+
     fn is_objective(&self) -> bool {
         self.points.iter().all(|p| p.energies.is_objective())
     }

@@ -61,6 +61,10 @@ impl<A: Element, B: Element> Element for Together<A, B> {
         self.0.is_load() && self.1.is_load()
     }
 
+    fn is_steady(&self) -> bool {
+        self.0.is_steady() && self.1.is_steady()
+    }
+
     fn is_objective(&self) -> bool {
         self.0.is_objective() && self.1.is_objective()
     }

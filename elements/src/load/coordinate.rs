@@ -52,6 +52,10 @@ impl Element for CoordinateForce {
         true
     }
 
+    fn is_steady(&self) -> bool {
+        self.force.constant().is_some()
+    }
+
     fn kinks(&self) -> Vec<f64> {
         self.force.kinks()
     }

@@ -170,6 +170,10 @@ impl Element for LineLoad {
         true
     }
 
+    fn is_steady(&self) -> bool {
+        !self.follower && self.amplitude.constant().is_some()
+    }
+
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
     }

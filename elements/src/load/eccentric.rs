@@ -84,6 +84,10 @@ impl Element for EccentricForce {
         true
     }
 
+    fn is_steady(&self) -> bool {
+        self.amplitude.constant().is_some()
+    }
+
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
     }

@@ -114,6 +114,10 @@ impl Element for NodalLoad {
         true
     }
 
+    fn is_steady(&self) -> bool {
+        self.which == Which::DeadForce && self.amplitude.constant().is_some()
+    }
+
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
     }

@@ -7,6 +7,7 @@ use super::runs::check_length;
 use super::scatter::{Group, Into};
 use super::sheets::TOO_FAR;
 use crate::element::ElementError;
+use crate::time::Input;
 use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
 use std::f64::consts::TAU;
 
@@ -63,8 +64,11 @@ impl Model {
     /// Sets residual and scales to those of the dead loads.
     fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
         let w = &mut self.work;
-        if w.dead_loads.t != Some(t) {
+        let inputs = self.inputs.iter().map(Input::get);
+        if w.dead_loads.t != Some(t) || inputs.clone().ne(w.dead_loads.inputs.iter().copied()) {
             w.dead_loads.forget();
+            w.dead_loads.inputs.clear();
+            w.dead_loads.inputs.extend(inputs);
             w.dead_loads.r.fill(0.0);
             w.scales.force = [0.0; 3];
             for e in self.elements.iter().filter(|e| e.reads_only_time()) {

@@ -48,6 +48,7 @@ impl ModelBuilder {
             closings,
             starts,
             formulation,
+            inputs,
             ..
         } = self;
         formulation::apply(formulation, &mut nodes, &mut prescribed);
@@ -153,6 +154,7 @@ impl ModelBuilder {
             chosen_at: Vec::new(),
             unwatched: false,
             prescribed,
+            inputs,
             driven_rotations,
             runs: Runs::new(&coordinates),
             coordinates,

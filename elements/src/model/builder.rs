@@ -6,7 +6,7 @@ use super::formulation::Formulation;
 use super::loops::Closing;
 use super::{Attached, Form, ModelError, Node, NodeList, Source};
 use crate::element::Element;
-use crate::time::{Constant, TimeFunction};
+use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
@@ -86,6 +86,7 @@ pub struct ModelBuilder {
     /// Coordinates that follow another one through gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
     pub(super) formulation: Formulation,
+    pub(super) inputs: Vec<Input>,
 }
 
 impl ModelBuilder {
@@ -357,7 +358,7 @@ impl ModelBuilder {
                 .sum(),
             dead: element.is_dead(),
             load: element.is_load(),
-            steady: super::symmetry::is_steady(element.as_ref()),
+            steady: element.is_load() && element.is_steady(),
             element,
             nodes: NodeList::new(nodes),
             switched: 0,
@@ -376,6 +377,13 @@ impl ModelBuilder {
         for &dof in dofs {
             self.prescribe(node, dof, Constant(0.0));
         }
+    }
+
+    /// A value for loads and prescribed coordinates that is set from outside while a run goes on.
+    pub fn input(&mut self, value: f64) -> Input {
+        let input = Input::new(value);
+        self.inputs.push(input.clone());
+        input
     }
 
     /// Prescribes a coordinate of a frame node as a function of time (of the load parameter in

@@ -292,7 +292,7 @@ impl Model {
             return None;
         }
         let held = among(&self.prescribed, first..first + 3);
-        let still = held.iter().all(|p| p.function.is_zero());
+        let still = held.iter().all(|p| p.function.constant() == Some(0.0));
         still.then_some(unknowns)
     }
 

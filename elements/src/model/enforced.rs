@@ -99,7 +99,10 @@ impl Model {
 
     /// The coordinates that are driven.
     pub(super) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
-        let driven = self.prescribed.iter().filter(|p| !p.function.is_zero());
+        let driven = self
+            .prescribed
+            .iter()
+            .filter(|p| p.function.constant() != Some(0.0));
         driven.map(|p| p.coordinate)
     }
 

@@ -52,8 +52,9 @@ impl ModelBuilder {
         }
         // Who drives a joint's coordinate wants it there, be it at zero; a support only holds.
         let mut prescribed = self.prescribed.iter();
-        let still = prescribed
-            .all(|(n, _, f)| f.is_zero() && self.nodes[n.0 as usize].form != Form::Coordinates);
+        let still = prescribed.all(|(n, _, f)| {
+            f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != Form::Coordinates
+        });
         if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });

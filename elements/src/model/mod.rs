@@ -53,7 +53,7 @@ pub use query::Reaction;
 pub(crate) use travel::Side;
 
 use crate::element::Element;
-use crate::time::TimeFunction;
+use crate::time::{Input, TimeFunction};
 use assembly::MAX_NODES;
 use dependence::Dependence;
 use nalgebra::Vector3;
@@ -286,6 +286,8 @@ pub struct Model {
     unwatched: bool,
     /// In the order of coordinates.
     prescribed: Vec<Prescribed>,
+    /// What is set from outside.
+    inputs: Vec<Input>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
     driven_rotations: Vec<(usize, i32)>,
     /// Coordinate of each unknown.

@@ -11,7 +11,6 @@
 use super::assembly::named;
 use super::motion::RigidMotion;
 use super::{Model, NONE, Node, Source};
-use crate::element::{Element, Motion};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
@@ -24,24 +23,6 @@ const NOTHING: f64 = 1e-8;
 const NEARLY: f64 = 1e-5;
 /// Places in the span of times at which forces are asked for, each at a state of its own.
 const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
-
-/// Whether a load has a potential that does not depend on time.
-pub(super) fn is_steady(element: &dyn Element) -> bool {
-    if !element.is_load() || !element.kinks().is_empty() {
-        return false;
-    }
-    let x: Vec<f64> = (0..element.dim()).map(|k| 0.1 + 0.01 * k as f64).collect();
-    let at = |t| {
-        element.energy(&Motion {
-            t,
-            x: &x,
-            v: &[],
-            a: &[],
-        })
-    };
-    let first = at(0.0);
-    first != 0.0 && [0.173, 2.71, 191.3].iter().all(|&t| at(t) == first)
-}
 
 fn motion_of(xi: &RigidRates) -> RigidMotion {
     RigidMotion {

@@ -1,6 +1,7 @@
 //! The model as a [`System`], for integrators.
 
 use super::{Model, Source};
+use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
     ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, Symmetry, System,
@@ -95,6 +96,10 @@ impl System for Model {
         let driven = self.prescribed.iter().flat_map(|p| p.function.kinks());
         let loads = self.elements.iter().flat_map(|e| e.element.kinks());
         driven.chain(loads).collect()
+    }
+
+    fn inputs(&self) -> Vec<f64> {
+        self.inputs.iter().map(Input::get).collect()
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {

@@ -64,6 +64,8 @@ pub(super) struct Workspace {
 pub(super) struct DeadLoads {
     /// The time of these; none when it is not known which loads are in it.
     pub t: Option<f64>,
+    /// What was set from outside.
+    pub inputs: Vec<f64>,
     /// Their residual at all nodes.
     pub r: Vec<f64>,
     /// Their largest entries per kind.

@@ -1,4 +1,4 @@
-//! States that jump: where a drive has a kink, or a map was handed over.
+//! States that jump: where a drive has a kink, an input was changed, or a map was handed over.
 
 #![allow(non_snake_case)]
 
@@ -34,6 +34,22 @@ impl Run<'_> {
         } else {
             self.renew(system, solver, progress, true)?;
         }
+        self.aim(system, progress)
+    }
+
+    /// Goes on behind a change of inputs. As they have no rate, velocities stay.
+    pub(super) fn take_inputs<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+    ) -> Result<(), DynamicsError> {
+        let inputs = system.inputs();
+        if inputs == progress.inputs {
+            return Ok(());
+        }
+        progress.inputs = inputs;
+        self.renew(system, solver, progress, true)?;
         self.aim(system, progress)
     }
 

@@ -126,6 +126,14 @@ pub struct Progress {
     pub next_step: f64,
     /// Whether it ended at a kink or jump of a function of time: what lies behind is found first.
     pub at_kink: bool,
+    /// What was set from outside when the accelerations were found ([`System::inputs`]).
+    ///
+    /// [`System::inputs`]: pullback_manifold::system::System::inputs
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Vec::is_empty")
+    )]
+    pub inputs: Vec<f64>,
     /// What a scheme that restores energy and momenta aims at.
     #[cfg_attr(
         feature = "serde",

@@ -60,6 +60,7 @@ pub fn integrate_with<Y: System + ?Sized>(
     };
     run.begin(system, solver, progress)?;
     while progress.state.t < options.to {
+        run.take_inputs(system, solver, progress)?;
         let h = run.attempt(system, solver, progress)?;
         let Some(step_size) = h else { continue };
         let chart_changes = run.accept(system, solver, progress, step_size)?;
@@ -141,6 +142,7 @@ impl Run<'_> {
         }
         if fresh {
             progress.summary.chart_changes += changed;
+            progress.inputs = system.inputs();
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;

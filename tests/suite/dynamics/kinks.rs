@@ -1,12 +1,17 @@
-//! Jumps of driven velocities: what is free takes the impulse.
+//! Jumps of driven velocities: what is free takes the impulse. Inputs that change between steps.
 #![allow(clippy::unwrap_used)]
 
-use pullback::elements::model::Model;
+use pullback::elements::body::PointMass;
+use pullback::elements::load::{NodalLoad, Which};
+use pullback::elements::model::{Dof, Model, ModelBuilder};
+use pullback::elements::time::TimeFunction;
 use pullback::input::{Plan, assemble_text};
-use pullback::integrators::dynamics::{Progress, integrate, start};
+use pullback::integrators::dynamics::{DynamicOptions, Progress, integrate, start};
 use pullback::manifold::system::Point;
 use pullback::solve::begin;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A free body with a rotor on a driven hinge, about a principal axis of both.
 const ROTOR: &str = r#"
@@ -36,6 +41,71 @@ inertia = [1, 1, 0.5]
 to = 2
 step = 0.1
 "#;
+
+/// A unit mass on a rail, and the force on it.
+fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Model {
+    let mut b = ModelBuilder::new();
+    let node = b.node("mass", [0.0; 3]).unwrap();
+    b.support(node, &Dof::ALL[1..]);
+    b.element("mass", PointMass::new(1.0).unwrap(), &[node])
+        .unwrap();
+    let force = NodalLoad::boxed(Which::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
+    b.element("force", force, &[node]).unwrap();
+    b.build().unwrap()
+}
+
+/// Place and velocity after two seconds in steps of a tenth; `turn` is called after the first.
+fn after(model: &mut Model, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
+    let options = DynamicOptions {
+        scheme: word.parse().unwrap(),
+        ..DynamicOptions::new(2.0, 0.1)
+    };
+    let mut progress = Progress::new(start(model, 0.0, &[], &[]).unwrap());
+    integrate(model, &mut progress, &options, &mut |_, step| {
+        if step.progress.summary.steps == 10 {
+            turn();
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    [progress.state.q[0], progress.state.v[0]]
+}
+
+#[test]
+fn an_input_that_changes_is_a_kink() {
+    // A force of 1 for a second, then of −2: v = 1 − 2, x = ½ + 1 − 1.
+    for word in ["newmark", "ga:0.5", "bathe", "radau", "em", "em:0.5"] {
+        let mut handle = None;
+        let mut model = pushed(|b| Box::new(handle.insert(b.input(1.0)).clone()));
+        let handle = handle.unwrap();
+        let [x, v] = after(&mut model, word, &mut || handle.set(-2.0));
+        let off = (x - 0.5).abs().max((v + 1.0).abs());
+        assert!(off < 1e-13, "{word}: {x}, {v}");
+    }
+}
+
+/// A force that breaks the rules: it is no function of time alone, and does not say so.
+#[derive(Debug)]
+struct Outside(Arc<AtomicBool>);
+
+impl TimeFunction for Outside {
+    fn at(&self, _: f64) -> [f64; 3] {
+        let forward = self.0.load(Ordering::Relaxed);
+        [if forward { 1.0 } else { -2.0 }, 0.0, 0.0]
+    }
+}
+
+#[test]
+fn em_takes_no_force_for_steady_that_does_not_say_so() {
+    let [newmark, em] = ["newmark", "em"].map(|word| {
+        let forward = Arc::new(AtomicBool::new(true));
+        let mut model = pushed(|_| Box::new(Outside(forward.clone())));
+        after(&mut model, word, &mut || {
+            forward.store(false, Ordering::Relaxed)
+        })
+    });
+    assert_eq!(em, newmark);
+}
 
 #[test]
 fn a_rotor_that_is_jerked_turns_its_free_hull_back() {

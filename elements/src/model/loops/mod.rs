@@ -138,7 +138,7 @@ impl Held<'_> {
 
     /// Whether a node stays where it is drawn.
     pub(super) fn still(&self, node: usize, dim: usize) -> bool {
-        (0..dim).all(|k| self.function(node, k).is_some_and(TimeFunction::is_zero))
+        (0..dim).all(|k| self.function(node, k).and_then(TimeFunction::constant) == Some(0.0))
     }
 }
 
