@@ -294,7 +294,11 @@ impl InputError {
         if let Some(advice) = self.problem.advice() {
             report = report.element(Level::HELP.message(advice));
         }
-        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        let renderer = if color {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
         renderer.render(&[report])
     }
 }

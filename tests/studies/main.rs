@@ -2,12 +2,4 @@
 
 mod arms;
 mod formulations;
-
-mod support {
-    #[path = "../../suite/support/formulations.rs"]
-    pub mod formulations;
-    #[path = "../../suite/support/independent.rs"]
-    pub mod independent;
-    #[path = "../../suite/support/program.rs"]
-    pub mod program;
-}
+mod support;

@@ -235,8 +235,7 @@ impl Model {
             local.add_residual(e, &self.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, false);
-        self.runs.gather(&self.work.r, r);
-        Ok(())
+        self.runs.gather(&self.work.r, "steady loads", r)
     }
 
     /// By what frames with elements miss the six motions.

@@ -3,10 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
-use pullback::compare::{
-    Contender, Exact, Options, Quantity,
-    looked_at, read_exact,
-};
+use pullback::compare::{Contender, Exact, Options, Quantity, looked_at, read_exact};
 use pullback::input::{self, Analysis};
 use pullback::method::Method;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! What the program says about motions that are not what they seem.
 #![allow(clippy::unwrap_used)]
 
-use nalgebra::Vector3;
 use crate::support::program::{directory, refusal, write};
+use nalgebra::Vector3;
 use pullback::input::assemble_text;
 use pullback::manifold::system::Point;
 use pullback::run::run;
