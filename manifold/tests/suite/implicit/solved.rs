@@ -450,3 +450,72 @@ fn solved_constraints_compose() {
     assert_eq!(map.phi(0.0, &q)[0], x[2]);
     assert!(map.rewrites() && map.note().is_some());
 }
+
+/// Equation c follows from a and b at t = 0, and is off by a little later.
+#[derive(Clone, Copy, Debug)]
+struct Loosens(f64);
+
+impl Implicit<2, 2> for Loosens {
+    fn h<S: Scalar>(&self, t: S, x: &SVector<S, 2>) -> SVector<S, 2> {
+        let h = x[0] + x[1] * 2.0;
+        SVector::<S, 2>::new(h, h * 3.0 + t * self.0)
+    }
+}
+
+#[test]
+fn an_equation_that_follows_no_more_is_found_by_its_ninth_digit() {
+    for (off, holds) in [(1e-10, true), (1e-8, false)] {
+        let map = Solved::<_, 1, 2, 2>::new(Loosens(off), 0.0, [0.0; 2]).unwrap();
+        let q = SVector::<f64, 1>::new(0.1);
+        assert!(map.margin(0.0, &q) > 0.0);
+        assert_eq!(map.margin(1.0, &q) > 0.0, holds, "{off}");
+    }
+}
+
+/// Coupler and rocker of the linkage, by the circles of their ends, on the branch of its guess.
+fn four_bar(crank: f64) -> Vector2<f64> {
+    let FourBar {
+        lengths: [a, b, c],
+        d,
+        ..
+    } = GRASHOF;
+    let (ux, uy) = (d - a * crank.cos(), -a * crank.sin());
+    let r = ux.hypot(uy);
+    let coupler = uy.atan2(ux) + ((r * r + b * b - c * c) / (2.0 * r * b)).acos();
+    let end = [
+        a * crank.cos() + b * coupler.cos() - d,
+        a * crank.sin() + b * coupler.sin(),
+    ];
+    Vector2::new(coupler, end[1].atan2(end[0]))
+}
+
+#[test]
+fn solutions_lie_on_the_branch_of_the_last_one_or_are_refused() {
+    let [mut found, mut refused] = [0, 0];
+    for from in 0..12 {
+        let crank = 0.5 * f64::from(from);
+        let near = four_bar(crank);
+        let map =
+            Solved::<_, 1, 3, 2>::with(GRASHOF, 0.0, [crank, near[0], near[1]], Choice::Fixed);
+        let Some(map) = map.unwrap().with_independent(0.0, [0]) else {
+            continue;
+        };
+        for k in -20..=20 {
+            let q = SVector::<f64, 1>::new(0.1 * f64::from(k));
+            if map.margin(0.0, &q) <= 0.0 {
+                refused += 1;
+                continue;
+            }
+            found += 1;
+            let x = map.phi(0.0, &q);
+            let exact = four_bar(crank + q[0]);
+            let off = [0, 1].map(|k| {
+                (x[k + 1] - exact[k])
+                    .sin()
+                    .hypot((x[k + 1] - exact[k]).cos() - 1.0)
+            });
+            assert!(off[0].max(off[1]) < 1e-10, "from {crank} by {}: {x}", q[0]);
+        }
+    }
+    assert!(found > 100 && refused > 10, "{found} {refused}");
+}
