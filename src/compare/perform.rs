@@ -103,6 +103,7 @@ fn begins(make: &Maker<'_>, contender: &Contender) -> Result<(), CompareError> {
     let options = DynamicOptions {
         scheme: method.scheme(),
         adaptivity: None,
+        interval: None,
         ..plan.options
     };
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;

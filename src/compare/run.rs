@@ -122,6 +122,7 @@ fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> Dyn
         step,
         min_step: 1e-6 * step,
         adaptivity: None,
+        interval: None,
         newton: NewtonOptions {
             relative: newton.relative.min(task.relative),
             ..newton

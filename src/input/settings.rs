@@ -32,7 +32,7 @@ pub enum Plan {
 pub struct DynamicPlan {
     /// What the integrator is asked to do.
     pub options: DynamicOptions,
-    /// A row every this many steps.
+    /// A row every this many steps, where the options have no interval.
     pub record_every: usize,
     /// A checkpoint every this many steps; 0 for one at the end only.
     pub checkpoint_every: usize,
@@ -103,6 +103,7 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         "record_every",
         d.record_every as f64,
     )?;
+    record_interval(source, d)?;
     let adaptivity = match d.adaptive {
         None => None,
         Some(a) => {
@@ -148,6 +149,7 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     }
     Ok(DynamicPlan {
         options: DynamicOptions {
+            interval: d.record_interval,
             min_step,
             scheme,
             adaptivity,
@@ -169,6 +171,26 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
         record_every: d.record_every,
         checkpoint_every: d.checkpoint_every,
     })
+}
+
+/// Refuses intervals of rows that cannot be.
+fn record_interval(source: &Text<'_>, d: &Dynamic) -> Result<(), InputError> {
+    let Some(interval) = d.record_interval else {
+        return Ok(());
+    };
+    let path = ["analysis", "dynamic", "record_interval"];
+    positive(source, &path, "record_interval", interval)?;
+    let expected = match d.to / interval {
+        _ if d.record_every != 1 => "no record_every beside record_interval",
+        rows if rows > MOST_STEPS => "an interval that makes at most 1e9 rows",
+        _ => return Ok(()),
+    };
+    let problem = Problem::Range {
+        key: "record_interval",
+        value: interval,
+        expected,
+    };
+    Err(source.value(&path, problem))
 }
 
 /// Refuses more iterations than any step is worth.

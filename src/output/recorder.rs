@@ -10,7 +10,7 @@ use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::results::{Ending, FinalState, Statistics, final_state};
 use super::vtu::{Frame, collection, grid};
-use crate::input::{Geometry, ModelFile, Output, Plan};
+use crate::input::{DynamicPlan, Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
 use crate::warnings::{Turn, Turns, Watch};
@@ -263,8 +263,16 @@ impl<'a> Recorder<'a> {
     /// Whether a step makes a row.
     fn due(&self, step: &Advance<'_>) -> bool {
         match self.setting.plan {
-            Plan::Dynamic(plan) => {
-                step.number.is_multiple_of(plan.record_every) || step.t >= plan.options.to
+            Plan::Dynamic(DynamicPlan {
+                options,
+                record_every,
+                ..
+            }) => {
+                let due = match options.intervals(step.t) {
+                    Some(passed) => Some(passed) > options.intervals(step.t - step.step_size),
+                    None => step.number.is_multiple_of(*record_every),
+                };
+                due || step.t >= options.to
             }
             _ => true,
         }

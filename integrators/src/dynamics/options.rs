@@ -11,6 +11,8 @@ pub struct DynamicOptions {
     pub to: f64,
     /// Step size. Between kinks steps are equal and at most this large.
     pub step: f64,
+    /// Steps end at the multiples of this time too, exactly: times at which results are wanted.
+    pub interval: Option<f64>,
     /// A failed step is halved until it is smaller than this; then the run has failed.
     pub min_step: f64,
     /// A halved step is doubled again after this many steps in a row that converged.
@@ -31,6 +33,7 @@ impl DynamicOptions {
         Self {
             to,
             step,
+            interval: None,
             min_step: 1e-6 * step,
             easy: 4,
             scheme: Scheme::default(),
@@ -38,6 +41,11 @@ impl DynamicOptions {
             adaptivity: None,
             energies: true,
         }
+    }
+
+    /// How many whole intervals have passed at a time.
+    pub fn intervals(&self, t: f64) -> Option<f64> {
+        self.interval.map(|interval| (t / interval + 1e-6).floor())
     }
 }
 
@@ -70,6 +78,7 @@ pub(super) fn check<Y: System + ?Sized>(
     {
         sizes.extend([("tolerance", tolerance), ("max_step", max_step)]);
     }
+    sizes.extend(options.interval.map(|interval| ("interval", interval)));
     for (name, value) in sizes {
         if !(value > 0.0 && value.is_finite()) {
             return Err(DynamicsError::Option {

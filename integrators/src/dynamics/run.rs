@@ -8,7 +8,7 @@ use super::keep::{Keeper, energies};
 use super::landing::Landing;
 use super::options::check;
 use super::step::{Stepper, rebase};
-use super::stops::{Stop, kinks, stops};
+use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
 use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
@@ -47,13 +47,11 @@ pub fn integrate_with<Y: System + ?Sized>(
     solver
         .analyse(system.pattern(), Symmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
-    let kinks = kinks(system);
     let mut run = Run {
         stepper: Stepper::new(system, options)?,
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
-        stops: stops(&kinks, progress.state.t, options.to),
-        kinks,
+        stops: Stops::new(system, progress.state.t, options),
         landing: Landing::default(),
         keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
         options,
@@ -87,10 +85,8 @@ const FAR: f64 = 1e3;
 
 pub(super) struct Run<'a> {
     pub(super) stepper: Stepper,
-    /// Times at which a step must end, ascending; the last one is the end.
-    stops: Vec<Stop>,
-    /// Times at which functions of time have a kink, ascending.
-    kinks: Vec<f64>,
+    /// Times at which a step must end.
+    stops: Stops,
     /// A momentum that is kept over a jump.
     pub(super) momentum: Vec<f64>,
     /// What the velocities lack of it after the jump.
@@ -183,8 +179,7 @@ impl Run<'_> {
     /// The next kink, or a time that is some steps away.
     fn next_kink(&self, t: f64) -> f64 {
         let far = t + FAR * self.options.step;
-        let next = self.kinks.get(self.kinks.partition_point(|k| *k <= t));
-        next.map_or(far, |kink| kink.min(far))
+        self.stops.next_kink(t).map_or(far, |kink| kink.min(far))
     }
 
     /// A scheme that restores energy and momenta keeps those of this state from now on.
@@ -245,18 +240,12 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
-        let stop = self
-            .stops
-            .get(self.stops.partition_point(|s| s.left <= from));
-        let stop = stop.copied().unwrap_or(Stop::end(self.options.to));
-        // Equal steps to the next stop, none of them a tiny remainder.
-        let count = ((stop.left - from) / progress.next_step - 1e-6)
-            .ceil()
-            .max(1.0);
+        let stop = self.stops.next(from, self.options);
+        let count = equal_steps(stop.left - from, progress.next_step);
         let h = (stop.left - from) / count;
         // A step ends before a kink: functions of time are asked on its left.
         let to = match (count > 1.0, stop.kink) {
-            (true, _) => from + h,
+            (true, _) => first_end([from, stop.left], count),
             (false, true) => stop.left.next_down(),
             (false, false) => stop.left,
         };
@@ -359,10 +348,7 @@ impl Run<'_> {
         h: f64,
     ) -> Result<usize, DynamicsError> {
         let left = self.stepper.next.t;
-        let stop = self
-            .stops
-            .get(self.stops.partition_point(|s| s.left < left));
-        let kink = stop.copied().filter(|s| s.kink && s.left == left);
+        let kink = self.stops.kink(left);
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
@@ -413,7 +399,12 @@ impl Run<'_> {
         if self.options.adaptivity.is_none() {
             progress.easy += 1;
             let nominal = self.options.step;
-            if progress.easy >= self.options.easy && progress.next_step < nominal {
+            let stop = self.stops.next(progress.state.t, self.options);
+            let rest = equal_steps(stop.left - progress.state.t, progress.next_step);
+            // With an odd number of steps left, twice their size would lead away from the times of
+            // those before they were halved.
+            let pairs = rest % 2.0 == 0.0;
+            if progress.easy >= self.options.easy && progress.next_step < nominal && pairs {
                 progress.next_step = nominal.min(2.0 * progress.next_step);
                 progress.easy = 0;
             }

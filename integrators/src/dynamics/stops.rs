@@ -1,5 +1,6 @@
-//! Times at which a step must end: kinks of functions of time, and the end.
+//! Times at which a step must end: kinks of functions of time, ends of intervals, and the end.
 
+use super::DynamicOptions;
 use pullback_manifold::system::System;
 
 /// A time at which a step must end.
@@ -23,31 +24,98 @@ impl Stop {
     }
 }
 
-/// All kinks, ascending.
-pub(super) fn kinks<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
-    let mut kinks = system.kinks();
-    kinks.sort_by(f64::total_cmp);
-    kinks
+/// All of them, for a run.
+pub(super) struct Stops {
+    /// Kinks until the end, and the end, ascending.
+    listed: Vec<Stop>,
+    /// All kinks, ascending.
+    kinks: Vec<f64>,
+    /// Times closer than this are meant to be equal.
+    slack: f64,
+    /// The k-th interval ends at k `multiple.0 / multiple.1`.
+    multiple: (f64, f64),
 }
 
-/// Kinks after the start and until the end, and the end, ascending.
-pub(super) fn stops(kinks: &[f64], from: f64, to: f64) -> Vec<Stop> {
-    let slack = 1e-13 * to.abs().max(from.abs());
-    let within = |t: &f64| *t > from + slack && *t <= to + slack;
-    let mut stops: Vec<Stop> = Vec::new();
-    for t in kinks.iter().copied().filter(within) {
-        match stops.last_mut() {
-            Some(last) if t - last.right <= slack => last.right = t,
-            _ => stops.push(Stop {
-                left: t,
-                right: t,
-                kink: true,
-            }),
+impl Stops {
+    pub(super) fn new<Y: System + ?Sized>(system: &Y, from: f64, options: &DynamicOptions) -> Self {
+        let to = options.to;
+        let slack = 1e-13 * to.abs().max(from.abs());
+        let mut kinks = system.kinks();
+        kinks.sort_by(f64::total_cmp);
+        let mut listed: Vec<Stop> = Vec::new();
+        for t in kinks.iter().copied().take_while(|&t| t <= to + slack) {
+            match listed.last_mut() {
+                Some(last) if t - last.right <= slack => last.right = t,
+                _ => listed.push(Stop {
+                    kink: true,
+                    ..Stop::end(t)
+                }),
+            }
+        }
+        match listed.last_mut() {
+            Some(last) if to - last.left <= slack => last.left = to,
+            _ => listed.push(Stop::end(to)),
+        }
+        let interval = options.interval.unwrap_or(f64::INFINITY);
+        let whole = (to / interval).round();
+        // A part of the end has the digits that were meant: 3 / 10 for 3 times 0.1.
+        let multiple = match (whole * interval - to).abs() <= slack {
+            true => (to, whole),
+            false => (interval, 1.0),
+        };
+        Self {
+            listed,
+            kinks,
+            slack,
+            multiple,
         }
     }
-    match stops.last_mut() {
-        Some(last) if to - last.left <= slack => last.left = to,
-        _ => stops.push(Stop::end(to)),
+
+    /// The next one after a time.
+    pub(super) fn next(&self, from: f64, options: &DynamicOptions) -> Stop {
+        let k = self.listed.partition_point(|s| s.left <= from + self.slack);
+        let stop = self.listed.get(k).copied();
+        let stop = stop.unwrap_or(Stop::end(options.to));
+        let Some(passed) = options.intervals(from) else {
+            return stop;
+        };
+        let (numerator, denominator) = self.multiple;
+        let end = (passed + 1.0) * numerator / denominator;
+        if end < stop.left - self.slack {
+            Stop::end(end)
+        } else {
+            stop
+        }
     }
-    stops
+
+    /// The next kink after a time, also behind the end.
+    pub(super) fn next_kink(&self, t: f64) -> Option<f64> {
+        let k = self.kinks.partition_point(|&kink| kink <= t);
+        self.kinks.get(k).copied()
+    }
+
+    /// The kink at the end of a step.
+    pub(super) fn kink(&self, t: f64) -> Option<Stop> {
+        let k = self.listed.partition_point(|s| s.left < t);
+        let stop = self.listed.get(k).filter(|s| s.kink && s.left == t);
+        stop.copied()
+    }
+}
+
+/// How many equal steps of at most this size there are in a span of time; a tiny remainder is none.
+pub(super) fn equal_steps(span: f64, step: f64) -> f64 {
+    (span / step - 1e-6).ceil().max(1.0)
+}
+
+/// The end of the first of some equal steps between two times.
+///
+/// Steps from zero on are counted, so that rounding errors of their ends do not add up.
+pub(super) fn first_end([from, to]: [f64; 2], count: f64) -> f64 {
+    let h = (to - from) / count;
+    let before = (from / h).round();
+    if before >= 0.0 && (from - before * h).abs() <= 1e-6 * h {
+        to * (before + 1.0) / (before + count)
+    } else {
+        from + h
+    }
 }

@@ -170,6 +170,9 @@ pub struct Dynamic {
     #[serde(default = "one")]
     #[schemars(range(min = 1))]
     pub record_every: usize,
+    /// Instead, a row at every multiple of this time, where steps end exactly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record_interval: Option<f64>,
     /// A checkpoint to resume from every this many steps; 0 writes one at the end only.
     #[serde(default)]
     pub checkpoint_every: usize,

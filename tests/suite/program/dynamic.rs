@@ -20,6 +20,23 @@ fn ran(directory: &Path, text: &str) -> std::path::PathBuf {
 }
 
 #[test]
+fn rows_are_at_the_multiples_of_an_interval() {
+    let directory = directory("program_interval");
+    let text = example("pendulum.toml")
+        .replace("to = 10\n", "to = 1\nrecord_interval = 0.1\n")
+        .replace("step = 0.01\n", "step = 0.003\n");
+    let rows = history(&ran(&directory, &text));
+    let times: Vec<&str> = rows.iter().map(|row| row["t"].as_str()).collect();
+    let round = "0.0 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8 0.9 1.0";
+    assert_eq!(times, round.split(' ').collect::<Vec<_>>());
+    // Elliptic functions (IFToMM benchmark A01): the place at t = 1.
+    let last = rows.last().unwrap();
+    assert!((number(last, "bob.x") - 0.986291751131875).abs() < 2e-5);
+    // 34 steps of 0.1 / 34 between two rows.
+    assert_eq!(last["step"], "340");
+}
+
+#[test]
 fn a_pendulum_records_its_angle_its_forces_and_its_energy() {
     let directory = directory("program_pendulum");
     let out = ran(&directory, &example("pendulum.toml"));

@@ -342,6 +342,27 @@ fn analyses_and_probes() {
             "",
         ),
         (
+            with("step = 0.1", "step = 0.1\nrecord_interval = -1"),
+            "-1",
+            "record_interval",
+            "",
+        ),
+        (
+            with(
+                "step = 0.1",
+                "step = 0.1\nrecord_every = 2\nrecord_interval = 0.5",
+            ),
+            "0.5",
+            "record_interval",
+            "no record_every",
+        ),
+        (
+            with("step = 0.1", "step = 0.1\nrecord_interval = 1e-10"),
+            "1e-10",
+            "record_interval",
+            "at most 1e9 rows",
+        ),
+        (
             with("step = 0.1", "step = 0.1\nadaptive = { tolerance = 0 }"),
             "0",
             "tolerance",

@@ -80,6 +80,120 @@ fn failed_steps_are_halved_and_grow_back() {
     );
 }
 
+/// A pendulum that cannot be evaluated at first after some time.
+struct Stumbling(Pendulum, usize);
+
+impl System for Stumbling {
+    fn pattern(&self) -> &BlockPattern {
+        self.0.pattern()
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        if at.t > 0.58 && self.1 > 0 {
+            self.1 -= 1;
+            let what = "the pendulum".to_owned();
+            return Err(SystemError::NotFinite { what });
+        }
+        self.0.evaluate(at, out)
+    }
+}
+
+#[test]
+fn halved_steps_lead_back_to_round_times() {
+    // 0.5 to 0.6 fails, then 0.55 to 0.6: steps of 0.025 up to 0.65, the fourth of them, and of 0.05
+    // beyond 0.85, the fourth, as only from 0.9 on steps of 0.1 meet the end.
+    let parts = [
+        (1..=5, 10.0),
+        (11..=11, 20.0),
+        (23..=26, 40.0),
+        (14..=18, 20.0),
+        (10..=20, 10.0),
+    ];
+    let each =
+        |(k, n): (std::ops::RangeInclusive<i32>, f64)| k.map(move |k| [f64::from(k) / n, 1.0 / n]);
+    let expected: Vec<[f64; 2]> = parts.into_iter().flat_map(each).collect();
+    let mut found = Vec::new();
+    let mut system = Stumbling(Pendulum::new(), 2);
+    let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
+    let options = DynamicOptions::new(2.0, 0.1);
+    integrate(&mut system, &mut progress, &options, &mut |_, step| {
+        found.push([step.progress.state.t, step.step_size]);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(progress.summary.failed, 2);
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for ([t, h], [end, size]) in found.iter().zip(&expected) {
+        // To the last digit: they are counted.
+        assert_eq!(t, end);
+        assert!((h - size).abs() < 1e-14, "{h} up to {t}");
+    }
+}
+
+#[test]
+fn steps_end_at_the_multiples_of_an_interval() {
+    for (to, interval, count) in [(2.0, 0.1, 20), (1.0, 0.3, 3)] {
+        for adaptivity in [
+            None,
+            Some(Adaptivity {
+                tolerance: 1e-4,
+                max_step: 0.5,
+            }),
+        ] {
+            let options = DynamicOptions {
+                interval: Some(interval),
+                adaptivity,
+                ..DynamicOptions::new(to, 0.04)
+            };
+            let mut times = Vec::new();
+            let mut system = Pendulum::new();
+            let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[]).unwrap());
+            integrate(&mut system, &mut progress, &options, &mut |_, step| {
+                times.push(step.progress.state.t);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+            for k in 1..=count {
+                // Where intervals are equal parts of the run, with the digits of such a part.
+                let exact = match to {
+                    2.0 => 2.0 * f64::from(k) / 20.0,
+                    _ => f64::from(k) * interval,
+                };
+                assert!(times.contains(&exact), "{exact} is not in {times:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_kink_where_a_run_starts_is_behind_it() {
+    // By a rounding error after the start, as sums of times are.
+    struct Late(Oscillator);
+    impl System for Late {
+        fn pattern(&self) -> &BlockPattern {
+            self.0.pattern()
+        }
+        fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+            self.0.evaluate(at, out)
+        }
+        fn kinks(&self) -> Vec<f64> {
+            vec![0.1 + 0.2]
+        }
+    }
+    let mut system = Late(Oscillator::new(1.0, 1.0));
+    assert!(system.kinks()[0] > 0.3);
+    let mut progress = Progress::new(start(&system, 0.3, &[1.0], &[]).unwrap());
+    let mut sizes = Vec::new();
+    let options = DynamicOptions::new(0.7, 0.1);
+    integrate(&mut system, &mut progress, &options, &mut |_, step| {
+        sizes.push(step.step_size);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(sizes.len(), 4, "{sizes:?}");
+    assert!(sizes.iter().all(|h| (h - 0.1).abs() < 1e-14), "{sizes:?}");
+}
+
 #[test]
 fn newton_converges_quadratically_and_a_kept_tangent_linearly() {
     let mut system = Pendulum::new();
