@@ -168,5 +168,6 @@ fn ctrl_c_before_the_first_step_ends_the_program_at_once() {
         ended = child.try_wait().unwrap();
     }
     child.kill().ok();
-    assert!(ended.is_some_and(|status| !status.success()), "{ended:?}");
+    let status = child.wait().unwrap();
+    assert!(ended.is_some() && !status.success(), "{ended:?}");
 }
