@@ -48,7 +48,7 @@ pub fn start<Y: System + ?Sized>(
 }
 
 /// Fills the accelerations of a state, true and algorithmic, from the equations of motion, and its
-/// multipliers.
+/// multipliers; and the velocities of what has damping but no mass, which leaves them no choice.
 ///
 /// The residual is linear in q̈ and λ, so one linear solution suffices:
 /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
@@ -69,7 +69,10 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
-    solve_mass(system, solver, state, h, [&mut *r, S], None)?;
+    let regular = solve_mass(system, solver, state, h, [&mut *r, &mut *S], None)?;
+    if !regular && solve_rates(system, solver, state, [&mut *r, &mut *S])? {
+        solve_mass(system, solver, state, h, [&mut *r, S], None)?;
+    }
     state.a.iter_mut().zip(&*r).for_each(|(a, more)| *a += more);
     for &i in &multipliers {
         (state.q[i], state.a[i]) = (r[i], 0.0);
@@ -127,7 +130,91 @@ const STROKES: usize = 30;
 /// Differences of momentum below this part of the momentum are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Solves M x = b, b the residual at the state unless it is given; x is then in `r`.
+/// Corrections at most of the velocities of what has no mass.
+const CORRECTIONS: usize = 30;
+/// Corrections below this part of the velocities are rounding errors.
+const FINE: f64 = 1e-14;
+
+/// Velocities of what has no mass: where rows of M are zero and their damping is regular the residual
+/// is that of a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
+/// controller. Newton's method solves it; a step that began with other rates would lose an order.
+///
+/// False, and nothing, where there is no such solution: what has neither mass nor damping is left to
+/// the first step.
+fn solve_rates<Y: System + ?Sized>(
+    system: &mut Y,
+    solver: &mut dyn LinearSolver,
+    state: &mut State,
+    [r, S]: [&mut [f64]; 2],
+) -> Result<bool, DynamicsError> {
+    let State { t, q, v, a, .. } = state;
+    let pattern = system.pattern().clone();
+    let mut evaluate = |v: &[f64], [K, C, M]: [f64; 3], r: &mut [f64], S: &mut [f64]| {
+        let at = Point { t: *t, q, v, a };
+        let out = Evaluation::with_tangent(r, Weights { K, C, M }, S);
+        let outcome = system.evaluate_accelerations(at, 0.0, out);
+        outcome.map_err(|source| DynamicsError::System { t: *t, source })
+    };
+    evaluate(v, [0.0, 0.0, 1.0], r, S)?;
+    let (M, massless) = (S.to_vec(), massless(&pattern, S));
+    let mut rates = v.clone();
+    for _ in 0..CORRECTIONS {
+        evaluate(&rates, [0.0, 1.0, 0.0], r, S)?;
+        let both = stand_in(&pattern, &M, S, &massless);
+        keep(r, &massless, true);
+        if (solver
+            .factorise(&both)
+            .and_then(|()| solver.solve(Some(&both), r)))
+        .is_err()
+        {
+            return Ok(false);
+        }
+        keep(r, &massless, true);
+        rates.iter_mut().zip(&*r).for_each(|(v, more)| *v += more);
+        let size = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if size(r) <= FINE * size(&rates) {
+            v.copy_from_slice(&rates);
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Which rows of M are zero.
+fn massless(pattern: &BlockPattern, M: &[f64]) -> Vec<bool> {
+    let mut mass = vec![0.0; pattern.dim()];
+    let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
+    pattern.multiply_add(1.0, &sizes, &vec![1.0; pattern.dim()], &mut mass);
+    mass.iter().map(|m| *m == 0.0).collect()
+}
+
+/// M with S in its place between coordinates without mass.
+fn stand_in(pattern: &BlockPattern, M: &[f64], S: &[f64], massless: &[bool]) -> Vec<f64> {
+    let mut both = M.to_vec();
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let rows = pattern.unknowns(i);
+            let entries = pattern
+                .unknowns(j)
+                .flat_map(|c| rows.clone().map(move |r| (r, c)));
+            for (k, (r, c)) in range.zip(entries) {
+                if massless[r] && massless[c] {
+                    both[k] = S[k];
+                }
+            }
+        }
+    }
+    both
+}
+
+/// Clears the entries of what has mass, or of what has none.
+fn keep(x: &mut [f64], massless: &[bool], these: bool) {
+    let others = x.iter_mut().zip(massless).filter(|(_, m)| **m != these);
+    others.for_each(|(x, _)| *x = 0.0);
+}
+
+/// Solves M x = b, b the residual at the state unless it is given; x is then in `r`. Whether M has an
+/// inverse.
 ///
 /// Coordinates without mass make M singular: M + h C + h² K stands in for it then, h the step that
 /// will be made, which leaves them in balance with the forces on them to the accuracy of a first
@@ -140,7 +227,7 @@ fn solve_mass<Y: System + ?Sized>(
     h: f64,
     [r, S]: [&mut [f64]; 2],
     b: Option<&[f64]>,
-) -> Result<(), DynamicsError> {
+) -> Result<bool, DynamicsError> {
     let t = state.t;
     let mut refused = None;
     let mut M = Vec::new();
@@ -159,16 +246,16 @@ fn solve_mass<Y: System + ?Sized>(
             r.copy_from_slice(b);
         }
         if !M.is_empty() && solve_massive(system.pattern(), solver, &M, r, S).is_ok() {
-            return Ok(());
+            return Ok(false);
         }
         match solver.factorise(S).and_then(|()| solver.solve(Some(S), r)) {
-            Ok(()) => return Ok(()),
+            Ok(()) => return Ok(M.is_empty()),
             Err(error) => refused = Some(error),
         }
         M = S.to_vec();
     }
     match refused {
-        None => Ok(()),
+        None => Ok(true),
         Some(source) => Err(DynamicsError::Accelerations {
             t,
             source,
@@ -189,40 +276,17 @@ fn solve_massive(
     r: &mut [f64],
     S: &[f64],
 ) -> Result<(), LinearError> {
-    let n = r.len();
-    let mut mass = vec![0.0; n];
-    let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
-    pattern.multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
-    let mut both = M.to_vec();
-    for j in 0..pattern.blocks() {
-        for (i, range) in pattern.column(j) {
-            let rows = pattern.unknowns(i);
-            let entries = pattern
-                .unknowns(j)
-                .flat_map(|c| rows.clone().map(move |r| (r, c)));
-            for (k, (r, c)) in range.zip(entries) {
-                if mass[r] == 0.0 && mass[c] == 0.0 {
-                    both[k] = S[k];
-                }
-            }
-        }
-    }
+    let massless = massless(pattern, M);
+    let both = stand_in(pattern, M, S, &massless);
     solver.factorise(&both)?;
     let mut x = r.to_vec();
     solver.solve(Some(&both), &mut x)?;
-    let keep = |x: &mut [f64], massive: bool| {
-        let others = x
-            .iter_mut()
-            .zip(&mass)
-            .filter(|(_, m)| (**m > 0.0) != massive);
-        others.for_each(|(x, _)| *x = 0.0);
-    };
-    keep(&mut x, true);
+    keep(&mut x, &massless, false);
     let mut rest = r.to_vec();
     pattern.multiply_add(-1.0, S, &x, &mut rest);
-    keep(&mut rest, false);
+    keep(&mut rest, &massless, true);
     solver.solve(Some(&both), &mut rest)?;
-    keep(&mut rest, false);
+    keep(&mut rest, &massless, true);
     for ((r, x), rest) in r.iter_mut().zip(&x).zip(&rest) {
         *r = x + rest;
     }
