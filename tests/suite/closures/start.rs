@@ -133,7 +133,6 @@ fn values_are_kept_in_the_order_of_the_file() {
     }
 }
 
-/// Test Set for IVP Solvers (Mazzia & Magherini 2008), II-9: all seven angles are given.
 /// The way to a value is walked in steps, of which there is an end.
 #[test]
 fn a_value_that_no_digits_hold_is_refused() {
@@ -162,6 +161,7 @@ fn a_value_that_no_digits_hold_is_refused() {
     assert_eq!(angles["A angle"][0], 1e6);
 }
 
+/// Test Set for IVP Solvers (Mazzia & Magherini 2008), II-9: all seven angles are given.
 #[test]
 fn andrews_squeezer_starts_at_its_published_angles() {
     let text = include_str!("../../../examples/models/squeezer.toml");
