@@ -149,16 +149,12 @@ fn execute(
         file,
         ..
     } = job;
-    let setting = Setting {
-        source,
-        file: &file,
-        plan: &plan,
-        geometry: &geometry,
-        output,
-    };
     let mut notes = model.notes();
     if model.hung().next().is_some() {
         notes.push(model.mobility().to_string());
+    }
+    if !matches!(plan, Plan::Dynamic(_)) {
+        notes.extend(warnings::stability_unknown(&model));
     }
     // Whatever refuses to begin leaves the directory as it is.
     let mut progress = Progress::default();
@@ -188,6 +184,14 @@ fn execute(
     let directory = match &checkpoint {
         None => Directory::open(directory)?,
         Some(checkpoint) => Directory::reopen(directory, &checkpoint.grids())?,
+    };
+    let setting = Setting {
+        source,
+        file: &file,
+        plan: &plan,
+        geometry: &geometry,
+        notes: &notes,
+        output,
     };
     let mut recorder = Recorder::new(setting, directory, probes, &model, warnings)?;
     match (&plan, checkpoint) {
@@ -236,9 +240,9 @@ fn execute(
         t,
         parameter: plan.parameter(),
         warnings,
-        notes,
         directory: written.path().to_owned(),
         files: written.files().to_vec(),
+        notes,
     })
 }
 

@@ -43,6 +43,18 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     })
 }
 
+/// Why nobody knows how stable the equilibria of a static analysis are.
+pub(crate) fn stability_unknown(model: &Model) -> Option<String> {
+    let names: Vec<String> = model.asymmetric().map(str::to_owned).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the column `unstable` stays empty: moments and follower loads have no potential and make \
+             the tangent unsymmetric ({})",
+            listed(&names)
+        )
+    })
+}
+
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
 fn has(own: bool, model: &Model, joint: &Joint) -> bool {

@@ -175,7 +175,7 @@ pub trait Element: Send + Sync {
         Vec::new()
     }
 
-    /// Whether K is symmetric wherever the element can be.
+    /// Whether K is symmetric at rest, wherever the element can be.
     fn is_symmetric(&self) -> bool {
         true
     }

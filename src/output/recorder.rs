@@ -35,6 +35,8 @@ pub struct Setting<'a> {
     pub plan: &'a Plan,
     /// Where the lines are.
     pub geometry: &'a Geometry,
+    /// What there is to know of the model.
+    pub notes: &'a [String],
     /// What is written.
     pub output: Output,
 }

@@ -57,6 +57,8 @@ pub struct Results<'a> {
     pub settings: &'a ModelFile,
     /// Counts.
     pub statistics: Statistics,
+    /// What there is to know of the model, as the terminal tells it.
+    pub notes: &'a [String],
     /// What looks doubtful about the model or its results.
     pub warnings: &'a [String],
     /// The last converged state.

@@ -42,13 +42,13 @@ pub(crate) struct Watch {
     /// Residual relative to loads and reactions at which a step has converged, unless what is left is
     /// rounding.
     relative: f64,
-    /// Residual force and moment, and load parameter, of the first row where they are no smaller than
-    /// that part of loads and reactions.
-    unresolved: Option<([f64; 2], f64)>,
+    /// Residual force and moment, the part of loads and reactions that they are, and load parameter of
+    /// the first row where rounding errors leave that much of them.
+    unresolved: Option<([f64; 2], f64, f64)>,
 }
 
 /// Residuals from this part of loads and reactions on leave too few correct digits.
-const UNRESOLVED: f64 = 1e-3;
+const UNRESOLVED: f64 = 1e-5;
 
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
@@ -86,8 +86,11 @@ impl Watch {
         .measures();
         let mut each = row.residual.iter().zip(measures);
         let balanced = each.all(|(left, whole)| *left < UNRESOLVED * whole);
-        if row.ratio * self.relative >= UNRESOLVED && !balanced && self.unresolved.is_none() {
-            self.unresolved = Some((row.residual, t));
+        // Above the tolerance nothing but rounding errors was left.
+        let part = row.ratio * self.relative;
+        let unresolved = row.ratio > 1.0 && part >= UNRESOLVED && !balanced;
+        if unresolved && self.unresolved.is_none() {
+            self.unresolved = Some((row.residual, part, t));
         }
         self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
         let mut reactions = answers.reactions().iter();
@@ -151,12 +154,12 @@ impl Watch {
             )
         });
         let strained = strained.filter(|_| inverted.is_none());
-        let unresolved = self.unresolved.map(|([force, moment], t)| {
+        let unresolved = self.unresolved.map(|([force, moment], part, t)| {
             format!(
-                "forces are no larger than rounding errors at load parameter {}: the residual (force \
-                 {force:.1e}, moment {moment:.1e}) cannot be made smaller with such stiffnesses, and \
-                 forces and reactions of this size, and what they move, have few correct digits or none. Load \
-                 it more, or make stiff parts softer or rigid",
+                "the balance of forces ends at rounding errors at load parameter {}: the residual (force \
+                 {force:.1e}, moment {moment:.1e}) is {part:.0e} of loads and reactions and cannot be made \
+                 smaller with such stiffnesses; forces and reactions, and what they move, have no more \
+                 correct digits. Load it more, or make stiff parts softer or rigid",
                 significant(t)
             )
         });

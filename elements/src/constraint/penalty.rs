@@ -143,11 +143,6 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
         self.stiffness.p * self.stiffness.tau * self.rate(at).norm_squared()
     }
 
-    /// Not with dampers: Σ (h_x)˙ᵀ h_x is not symmetric.
-    fn is_symmetric(&self) -> bool {
-        self.stiffness.tau == 0.0
-    }
-
     fn is_objective(&self) -> bool {
         self.h.is_objective()
     }

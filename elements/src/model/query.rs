@@ -80,6 +80,13 @@ impl Model {
         (&e.name, e.nodes.iter().map(|&n| NodeId(n)).collect())
     }
 
+    /// Names of elements and loads whose tangent is not symmetric: no potential tells how stable an
+    /// equilibrium with them is.
+    pub fn asymmetric(&self) -> impl Iterator<Item = &str> {
+        let others = self.elements.iter().filter(|e| !e.element.is_symmetric());
+        others.map(|e| e.name.as_str())
+    }
+
     /// Reference place of a node.
     pub fn reference(&self, node: NodeId) -> Vector3<f64> {
         self.nodes[node.0 as usize].place

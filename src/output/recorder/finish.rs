@@ -22,6 +22,7 @@ impl Recorder<'_> {
             ending,
             settings: self.setting.file,
             statistics: self.statistics,
+            notes: self.setting.notes,
             warnings: &warnings,
             last: self.last.as_ref(),
             files: self.directory.files(),

@@ -1,5 +1,5 @@
 //! What a run in statics records and warns of.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::closures::{CLOSURES, GROUND, arm, hinge, joint};
 use crate::support::program::{
@@ -135,6 +135,69 @@ fn a_spring_that_parts_hold_at_the_start_is_in_balance() {
 }
 
 #[test]
+fn why_stability_is_not_known_is_told() {
+    let (rows, result, _) = run("statics_unstable_unknown", MODEL);
+    let notes = result["notes"].to_string();
+    assert!(notes.contains("`unstable` stays empty"), "{notes}");
+    assert!(notes.contains("(load 1)"), "{notes}");
+    assert!(rows.iter().all(|row| row["unstable"].is_empty()));
+
+    // A dead force has a potential, and so has a penalty, with dampers too.
+    let penalty = format!("{}\npenalty_damping = 0.1", CLOSURES[2]);
+    let k = "spring = { k = 60 }";
+    let file = [
+        GROUND,
+        &hinge("A", "ground", k),
+        &arm("a", "A", [0.31, 1.04, 0.0]),
+        &hinge("B", "ground", k),
+        &arm("b", "B", [0.31, 1.04, 0.0]),
+        &joint("C", "weld", "a", &format!("child = \"b\"\n{penalty}")),
+        "[[springs]]\nname = \"stay\"\nnodes = [\"b\", \"ground\"]\nstiffness = 18\n",
+        "[[loads]]\nnode = \"a\"\nforce = [0.3, -1, 0]\n",
+        "[analysis.static]\nsteps = 2\n",
+    ];
+    let (rows, result, _) = run("statics_unstable_penalty", &file.concat());
+    assert!(
+        !result["notes"].to_string().contains("unstable"),
+        "{result}"
+    );
+    assert!(rows[1..].iter().all(|row| row["unstable"] == "0"));
+}
+
+#[test]
+fn a_balance_that_ends_at_rounding_errors_is_warned_of() {
+    // A soft hinge turns a stiff beam: nodes far from where they were drawn, whose rounding errors times EA
+    // are no small forces beside the load.
+    let file = |EA: f64| {
+        format!(
+            "[sections.s]\nstiffness = {{ EA = {EA:e}, GA = [{EA:e}, {EA:e}], GJ = 1e6, EI = [1e6, 1e6] }}\n\
+             [nodes]\nroot = [0, 0, 0]\ntip = [5, 0, 0]\n\
+             [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nmaster = \"root\"\naxis = [0, 0, 1]\n\
+             spring = {{ k = 1e-3 }}\n\
+             [[lines]]\nname = \"beam\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 4\nsection = \"s\"\n\
+             [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
+             [[loads]]\nnode = \"tip\"\nforce = [0, 1e-4, 0]\n\
+             [analysis.static]\nsteps = 2\n"
+        )
+    };
+    for (EA, told) in [(1e2, false), (1e6, true)] {
+        let (rows, result, _) = run("statics_rounding", &file(EA));
+        let ratios = rows
+            .iter()
+            .map(|row| number(row, "residual_over_tolerance"));
+        let ratio = ratios.fold(0.0, f64::max);
+        let warnings = result["warnings"].to_string();
+        assert_eq!(
+            warnings.contains("balance of forces ends"),
+            told,
+            "{ratio}: {warnings}"
+        );
+        // 1e-5 of the forces is 10,000 times the tolerance.
+        assert_eq!(ratio > 1e4, told, "{ratio}");
+    }
+}
+
+#[test]
 fn what_does_nothing_or_too_much_is_warned_of() {
     let moment = "moment = [0, 0, 3.141592653589793]";
     let at_b = "[[loads]]\nnode = \"B\"\nmoment";
@@ -157,7 +220,7 @@ fn what_does_nothing_or_too_much_is_warned_of() {
     // EA = 1e6: rounding errors of forces are of the order of 1e-9.
     let faint = with(moment, "force = [1e-12, 0, 0]");
     let (_, result, _) = run("statics_faint", &faint);
-    assert!(first(&result).contains("no larger than rounding errors"));
+    assert!(first(&result).contains("balance of forces ends at rounding errors"));
 
     // 30 % of elongation, and a bar pressed to -10 % of its length.
     let stretched = with(moment, "force = [3e5, 0, 0]");
