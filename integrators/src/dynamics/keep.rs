@@ -7,7 +7,8 @@
 //! q̇ ↦ Σ jₖ eₖ + s w,    w = q̇ − Σ (eₖ·M q̇) eₖ,    eₖ the fields made orthonormal in M
 //! ```
 //!
-//! jₖ the momenta to be kept, those that constant forces change with their impulses in them: they fix the part of the motion that is rigid, and s the energy of the rest
+//! jₖ the momenta to be kept, those that constant forces change with their impulses in them: they fix
+//! the part of the motion that is rigid, and s the energy of the rest
 //! (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.4). A body that is rigid, or
 //! nearly so, has no rest: its energy at given momenta depends on how it is turned. So the
 //! projection may turn the whole by η about its centre of mass as well, which changes that energy
