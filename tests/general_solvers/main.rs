@@ -6,7 +6,8 @@ mod laboratory;
 
 use laboratory::{bob, compared, model, options, until};
 use nalgebra::Vector3;
-use pullback::compare::{Contender, Exact, Quantity};
+use pullback::compare::{Contender, Exact, Options, Quantity};
+use pullback::input;
 
 const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
 
@@ -83,9 +84,8 @@ fn kinks_are_met_and_multipliers_refused() {
         let end = row.samples.last().unwrap().momenta[0].x;
         assert!((end - 20.0).abs() < 1e-3, "{end}");
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
-    let text = std::fs::read_to_string(path).unwrap();
-    let text = text.replace("child = ", "closure = \"multipliers\"\nchild = ");
+    let text = include_str!("../../examples/models/four_bar.toml")
+        .replace("child = ", "closure = \"multipliers\"\nchild = ");
     let file = until(input::parse("four_bar.toml", &text).unwrap(), 0.1);
     let comparison = compared(&file, &options(&["diffsol-bdf"], &[0.02, 0.01])).unwrap();
     let said = comparison.rows[0].failure.as_deref().unwrap();
