@@ -66,6 +66,17 @@ pub enum SpectrumError {
         /// The scheme without its prefix.
         scheme: String,
     },
+    /// A scheme that keeps energy by a projection.
+    #[error(
+        "scheme `{word}`: its projection is no linear map and gives back what the step takes, so that it has no \
+         spectrum; that of its step is the one of `{step}`"
+    )]
+    Projection {
+        /// What was asked for.
+        word: String,
+        /// The scheme without the projection.
+        step: String,
+    },
     /// A general solver.
     #[error(
         "`{word}` is a general solver, which chooses its own steps: it has no spectrum over Ω = ω h"
@@ -248,8 +259,21 @@ fn asked(word: &str) -> Result<Scheme, SpectrumError> {
             word: word.to_owned(),
             scheme: scheme.to_owned(),
         }),
-        None => Ok(word.parse()?),
+        None => plain(word.parse()?),
     }
+}
+
+/// A scheme whose step is all that it does.
+fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
+    if !scheme.keeps_energy() {
+        return Ok(scheme);
+    }
+    let word = scheme.to_string();
+    let step = match word.split_once(':') {
+        Some((_, rho)) => format!("ga:{rho}"),
+        None => "newmark".to_owned(),
+    };
+    Err(SpectrumError::Projection { word, step })
 }
 
 /// The table for a terminal: each scheme at few Ω.

@@ -143,9 +143,9 @@ pub enum DynamicsError {
     },
     /// Energy has grown without bounds: the step does not resolve what the scheme cannot damp.
     #[error(
-        "the motion is unstable: at time {t:.6} it has the energy {energy:.3e} where {known:.3e} has \
-         ever been there or supplied; take smaller steps, or a scheme that damps high frequencies \
-         (more)"
+        "the motion is unstable: at time {t:.6} {}; take smaller steps, or a scheme that damps high frequencies \
+         (more). Where that makes no difference the model itself is unstable: see whether a stiffness or a \
+         damping is negative", grown(*energy, *known)
     )]
     Unstable {
         /// Time.
@@ -158,6 +158,14 @@ pub enum DynamicsError {
     /// A step failed down to the smallest step size.
     #[error("{0}")]
     Step(Box<FailedStep>),
+}
+
+fn grown(energy: f64, known: f64) -> String {
+    if energy.is_finite() && known.is_finite() {
+        format!("it has the energy {energy:.3e} where {known:.3e} has ever been there or supplied")
+    } else {
+        "its energy is beyond all numbers".to_owned()
+    }
 }
 
 fn names(mechanism: &[(String, f64)]) -> String {

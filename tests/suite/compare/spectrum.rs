@@ -108,6 +108,14 @@ fn what_it_refuses() {
             "no difference to a linear vibration: leave the prefix out, `ga:0.8`",
         ),
         (
+            &["--schemes", "em:0.5"],
+            "that of its step is the one of `ga:0.5`",
+        ),
+        (
+            &["--schemes", "energy-momentum"],
+            "that of its step is the one of `newmark`",
+        ),
+        (
             &["--schemes", "diffsol-bdf"],
             "`diffsol-bdf` is a general solver",
         ),

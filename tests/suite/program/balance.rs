@@ -50,6 +50,22 @@ fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
 }
 
 #[test]
+fn a_model_that_is_unstable_itself_is_told_so() {
+    // x = 0.01 cosh(√1000 t) is beyond the largest number before t = 23, and its energy before 12.
+    let text = "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"slide\"\ntype = \"prismatic\"\n\
+                master = \"ground\"\naxis = [1, 0, 0]\nspring = { k = -1000 }\nvalue = 0.01\n\n\
+                [[bodies]]\nname = \"mass\"\nnode = \"slide\"\nmass = 1\n\n\
+                [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
+                [analysis.dynamic]\nto = 100\nstep = 0.01\n\n[output]\nfigures = false\nparaview_every = 0\n";
+    let output = program(&[&write(&directory("program_balance_pushed"), text)]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr);
+    let told = "its energy is beyond all numbers";
+    assert!(said.contains(told) && said.contains("stiffness"), "{said}");
+    assert!(!said.contains("NaN") && !said.contains("inf "), "{said}");
+}
+
+#[test]
 fn a_small_motor_drives_a_fast_rotor() {
     // One radian per second more after one second, beside a centrifugal force of 1e10.
     let turns = "master = \"ground\"\nrate = 1e5\nmotor = { constant = 1 }";
