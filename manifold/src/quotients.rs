@@ -123,6 +123,8 @@ const fn taylor<const L: usize, const N: usize>(kind: [(usize, usize); L]) -> [[
 
 /// b₂, b₃, e₃, f₃: first neglected term below 4e-18 of the value for z ≤ [`SERIES_LIMIT`].
 const HEADS: [[f64; 4]; 12] = taylor([(2, 1), (3, 1), (3, 2), (3, 3)]);
+/// b₄, e₄, f₄, for those who differentiate that often.
+const FOURTH: [[f64; 3]; 12] = taylor([(4, 1), (4, 2), (4, 3)]);
 /// b₀, e₀, f₀.
 const VALUES: [[f64; 3]; 14] = taylor([(0, 1), (0, 2), (0, 3)]);
 
@@ -144,7 +146,7 @@ fn polynomials<const L: usize, const N: usize>(table: &[[f64; L]; N], x: f64) ->
     even
 }
 
-/// The three families up to order three.
+/// The three families up to order four.
 struct Families {
     b: Orders,
     e: Orders,
@@ -157,6 +159,7 @@ fn families(psi: f64) -> Families {
     let z = psi * psi;
     if z < SERIES_LIMIT {
         let [b2, b3, e3, f3] = polynomials(&HEADS, z);
+        let [b4, e4, f4] = polynomials(&FOURTH, z);
         let b1 = 5.0 * b2 - z * b3;
         let b0 = 3.0 * b1 - z * b2;
         let e2 = (b2 + z * e3) * (1.0 / 6.0);
@@ -166,9 +169,9 @@ fn families(psi: f64) -> Families {
         let e0 = (b0 + z * e1) * 0.5;
         let f0 = (b1 + z * f1) * 0.5;
         return Families {
-            b: [b0, b1, b2, b3],
-            e: [e0, e1, e2, e3],
-            f: [f0, f1, f2, f3],
+            b: [b0, b1, b2, b3, b4],
+            e: [e0, e1, e2, e3, e4],
+            f: [f0, f1, f2, f3, f4],
         };
     }
     // Half angles keep sin ψ near π and 1−cos ψ near 2π to full relative accuracy.
@@ -193,17 +196,20 @@ fn families(psi: f64) -> Families {
     let f1 = (2.0 * f0 - b1) * u;
     let f2 = (4.0 * f1 - b2) * u;
     let f3 = (6.0 * f2 - b3) * u;
+    let b4 = (7.0 * b3 - b2) * u;
+    let e4 = (8.0 * e3 - b3) * u;
+    let f4 = (8.0 * f3 - b4) * u;
     Families {
-        b: [b0, b1, b2, b3],
-        e: [e0, e1, e2, e3],
-        f: [f0, f1, f2, f3],
+        b: [b0, b1, b2, b3, b4],
+        e: [e0, e1, e2, e3, e4],
+        f: [f0, f1, f2, f3, f4],
     }
 }
 
 /// d^k/dz^k = (−½)^k (−D)^k.
 #[inline]
 fn in_z(f: Orders) -> Orders {
-    [f[0], -0.5 * f[1], 0.25 * f[2], -0.125 * f[3]]
+    [f[0], -0.5 * f[1], 0.25 * f[2], -0.125 * f[3], 0.0625 * f[4]]
 }
 
 /// What R, T and their derivative tensors C₁…C₅ need at one angle ψ; \[M04\] (45), (53).
@@ -339,7 +345,7 @@ pub fn cos_sqrt<S: Scalar>(z: S) -> S {
         return S::constant(psi.cos());
     }
     let b = families(psi).b;
-    z.compose(in_z([psi.cos(), b[0], b[1], b[2]]))
+    z.compose(in_z([psi.cos(), b[0], b[1], b[2], b[3]]))
 }
 
 /// (cos ψ/2, sin(ψ/2)/ψ) from z = ψ²: the parts of a unit quaternion, no root at zero.

@@ -7,8 +7,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Highest total order of differentiation any [`Scalar`] may carry.
 ///
 /// B̈ = D_q ẍ is of order three (two in time, one in q), and so is the exact tangent of an
-/// equation of motion that comes from a kinetic energy. Nothing in this framework needs more.
-pub const MAX_ORDER: usize = 3;
+/// equation of motion that comes from a kinetic energy. The fourth is for the author of a map or an
+/// energy, who may differentiate once inside it: the normal of a cam
+/// ([`Grad`](crate::jet::Grad), docs/adding_a_joint.md).
+pub const MAX_ORDER: usize = 4;
 
 /// A real number, or a real number with exact forward derivatives.
 ///
@@ -44,7 +46,7 @@ pub trait Scalar:
     /// The value without its derivatives.
     fn re(&self) -> f64;
 
-    /// The chain rule: f(self), given `f`, f′, f″, f‴ at `self.re()`.
+    /// The chain rule: f(self), given `f`, f′, f″, f‴, f⁗ at `self.re()`.
     ///
     /// Entries beyond [`Scalar::ORDER`] are never read, so they may be left at zero.
     #[must_use]
@@ -55,7 +57,7 @@ pub trait Scalar:
     fn recip(self) -> Self {
         let u = 1.0 / self.re();
         let u2 = u * u;
-        self.compose([u, -u2, 2.0 * u2 * u, -6.0 * u2 * u2])
+        self.compose([u, -u2, 2.0 * u2 * u, -6.0 * u2 * u2, 24.0 * u2 * u2 * u])
     }
 
     /// Square root; not differentiable at 0 (write norms as functions of the squared norm).
@@ -65,21 +67,22 @@ pub trait Scalar:
         let (s, u) = (x.sqrt(), 1.0 / x);
         let d1 = 0.5 * s * u;
         let d2 = -0.5 * d1 * u;
-        self.compose([s, d1, d2, -1.5 * d2 * u])
+        let d3 = -1.5 * d2 * u;
+        self.compose([s, d1, d2, d3, -2.5 * d3 * u])
     }
 
     /// Sine.
     #[must_use]
     fn sin(self) -> Self {
         let (s, c) = self.re().sin_cos();
-        self.compose([s, c, -s, -c])
+        self.compose([s, c, -s, -c, s])
     }
 
     /// Cosine.
     #[must_use]
     fn cos(self) -> Self {
         let (s, c) = self.re().sin_cos();
-        self.compose([c, -s, -c, s])
+        self.compose([c, -s, -c, s, c])
     }
 
     /// Tangent.
@@ -99,7 +102,8 @@ pub trait Scalar:
     fn ln(self) -> Self {
         let x = self.re();
         let u = 1.0 / x;
-        self.compose([x.ln(), u, -u * u, 2.0 * u * u * u])
+        let u2 = u * u;
+        self.compose([x.ln(), u, -u2, 2.0 * u2 * u, -6.0 * u2 * u2])
     }
 
     /// Arc tangent.
@@ -112,6 +116,7 @@ pub trait Scalar:
             u,
             -2.0 * x * u * u,
             (6.0 * x * x - 2.0) * u * u * u,
+            24.0 * x * (1.0 - x * x) * (u * u) * (u * u),
         ])
     }
 
@@ -143,6 +148,7 @@ pub trait Scalar:
             term(1, k),
             term(2, k * (k - 1.0)),
             term(3, k * (k - 1.0) * (k - 2.0)),
+            term(4, k * (k - 1.0) * (k - 2.0) * (k - 3.0)),
         ])
     }
 }

@@ -25,7 +25,10 @@ impl<S: Scalar, const D: usize> Grad<S, D> {
 
 impl<S: Scalar, const D: usize> Scalar for Grad<S, D> {
     const ORDER: usize = {
-        assert!(S::ORDER < MAX_ORDER, "jets nest to total order three");
+        assert!(
+            S::ORDER < MAX_ORDER,
+            "jets nest to total order four: differentiate once inside a map or an energy, not twice"
+        );
         S::ORDER + 1
     };
 

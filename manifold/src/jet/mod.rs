@@ -10,6 +10,10 @@
 //! | [`Phase`] | value, gradient, Hessian in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
+//! All but the last are what the library runs a map or an energy over. `Grad<S, 1>` is also for its author:
+//! over any of them, S, it differentiates once more inside the function, up to [`MAX_ORDER`] in all.
+//! Deeper nests are refused when a program is built (not by `cargo check`).
+//!
 //! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` is what `Moving<D>` is, only slower. The example
 //! `jet_speed` measures them against the num-dual crate, which is the oracle of their tests, and fails
 //! where they are not clearly faster. For a rigid link and a revolute joint num-dual was read to take 1.3
@@ -101,5 +105,5 @@ pub use trace::Trace;
 /// Shifts derivatives by one order: those of f′ from those of f.
 #[inline]
 fn derivative(f: [f64; MAX_ORDER + 1]) -> [f64; MAX_ORDER + 1] {
-    [f[1], f[2], f[3], 0.0]
+    [f[1], f[2], f[3], f[4], 0.0]
 }

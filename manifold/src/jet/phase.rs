@@ -203,7 +203,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         let own = if HX + HV > 0 { 2 } else { 1 };
         assert!(
             S::ORDER + own <= MAX_ORDER,
-            "jets nest to total order three"
+            "jets nest to total order four: differentiate once inside a map or an energy, not twice"
         );
         S::ORDER + own
     };

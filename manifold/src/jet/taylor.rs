@@ -17,7 +17,10 @@ pub struct Taylor<S> {
 
 impl<S: Scalar> Scalar for Taylor<S> {
     const ORDER: usize = {
-        assert!(S::ORDER + 1 < MAX_ORDER, "jets nest to total order three");
+        assert!(
+            S::ORDER + 1 < MAX_ORDER,
+            "jets nest to total order four: differentiate once inside a map or an energy, not twice"
+        );
         S::ORDER + 2
     };
 

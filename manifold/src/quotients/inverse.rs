@@ -10,7 +10,7 @@ const TWO_PI: f64 = std::f64::consts::TAU;
 /// The sum over n ≥ 4 in [`cotangent`]: row j, lane k is 2^k (j+k)!/j! t_{j+k}, where
 /// t_j = 2 Σ_{n≥4} (2πn)^{−2(j+1)}.
 const fn cotangent_tail<const L: usize>() -> [[f64; L]; 12] {
-    const T: [f64; 15] = [
+    const T: [f64; 16] = [
         0.014_378_638_910_075_684,
         9.595_555_480_779_425e-6,
         1.125_714_338_300_260_9e-8,
@@ -26,6 +26,7 @@ const fn cotangent_tail<const L: usize>() -> [[f64; L]; 12] {
         7.872_558_284_510_73e-37,
         1.244_968_366_250_882e-39,
         1.969_580_735_610_124e-42,
+        3.116_731_900_957_96e-45,
     ];
     let mut table = [[0.0; L]; 12];
     let mut j = 0;
@@ -42,7 +43,7 @@ const fn cotangent_tail<const L: usize>() -> [[f64; L]; 12] {
     table
 }
 
-/// a₃, D a₃, … (L ≤ 4 of them) at 0 ≤ ψ < 2π: a₃ = Σ_{n≥1} 2/((2πn)² − ψ²).
+/// a₃, D a₃, … (L ≤ 5 of them) at 0 ≤ ψ < 2π: a₃ = Σ_{n≥1} 2/((2πn)² − ψ²).
 #[inline]
 fn cotangent<const L: usize>(psi: f64) -> [f64; L] {
     let z = psi * psi;
@@ -114,12 +115,16 @@ pub fn inverse_quotients<S: Scalar>(z: S) -> (S, S) {
         -(2.0 * a[0] + x * a[1]),
         -(4.0 * a[1] + x * a[2]),
         -(6.0 * a[2] + x * a[3]),
+        -(8.0 * a[3] + x * a[4]),
     ];
-    let scaled = |f: Orders| z.compose([f[0], 0.5 * f[1], 0.25 * f[2], 0.125 * f[3]]);
+    let scaled = |f: Orders| {
+        let [f0, f1, f2, f3, f4] = f;
+        z.compose([f0, 0.5 * f1, 0.25 * f2, 0.125 * f3, 0.0625 * f4])
+    };
     (scaled(g), scaled(a))
 }
 
-/// Derivatives k = 0…3 in w of 2 acos(w)/√(1−w²) = 2 Σ n!/(3/2)_n xⁿ, x = (1−w)/2 (lanes).
+/// Derivatives k = 0…4 in w of 2 acos(w)/√(1−w²) = 2 Σ n!/(3/2)_n xⁿ, x = (1−w)/2 (lanes).
 const LOG_FACTOR: [[f64; MAX_ORDER + 1]; 36] = {
     let mut table = [[0.0; MAX_ORDER + 1]; 36];
     let mut n = 0;
@@ -166,5 +171,6 @@ pub fn log_factor<S: Scalar>(w: S) -> S {
     let f = closed(c);
     let f1 = (c * f - 2.0) * u;
     let f2 = (3.0 * c * f1 + f) * u;
-    w.compose([f, f1, f2, (5.0 * c * f2 + 4.0 * f1) * u])
+    let f3 = (5.0 * c * f2 + 4.0 * f1) * u;
+    w.compose([f, f1, f2, f3, (7.0 * c * f3 + 9.0 * f2) * u])
 }

@@ -10,6 +10,11 @@ fn its_code_is_the_example() {
 }
 
 #[test]
+fn its_cam_is_the_example() {
+    included::hold(PAGE, "```rust\n", 7..11, "examples/cam.rs", false);
+}
+
+#[test]
 fn its_model_file_is_the_example() {
     let file = "examples/helical_joint.toml";
     crate::support::included::hold(PAGE, "```toml\n", 0..1, file, true);

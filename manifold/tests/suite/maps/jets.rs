@@ -8,6 +8,8 @@ use num_traits::{One, Zero};
 use pullback_manifold::jet::{Grad, Hess, Moving, Taylor, Trace};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
+use pullback_manifold::{check, quotients};
+use std::f64::consts::FRAC_PI_2;
 
 const D: usize = 4;
 const N: usize = 3;
@@ -256,7 +258,7 @@ fn operators<S: Scalar>(x: S, y: S) -> [S; 6] {
         z,
         -x / y,
         S::zero() + x * S::one(),
-        x.compose([x.re().sin(), x.re().cos(), -x.re().sin(), -x.re().cos()]) - x.sin() + y,
+        x.compose([0, 1, 2, 3, 4].map(|k| (x.re() + f64::from(k) * FRAC_PI_2).sin())) - x.sin() + y,
         y.atan2(x) - (y / x).atan(),
         S::constant(2.0) * x - x / 0.5 + y,
     ]
@@ -313,16 +315,7 @@ fn operators_obey_their_definitions() {
 #[test]
 fn angles_and_powers_at_their_special_points() {
     // atan2 in every quadrant, at the axes, and its derivatives −s/r², c/r².
-    for angle in [
-        0.0,
-        0.5,
-        1.6,
-        3.1,
-        -3.1,
-        -1.6,
-        -0.5,
-        std::f64::consts::FRAC_PI_2,
-    ] {
+    for angle in [0.0, 0.5, 1.6, 3.1, -3.1, -1.6, -0.5, FRAC_PI_2] {
         let (s, c) = f64::sin_cos(angle);
         let (y, x) = (
             Grad::<f64, 2>::variable(2.0 * s, 0),
@@ -347,4 +340,57 @@ fn angles_and_powers_at_their_special_points() {
         let p = zero.powi(n);
         assert_eq!([p.v, p.d, p.dd], expected, "x^{n}");
     }
+}
+
+/// The derivative of every elementary function and quotient by its argument, taken inside a map.
+#[derive(Clone)]
+struct Inside;
+
+impl Map<2, 14> for Inside {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 2>) -> SVector<S, 14> {
+        let x = Grad::<S, 1>::variable((q[0] * q[1] + t).sin() * 0.3 + 0.6, 0);
+        let heads = quotients::TangentQuotients::new(x);
+        let tails = quotients::TangentQuotients::new(x + quotients::SERIES_LIMIT);
+        let (g, a3) = quotients::inverse_quotients(x);
+        SVector::from([
+            x.recip(),
+            x.sqrt(),
+            x.sin(),
+            x.cos(),
+            x.exp(),
+            x.ln(),
+            x.atan(),
+            x.powi(6),
+            heads.sinc + heads.one_minus_cos + heads.psi_minus_sin,
+            tails.sinc + tails.one_minus_cos * 2.0 + tails.psi_minus_sin * 3.0,
+            quotients::cos_sqrt(x),
+            g + a3,
+            quotients::log_factor(x),
+            quotients::log_factor(x - 1.0),
+        ])
+        .map(|x| x.g[0])
+    }
+}
+
+/// B̈ takes three derivatives of what is a derivative already.
+#[test]
+fn a_map_may_differentiate_once_inside() {
+    check::map(&Inside).assert();
+    // Against the derivatives by hand, of the fourth order.
+    let x = Taylor {
+        v: Taylor {
+            v: 0.6,
+            d: 1.0,
+            dd: 0.0,
+        },
+        d: Taylor::constant(1.0),
+        dd: Taylor::constant(0.0),
+    };
+    let fourth = |x: Taylor<Taylor<f64>>| x.dd.dd;
+    close("1/x", fourth(x.recip()), 24.0 * 0.6_f64.powi(-5));
+    close("sqrt x", fourth(x.sqrt()), -0.9375 * 0.6_f64.powf(-3.5));
+    close("sin x", fourth(x.sin()), 0.6_f64.sin());
+    close("exp x", fourth(x.exp()), 0.6_f64.exp());
+    close("ln x", fourth(x.ln()), -6.0 * 0.6_f64.powi(-4));
+    close("x^6", fourth(x.powi(6)), 360.0 * 0.36);
 }
