@@ -11,7 +11,7 @@ fn its_code_is_the_example() {
 
 #[test]
 fn its_cam_is_the_example() {
-    included::hold(PAGE, "```rust\n", 7..11, "examples/cam.rs", false);
+    crate::support::included::hold(PAGE, "```rust\n", 7..11, "examples/cam.rs", false);
 }
 
 #[test]
