@@ -70,7 +70,8 @@ pub(super) fn accelerate<Y: System + ?Sized>(
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
     let regular = solve_mass(system, solver, state, h, [&mut *r, &mut *S], None)?;
-    if !regular && solve_rates(system, solver, state, [&mut *r, &mut *S])? {
+    if !regular {
+        solve_rates(system, solver, state, [&mut *r, &mut *S])?;
         solve_mass(system, solver, state, h, [&mut *r, S], None)?;
     }
     state.a.iter_mut().zip(&*r).for_each(|(a, more)| *a += more);
@@ -139,14 +140,14 @@ const FINE: f64 = 1e-14;
 /// is that of a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
 /// controller. Newton's method solves it; a step that began with other rates would lose an order.
 ///
-/// False, and nothing, where there is no such solution: what has neither mass nor damping is left to
-/// the first step.
+/// Where there is no such solution velocities stay: what has neither mass nor damping is left to the
+/// first step.
 fn solve_rates<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &mut State,
     [r, S]: [&mut [f64]; 2],
-) -> Result<bool, DynamicsError> {
+) -> Result<(), DynamicsError> {
     let State { t, q, v, a, .. } = state;
     let pattern = system.pattern().clone();
     let mut evaluate = |v: &[f64], [K, C, M]: [f64; 3], r: &mut [f64], S: &mut [f64]| {
@@ -167,17 +168,17 @@ fn solve_rates<Y: System + ?Sized>(
             .and_then(|()| solver.solve(Some(&both), r)))
         .is_err()
         {
-            return Ok(false);
+            return Ok(());
         }
         keep(r, &massless, true);
         rates.iter_mut().zip(&*r).for_each(|(v, more)| *v += more);
         let size = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if size(r) <= FINE * size(&rates) {
             v.copy_from_slice(&rates);
-            return Ok(true);
+            return Ok(());
         }
     }
-    Ok(false)
+    Ok(())
 }
 
 /// Which rows of M are zero.
