@@ -309,4 +309,23 @@ fn impossible_sections_are_refused_with_their_reason() {
         C[(4, 1)] = c;
         assert!(message(Section::new(C)).contains("must be positive definite"));
     }
+    // Rounding errors of a symmetric law are no asymmetry, and a law that is hardly definite is one: both
+    // relative to the diagonal, whatever the units of its entries.
+    let coupled = |upper: f64, lower: f64| {
+        let mut C = Matrix6::from_diagonal(&[1.0, 1e8, 1.0, 1.0, 1e-4, 1.0].into());
+        (C[(1, 4)], C[(4, 1)]) = (100.0 * upper, 100.0 * lower);
+        Section::new(C)
+    };
+    assert!(coupled(0.5, 0.5 + 1e-13).is_ok());
+    let refused = coupled(0.5, 0.5 + 1e-11).unwrap_err();
+    assert!(
+        matches!(refused, SectionError::NotSymmetric { .. }),
+        "{refused}"
+    );
+    assert!(coupled(1.0 - 1e-12, 1.0 - 1e-12).is_ok());
+    let refused = coupled(1.0 - 1e-15, 1.0 - 1e-15).unwrap_err();
+    assert!(
+        matches!(refused, SectionError::NotPositiveDefinite { .. }),
+        "{refused}"
+    );
 }
