@@ -254,7 +254,7 @@ fn power(
     let size = start.abs() + (work + energies.supplied.abs() + energies.dissipated) / layout.rate;
     let ahead = model.kinks().into_iter().map(|k| k - s.t);
     let next = ahead.filter(|&k| k > 0.0).fold(f64::INFINITY, f64::min);
-    let first = (FIRST / layout.rate).min(0.5 * next);
+    let first = (FIRST / layout.rate.max(model.drive_rate(s.t))).min(0.5 * next);
     let mut energy = |tau: f64| {
         let there = State {
             t: s.t + tau,

@@ -2,7 +2,7 @@
 //! last set.
 
 use super::assembly::named;
-use super::{Form, Model, Node, Source};
+use super::{Form, Model, Node, Prescribed, Source};
 use crate::check::Frame;
 use crate::element::Element;
 use nalgebra::{DVector, Vector3};
@@ -218,6 +218,19 @@ impl Model {
             }
         }
         Layout::new(groups)
+    }
+
+    /// Rate at which prescribed coordinates change, in radians and lengths of the model.
+    pub(crate) fn drive_rate(&self, t: f64) -> f64 {
+        let rate = |p: &Prescribed| {
+            let [_, rate, second] = p.function.at(t);
+            let unit = match self.kinds[p.coordinate] {
+                Kind::Length => self.length,
+                _ => 1.0,
+            };
+            (rate.abs() / unit).max((second.abs() / unit).sqrt())
+        };
+        self.prescribed.iter().map(rate).fold(0.0, f64::max)
     }
 
     /// For each unknown: its node's place, which coordinate of the node it is, and what it measures.

@@ -200,6 +200,9 @@ fn with_noise(
     sizes
 }
 
+/// Least size of forces over the largest: what cancels in a group, as a weight on a plane, is in no tangent.
+const ROUGH: f64 = 1e-4;
+
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.
 fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
     let (state, layout) = (laws.state, laws.layout);
@@ -208,8 +211,9 @@ fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f6
         .filter(|&ahead| ahead > 0.0)
         .fold(f64::INFINITY, f64::min);
     let rates = layout.forces(rate);
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
     let sizes: Vec<f64> = (rates.iter().zip(sizes))
-        .map(|(rate, size)| size + rate * (1.0 + state.t.abs()))
+        .map(|(rate, size)| size.max(ROUGH * largest) + rate * (1.0 + state.t.abs()))
         .collect();
     let first = FIRST.min(0.5 * next);
     let mut at = |t: f64| residual(system, &State { t, ..state.clone() });

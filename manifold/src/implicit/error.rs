@@ -135,15 +135,6 @@ pub enum Trouble {
          steps"
     )]
     Crossed,
-    /// The nearest solution lies on another branch.
-    #[error(
-        "the nearest solution of its equations is on another branch, {off:.1e} from where it should \
-         be: take smaller steps"
-    )]
-    OtherBranch {
-        /// Distance from where the slopes lead, relative to the sizes of the coordinates.
-        off: f64,
-    },
     /// What drives the equations asks for what they do not allow.
     #[error(
         "{driven} cannot get there: what is driven has come to the end of what the linkage reaches"

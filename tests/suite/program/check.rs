@@ -385,3 +385,114 @@ fn a_linkage_that_flies_closed_by_multipliers_is_right() {
         assert!(report.is_ok(), "{seed}\n{}", check::table(&report));
     }
 }
+
+/// A weight along the normal of a plane: its parts along the plane cancel, and a base turns them into
+/// rounding errors.
+#[test]
+fn a_weight_on_a_plane_that_a_base_turns_is_right() {
+    let text = r#"
+[nodes]
+o = [0, 0, 0]
+[[joints]]
+name = "far"
+type = "on-surface"
+master = "o"
+place = [71.3891907758585, 0, 1]
+surface = { sphere = { centre = [0, 0, 0] } }
+[[joints]]
+name = "plane"
+type = "on-surface"
+master = "o"
+place = [0, 1, 1]
+surface = { plane = { normal = [0, 1, 1] } }
+[[bodies]]
+name = "b2"
+node = "far"
+mass = 1
+inertia = [0.1, 0.2, 0.25]
+[[bodies]]
+name = "b4"
+node = "plane"
+mass = 1
+inertia = [0.1, 0.2, 0.25]
+[[supports]]
+node = "o"
+fix = "place"
+driven = { rz = { run-up = { rate = 3, duration = 0.02 } } }
+[[supports]]
+node = "o"
+fix = ["rx", "ry"]
+[[loads]]
+gravity = [0.0, 1.000001, 1.000000000001]
+[analysis.dynamic]
+to = 0.05
+step = 0.01
+"#;
+    let path = write(&directory("program_check_plane"), text);
+    let (code, table, _) = run(&[path.to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{table}");
+}
+
+/// A four-bar whose rocker is driven by a sine of a frequency far above that of its spring.
+const FAST: &str = r#"
+[[joints]]
+name = "A"
+type = "revolute"
+master = "ground"
+axis = [0, 0, 1]
+spring = { k = 30 }
+[[joints]]
+name = "ct"
+type = "offset"
+master = "A"
+place = [0, 1, 0]
+[[joints]]
+name = "B"
+type = "revolute"
+master = "ct"
+axis = [0, 0, 1]
+[[joints]]
+name = "kt"
+type = "offset"
+master = "B"
+place = [1.2, 1.9, 0]
+[[joints]]
+name = "foot"
+type = "offset"
+master = "ground"
+place = [1.6, 0, 0]
+[[joints]]
+name = "D"
+type = "revolute"
+master = "foot"
+axis = [0, 0, 1]
+driven = { sine = { omega = 1e8 } }
+[[joints]]
+name = "rt"
+type = "offset"
+master = "D"
+place = [1.2, 1.9, 0]
+[[joints]]
+name = "C"
+type = "revolute"
+master = "kt"
+axis = [0, 0, 1]
+child = "rt"
+[[bodies]]
+name = "crank"
+node = "A"
+mass = 2
+center = [0, 0.5, 0]
+inertia = [0.2, 0.1, 0.3]
+[analysis]
+static = { steps = 2 }
+"#;
+
+/// Steps of the balance of power follow the drive.
+#[test]
+fn a_fast_drive_of_a_loop_is_right() {
+    let text = GROUND.to_owned() + FAST;
+    let path = write(&directory("program_check_fast"), &text);
+    let (code, table, _) = run(&[path.to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{table}");
+}

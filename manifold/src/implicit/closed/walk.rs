@@ -9,14 +9,10 @@ use std::f64::consts::PI;
 const STEEP: f64 = 5.0;
 /// Parts into which a step is divided at most.
 const PARTS: usize = 64;
-/// What a step of x may differ from the mean of its slopes at both ends: relative to the step, and
-/// in sizes of x.
-const BENT: [f64; 2] = [0.1, 0.02];
 
 impl Core {
     /// x at (q, p) and its operators into the workspace. Newton's method alone may end on another
-    /// branch: what the slopes at both ends do not explain is not accepted, and the way is walked in
-    /// smaller parts.
+    /// branch: where the equations change by too much to exclude one, the way is walked in smaller parts.
     pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
@@ -109,22 +105,7 @@ impl Core {
         if self.changed() >= 1.0 {
             return Err(Trouble::Crossed);
         }
-        let (mut step, mut off) = (0.0_f64, 0.0_f64);
-        for k in 0..self.X {
-            let slope =
-                |j: usize| 0.5 * (self.anchor.Y[k + j * self.X] + self.work.Y[k + j * self.X]);
-            let mean: f64 = (0..q.len())
-                .map(|j| slope(j) * (q[j] - self.anchor.q[j]))
-                .sum();
-            let made = self.work.y[self.p + k] - self.anchor.x[k];
-            step = step.max(mean.abs() / self.size(k));
-            off = off.max((made - mean).abs() / self.size(k));
-        }
-        if off <= BENT[0] * step + BENT[1] {
-            Ok(())
-        } else {
-            Err(Trouble::OtherBranch { off })
-        }
+        Ok(())
     }
 
     /// How much the equations have changed since the anchor, ‖(h_x − h_x₀) P₀‖ with equations over their

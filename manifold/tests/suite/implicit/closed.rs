@@ -301,3 +301,56 @@ fn where_pivoting_finds_no_good_split_the_tangent_space_is_taken() {
     assert!(by(ROWS) > 1e3 * tangent);
     assert!(by(0) < 1.001 * tangent);
 }
+
+/// A point on a circle.
+#[derive(Clone, Copy)]
+struct Circle;
+
+impl Map<2, 1> for Circle {
+    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::constant(1.0))
+    }
+}
+
+/// The circle at an angle, its first coordinate preferred or not.
+fn circle(angle: f64, preference: f64) -> Closed {
+    let mut about = about(&[Some(angle.cos()), Some(angle.sin())], 1);
+    about.unknowns[0].preference = preference;
+    Closed::new(Circle.boxed(), about, 0.0, &[]).unwrap()
+}
+
+#[test]
+fn preferred_coordinates_are_taken_up_to_ten_times_the_best_condition() {
+    let mut taken = Vec::new();
+    for k in 1..78 {
+        let angle = 0.01 * f64::from(k);
+        let mut plain = circle(angle, 0.0);
+        let best = plain.condition(0.0, &[0.0]);
+        assert_eq!(plain.independent(), Some(vec![1]), "at {angle}");
+        assert!(plain.switch(0.0, Some(&[0]), &mut [0.0], &mut [0.0], &mut []));
+        // And not where they would be changed at once.
+        let good = plain.condition(0.0, &[0.0]) <= (10.0 * best).min(20.0);
+        let preferred = circle(angle, 1.0).independent() == Some(vec![0]);
+        assert_eq!(preferred, good, "at {angle}");
+        taken.push(preferred);
+    }
+    assert!(!taken[0] && taken[76], "{taken:?}");
+}
+
+#[test]
+fn a_split_is_kept_until_its_condition_is_ten_for_each_unknown() {
+    let mut closed = circle(0.5, 1.0);
+    let mut q = [0.0];
+    for k in 1..500 {
+        // Towards the place where the first coordinate has no slope.
+        q[0] = (0.5 * (1.0 - 0.002 * f64::from(k))).cos() - 0.5_f64.cos();
+        let condition = closed.condition(0.0, &q);
+        if closed.rewrite(0.0, &mut q, &mut [0.0], &mut []) {
+            assert!((20.0..21.0).contains(&condition), "{condition}");
+            assert_eq!(closed.independent(), Some(vec![1]));
+            return;
+        }
+        assert!(condition <= 20.0, "{condition}");
+    }
+    panic!("it is kept for ever");
+}

@@ -519,3 +519,36 @@ fn solutions_lie_on_the_branch_of_the_last_one_or_are_refused() {
     }
     assert!(found > 100 && refused > 10, "{found} {refused}");
 }
+
+/// A point on a circle.
+#[derive(Clone, Copy, Debug)]
+struct Circle;
+
+impl Implicit<2, 1> for Circle {
+    fn h<S: Scalar>(&self, _t: S, x: &SVector<S, 2>) -> SVector<S, 1> {
+        SVector::<S, 1>::new(x[0] * x[0] + x[1] * x[1] - S::constant(1.0))
+    }
+}
+
+#[test]
+fn corrections_of_rounding_errors_end_near_a_singular_place() {
+    // Corrections of sin α by the rounding errors of the equation are as large as 1e-16 / α.
+    let start = 0.1_f64;
+    let guess = [start.cos(), start.sin()];
+    let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, guess, Choice::Fixed).unwrap();
+    let mut map = map.with_independent(0.0, [0]).unwrap();
+    let from = map.reference()[0];
+    let mut angle = start;
+    while angle > 2e-5 {
+        angle *= 0.97;
+        let q = SVector::<f64, 1>::new(angle.cos() - from);
+        assert!(
+            map.trouble(0.0, &q).is_none(),
+            "at {angle}: {:?}",
+            map.trouble(0.0, &q)
+        );
+        let y = map.phi(0.0, &q)[1];
+        assert!((y - angle.sin()).abs() < 1e-15 / angle, "at {angle}: {y}");
+        assert!(map.rewrite(0.0, &q, &SVector::zeros()).is_none());
+    }
+}
