@@ -11,7 +11,7 @@ pub(crate) use watch::Watch;
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::Model;
+use pullback_elements::model::{BEFORE_START, Model};
 use pullback_integrators::dynamics::{Progress, State};
 use pullback_manifold::system::{Evaluation, Point, System};
 
@@ -69,7 +69,10 @@ fn is_of(joint: &Joint, name: &str) -> bool {
 
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
 fn driven(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
-    let off = move |time: &Time| time.function().is_ok_and(|f| f.at(0.0)[order] != 0.0);
+    let off = move |time: &Time| {
+        time.function()
+            .is_ok_and(|f| f.at(BEFORE_START)[order] != 0.0)
+    };
     let supports = file.supports.iter().filter(move |s| {
         let driven = s.driven.as_ref();
         driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
@@ -120,7 +123,7 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
     let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
     (!carried.is_empty()).then(|| {
         format!(
-            "{} driven with a velocity at t = 0: what hangs from there by {} starts with it, as rates \
+            "{} driven with a velocity just before t = 0: what hangs from there by {} starts with it, as rates \
              of joints are 0. [[initial]] with velocity = [0, 0, 0] lets it start at rest in space",
             are(&driven),
             listed(&carried)

@@ -5,7 +5,7 @@ use super::assemble::locate;
 use super::file::ModelFile;
 use super::initial::{LEFT, Start};
 use super::{InputError, Problem, Text};
-use pullback_elements::model::{Model, ModelError, NodeId};
+use pullback_elements::model::{BEFORE_START, Model, ModelError, NodeId};
 use pullback_manifold::system::System;
 
 /// The unknowns of which an entry of `[[initial]]` says how fast they are.
@@ -118,14 +118,14 @@ pub(super) fn satisfy(
         }
     }
     let Start { q, v } = &mut start;
-    (model.satisfy_velocities(0.0, q, v, &held)).map_err(failed)?;
+    (model.satisfy_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
     Ok(start)
 }
 
 /// How far off velocities remain with what is held, and at which joint.
 fn tried(model: &mut Model, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
-    model.satisfy_velocities(0.0, &start.q, &mut v, held)
+    model.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
 }
 
 /// A path to what stands in a file.

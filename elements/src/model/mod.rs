@@ -50,6 +50,7 @@ pub use line::{Line, LineNodes};
 pub use mobility::Mobility;
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
+pub use rates::BEFORE_START;
 pub(crate) use travel::Side;
 
 use crate::element::Element;

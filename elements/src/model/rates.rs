@@ -12,6 +12,9 @@ use pullback_manifold::system::{Point, SystemError};
 /// Part of a motion that may be missing because of rounding.
 const MISSING: f64 = 1e-9;
 
+/// Just before t = 0, where initial velocities are given: prescribed motions have their rates on the left.
+pub const BEFORE_START: f64 = 0.0_f64.next_down();
+
 impl Model {
     /// Fits the rates of the coordinates that joints release, in `v`, so that the frames that hang
     /// on them (those among `nodes`, all of them if it is `None`) move with a rigid motion as
@@ -118,7 +121,7 @@ impl Model {
         let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
         let mut rates = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
             self.expand(Point {
-                t: 0.0,
+                t: BEFORE_START,
                 q,
                 v,
                 a: &a,
@@ -179,7 +182,7 @@ impl Model {
         unknowns
     }
 
-    /// Finds velocities `v` for which coordinates have given rates at `q` and t = 0: those of loops
+    /// Finds velocities `v` for which coordinates have given rates at `q` and [`BEFORE_START`]: those of loops
     /// follow from others, and all of them together are changed as little as possible. How far off
     /// the worst remains: zero to rounding where the loops allow the rates.
     ///
@@ -195,7 +198,7 @@ impl Model {
         let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
         let unknowns = self.unknowns_behind(&of);
         let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
-            let t = 0.0;
+            let t = BEFORE_START;
             self.expand(Point { t, q, v, a: &a })?;
             let rate =
                 |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];

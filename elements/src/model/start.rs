@@ -26,7 +26,7 @@ const FARTHEST: f64 = FITS / f64::EPSILON;
 const DRAWN: f64 = 1e-6;
 
 impl Model {
-    /// Moves a start at time t to the nearest one that satisfies what elements enforce: coordinates
+    /// Moves a start at time t ([`BEFORE_START`](super::BEFORE_START) of a motion) to the nearest one that satisfies what elements enforce: coordinates
     /// `q`, and velocities `v` if there are any. The unknowns in `held` keep what they have.
     /// How far off the worst velocity remains, relative to their size: zero to rounding where there
     /// are velocities that satisfy the equations.

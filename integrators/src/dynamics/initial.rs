@@ -10,6 +10,9 @@ use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
 /// A state with given coordinates and velocities; accelerations are found when a run begins.
 ///
+/// The velocities are those just before `t`. Where a prescribed velocity jumps there, what is free takes the
+/// impulse before the first step, as at any later jump.
+///
 /// # Errors
 /// [`DynamicsError::Initial`] when a vector has not the system's dimension or is not finite. An
 /// empty vector stands for zeros.
@@ -69,17 +72,63 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
-    let regular = solve_mass(system, solver, state, h, [&mut *r, &mut *S], None)?;
+    let mut damping = 0.0;
+    let regular = solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
     if !regular {
         solve_rates(system, solver, state, [&mut *r, &mut *S])?;
-        solve_mass(system, solver, state, h, [&mut *r, S], None)?;
+        solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
+    } else if is_damped(system, state)? {
+        damping = h;
     }
-    state.a.iter_mut().zip(&*r).for_each(|(a, more)| *a += more);
+    for _ in 0..PASSES {
+        if damping > 0.0 {
+            solve_mass(
+                system,
+                solver,
+                state,
+                (h, damping),
+                [&mut *r, &mut *S],
+                None,
+            )?;
+        }
+        add(&mut state.a, 1.0, r);
+        if damping == 0.0 {
+            break;
+        }
+    }
     for &i in &multipliers {
         (state.q[i], state.a[i]) = (r[i], 0.0);
     }
     state.algorithmic.clone_from(&state.a);
     Ok(())
+}
+
+/// Whether dampers take power at a state.
+fn is_damped<Y: System + ?Sized>(system: &mut Y, state: &State) -> Result<bool, DynamicsError> {
+    let energies = system.energies(point(state));
+    let energies = energies.map_err(|source| DynamicsError::System { t: state.t, source })?;
+    Ok(energies.is_some_and(|now| now.dissipated > 0.0))
+}
+
+/// Solutions with M + h C in place of M where there are dampers.
+///
+/// What relaxes within a step, λh ≫ 1 with λ = C/M, would be thrown by a jump and come back at once, which no step
+/// shows: 4/(λh) of it remains. What steps resolve is exact but for (λh)⁴.
+const PASSES: usize = 4;
+
+fn add(x: &mut [f64], sign: f64, more: &[f64]) {
+    x.iter_mut()
+        .zip(more)
+        .for_each(|(x, more)| *x += sign * more);
+}
+
+fn point(state: &State) -> Point<'_> {
+    Point {
+        t: state.t,
+        q: &state.q,
+        v: &state.v,
+        a: &state.a,
+    }
 }
 
 /// Where a driven velocity jumps, the momentum of the free coordinates does not: their velocities jump
@@ -95,14 +144,10 @@ pub(super) fn strike<Y: System + ?Sized>(
     [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<usize, DynamicsError> {
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let most = if driven { 1 } else { STROKES };
-    for stroke in 0..most {
-        let at = Point {
-            t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+    let (mut damping, mut most) = (0.0, if driven { 1 } else { STROKES });
+    let mut stroke = 0;
+    while stroke < most {
+        let at = Point { t, ..point(state) };
         let known = match driven {
             true => system.momentum(at, missing),
             false => system.kept_momentum(Some(at), missing),
@@ -115,12 +160,20 @@ pub(super) fn strike<Y: System + ?Sized>(
         if largest(missing) <= ROUNDING * size {
             return Ok(stroke);
         }
-        solve_mass(system, solver, state, h, [&mut *r, &mut *S], Some(missing))?;
-        for (i, (v, dv)) in state.v.iter_mut().zip(&*r).enumerate() {
-            // That of a multiplier is the impulse of its constraint.
-            if !system.is_multiplier(i) {
-                *v += dv;
+        let buffers = [&mut *r, &mut *S];
+        solve_mass(system, solver, state, (h, damping), buffers, Some(missing))?;
+        // That of a multiplier is the impulse of its constraint.
+        for (i, dv) in r.iter_mut().enumerate() {
+            if system.is_multiplier(i) {
+                *dv = 0.0;
             }
+        }
+        add(&mut state.v, 1.0, r);
+        if driven && damping == 0.0 && is_damped(system, state)? {
+            add(&mut state.v, -1.0, r);
+            (damping, most) = (h, PASSES);
+        } else {
+            stroke += 1;
         }
     }
     Ok(most)
@@ -171,7 +224,7 @@ fn solve_rates<Y: System + ?Sized>(
             return Ok(());
         }
         keep(r, &massless, true);
-        rates.iter_mut().zip(&*r).for_each(|(v, more)| *v += more);
+        add(&mut rates, 1.0, r);
         let size = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if size(r) <= FINE * size(&rates) {
             v.copy_from_slice(&rates);
@@ -214,8 +267,8 @@ fn keep(x: &mut [f64], massless: &[bool], these: bool) {
     others.for_each(|(x, _)| *x = 0.0);
 }
 
-/// Solves M x = b, b the residual at the state unless it is given; x is then in `r`. Whether M has an
-/// inverse.
+/// Solves M x = b, with `damping` times C beside M, b the residual at the state unless it is given; x is then in
+/// `r`. Whether M has an inverse.
 ///
 /// Coordinates without mass make M singular: M + h C + h² K stands in for it then, h the step that
 /// will be made, which leaves them in balance with the forces on them to the accuracy of a first
@@ -225,20 +278,15 @@ fn solve_mass<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &State,
-    h: f64,
+    (h, damping): (f64, f64),
     [r, S]: [&mut [f64]; 2],
     b: Option<&[f64]>,
 ) -> Result<bool, DynamicsError> {
     let t = state.t;
     let mut refused = None;
     let mut M = Vec::new();
-    for (C, K) in [(0.0, 0.0), (h, h * h)] {
-        let at = Point {
-            t,
-            q: &state.q,
-            v: &state.v,
-            a: &state.a,
-        };
+    for (C, K) in [(damping, 0.0), (h, h * h)] {
+        let at = point(state);
         let out = Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S);
         system
             .evaluate_accelerations(at, if b.is_some() { 0.0 } else { h }, out)

@@ -62,7 +62,7 @@ impl Run<'_> {
         t: f64,
         supplied: bool,
     ) -> Result<(), DynamicsError> {
-        let h = progress.last_step;
+        let h = self.options.step.min(progress.next_step);
         let Stepper { r, S, .. } = &mut self.stepper;
         let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;

@@ -13,7 +13,8 @@ pub struct EnergyBalance {
     /// Energies and powers now.
     pub now: Energies,
     /// Work of loads, supports and dampers so far: that of loads with a potential is what they have
-    /// lost of it, the rest comes from the trapezoidal rule over the steps.
+    /// lost of it, that of dampers follows from the displacements of each step, the rest comes from the
+    /// trapezoidal rule over the steps.
     pub work: f64,
     /// Work of the steps so far, whatever its sign.
     pub gross: f64,
@@ -39,13 +40,22 @@ const ABSURD: f64 = 1e3;
 const BOUNDLESS: f64 = 1e3;
 
 impl EnergyBalance {
-    /// Takes the energies at the end of a step, where the system has these scales.
-    pub(super) fn book(&mut self, now: &Energies, h: f64, scales: &Scales) {
+    /// Takes the energies at the end of a step of size h, and the mean power dissipated in it if that is
+    /// known; the system has these scales.
+    pub(super) fn book(
+        &mut self,
+        now: &Energies,
+        h: f64,
+        dissipated: Option<f64>,
+        scales: &Scales,
+    ) {
         let sizes = scales.measures().into_iter().zip(scales.coordinate).take(2);
         let size = sizes.map(|(force, length)| force * length).sum();
         self.size = self.size.max(size);
         let drawn = self.now.potential - now.potential;
-        let work = drawn + 0.5 * h * (self.now.power() + now.power());
+        let lost = dissipated.unwrap_or(0.5 * (self.now.dissipated + now.dissipated));
+        let given = |e: &Energies| e.supplied - e.drawn;
+        let work = drawn + h * (0.5 * (given(&self.now) + given(now)) - lost);
         self.work += work;
         self.gross += work.abs();
         self.now = *now;
@@ -94,7 +104,7 @@ pub struct Summary {
     pub inaccurate: usize,
     /// Linear solutions in accepted steps.
     pub iterations: usize,
-    /// Evaluations of the system.
+    /// States at which the system was evaluated.
     pub evaluations: usize,
     /// Factorisations.
     pub factorisations: usize,
@@ -124,7 +134,8 @@ pub struct Progress {
     pub last_step: f64,
     /// Step size to try next; 0 for that of the options.
     pub next_step: f64,
-    /// Whether it ended at a kink or jump of a function of time: what lies behind is found first.
+    /// Whether a kink or jump of a function of time at its time is still to be passed, as at the start and
+    /// where a run ended at one: what lies behind is found first.
     pub at_kink: bool,
     /// What was set from outside when the accelerations were found ([`System::inputs`]).
     ///
@@ -154,6 +165,7 @@ impl Progress {
     pub fn new(state: State) -> Self {
         Self {
             state,
+            at_kink: true,
             ..Self::default()
         }
     }

@@ -128,19 +128,19 @@ impl Run<'_> {
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
         let vectors: &mut [&mut [f64]] = if fresh { &mut none } else { &mut both };
         let changed = system.change_charts(*t, q, v, vectors).charts;
-        if !fresh && std::mem::take(&mut progress.at_kink) {
-            let t = progress.state.t;
-            let stop = Stop {
-                kink: true,
-                ..Stop::end(t)
-            };
-            self.pass(system, solver, progress, stop)?;
-        }
         if fresh {
             progress.summary.chart_changes += changed;
             progress.inputs = system.inputs();
+            progress.state.a = vec![0.0; progress.state.q.len()];
+        }
+        let t = progress.state.t;
+        if std::mem::take(&mut progress.at_kink) && self.stops.is_kink(t) {
+            self.pass(system, solver, progress, Stop::end(t))?;
+        } else if fresh {
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
+        }
+        if fresh {
             self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
@@ -349,15 +349,21 @@ impl Run<'_> {
     ) -> Result<usize, DynamicsError> {
         let left = self.stepper.next.t;
         let kink = self.stops.kink(left);
-        std::mem::swap(&mut progress.state, &mut self.stepper.next);
-        progress.last_step = h;
-        progress.summary.steps += 1;
         let asked = if kink.is_some() {
             left.next_down()
         } else {
             left
         };
-        let mut now = self.energies(system, &progress.state, asked)?;
+        let damped = (progress.summary.energy).is_some_and(|e| e.now.dissipated != 0.0);
+        let dissipated = match damped {
+            true => Some(self.mean_dissipation(system, &progress.state, asked)?),
+            false => None,
+        };
+        // The system is left at the end of the step.
+        let mut now = self.energies(system, &self.stepper.next, asked)?;
+        std::mem::swap(&mut progress.state, &mut self.stepper.next);
+        progress.last_step = h;
+        progress.summary.steps += 1;
         self.leave(system, progress, h);
         let State {
             t,
@@ -384,7 +390,7 @@ impl Run<'_> {
             progress.summary.evaluations += keeper.take_evaluations();
         }
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            balance.book(&now, h, &system.scales());
+            balance.book(&now, h, dissipated, &system.scales());
             balance.judge(left)?;
         }
         if handed_over {
@@ -410,6 +416,37 @@ impl Run<'_> {
             }
         }
         Ok(changes.charts)
+    }
+
+    /// Power lost in dampers in the middle of a state and the next one, with the velocity (q₁ − q₀) / h.
+    ///
+    /// The powers at both ends may be those of dampers that relax within the step, of which most of it knows
+    /// nothing. This is what the trapezoidal rule dissipates in a linear system, whatever the step.
+    fn mean_dissipation<Y: System + ?Sized>(
+        &mut self,
+        system: &mut Y,
+        state: &State,
+        end: f64,
+    ) -> Result<f64, DynamicsError> {
+        let Stepper {
+            next,
+            inverse_scale,
+            ..
+        } = &self.stepper;
+        let (q, v, h) = (&mut self.momentum, &mut self.missing, next.t - state.t);
+        for i in 0..q.len() {
+            q[i] = 0.5 * (state.q[i] + next.q[i]);
+            // Multipliers have no rates.
+            v[i] = match inverse_scale[i] {
+                0.0 => 0.0,
+                _ => (next.q[i] - state.q[i]) / h,
+            };
+        }
+        let t = 0.5 * (state.t + end);
+        let a = &next.a;
+        let mean = system.energies(Point { t, q, v, a });
+        let mean = mean.map_err(|source| DynamicsError::System { t, source })?;
+        Ok(mean.map_or(0.0, |mean| mean.dissipated))
     }
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).

@@ -94,6 +94,12 @@ impl Stops {
         self.kinks.get(k).copied()
     }
 
+    /// Whether there is a kink where a run begins.
+    pub(super) fn is_kink(&self, t: f64) -> bool {
+        let near = |kink: &f64| (kink - t).abs() <= self.slack;
+        self.kinks.iter().any(near)
+    }
+
     /// The kink at the end of a step.
     pub(super) fn kink(&self, t: f64) -> Option<Stop> {
         let k = self.listed.partition_point(|s| s.left < t);

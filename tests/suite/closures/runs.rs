@@ -7,7 +7,7 @@ use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::Vector3;
-use pullback::elements::model::{Closure, ModelBuilder};
+use pullback::elements::model::{BEFORE_START, Closure, ModelBuilder};
 use pullback::elements::time::Table;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
@@ -161,7 +161,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let mut q = model.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         // Of a model that enforces nothing this takes nothing.
-        model.satisfy(0.0, &mut q, &mut v, &[]).unwrap();
+        model.satisfy(BEFORE_START, &mut q, &mut v, &[]).unwrap();
         let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
         let mut end = Vec::new();
         observed(&mut model, [&q, &v], &options, &mut |model, _| {

@@ -109,7 +109,18 @@ fn em_takes_no_force_for_steady_that_does_not_say_so() {
 
 #[test]
 fn a_rotor_that_is_jerked_turns_its_free_hull_back() {
-    let job = assemble_text("rotor", ROTOR).unwrap();
+    jerk(0.5);
+}
+
+#[test]
+fn at_the_start_it_does_as_later() {
+    jerk(0.0);
+}
+
+/// The drive turns from a time on for half a second.
+fn jerk(from: f64) {
+    let table = format!("[[{from:?}, 0], [{:?}, 2]]", from + 0.5);
+    let job = assemble_text("rotor", &ROTOR.replace("[[0.5, 0], [1, 2]]", &table)).unwrap();
     let mut model = job.model;
     let Plan::Dynamic(plan) = job.plan else {
         panic!("it is a motion");
@@ -132,7 +143,7 @@ fn a_rotor_that_is_jerked_turns_its_free_hull_back() {
             let audit = model.audit(at).unwrap();
             assert!(audit.momentum.angular.norm() < 1e-12, "at {}", state.t);
             // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.
-            let rate = if (0.5..1.0).contains(&state.t) {
+            let rate = if (from..from + 0.5).contains(&state.t) {
                 4.0
             } else {
                 0.0

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{directory, history, number, program, results, write};
+use std::path::{Path, PathBuf};
 
 /// A point mass on an arm of length 1 that turns about e₂ and starts along e₁.
 fn arm(name: &str, turns: &str, more: &str, analysis: &str) -> (Vec<[f64; 2]>, String) {
@@ -81,4 +82,92 @@ fn a_motion_with_hardly_any_energy_is_not_unstable() {
                   axis = [0, 0, 1]\ndriven = { run-up = { rate = 1, duration = 0.5 } }";
     let (rows, said) = arm("push", "master = \"slider\"", slider, "to = 1\nstep = 0.01");
     assert_eq!(rows.len(), 101, "{said}");
+}
+
+/// The defect of the balance of energy over the work done, what the run said, and its results.
+fn defect(name: &str, text: &str) -> (f64, String, PathBuf) {
+    let directory = directory(&format!("program_balance_{name}"));
+    let output = program(&[&write(&directory, text)]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let out = directory.join("model.out");
+    let energy = &results(&out)["statistics"]["energy"];
+    let [defect, gross] = ["largest_defect", "gross"].map(|key| energy[key].as_f64().unwrap());
+    assert!(gross > 0.0, "{energy}");
+    (defect / gross, said, out)
+}
+
+const PLAIN: &str = "\n[output]\nfigures = false\nparaview_every = 0\n";
+
+/// A linear system: the work of the trapezoidal rule is that of mean forces on displacements, whatever its steps
+/// leave unresolved.
+#[test]
+fn work_is_exact_of_waves_that_steps_do_not_resolve() {
+    // Waves pass an element in a tenth of a step.
+    let bar = "[sections.bar]\nstiffness = { EA = 1e8, GA = [1e8, 1e8], GJ = 1, EI = [1, 1] }\n\
+        mass = { A_rho = 1, J = [1, 1, 1] }\n\n[nodes]\nleft = [0, 0, 0]\nright = [1, 0, 0]\n\n\
+        [[lines]]\nname = \"bar\"\nfrom = \"left\"\nto = \"right\"\nelements = 10\nsection = \"bar\"\n\n\
+        [[supports]]\nnode = \"left\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+        driven = { x = { proportional = 1 } }\n\n\
+        [analysis.dynamic]\nto = 0.05\nstep = 1e-4\nscheme = \"newmark\"\n";
+    let (defect, said, _) = defect("bar", &[bar, PLAIN].concat());
+    assert!(defect < 1e-9, "{defect:e}");
+    assert!(!said.contains("much compared"), "{said}");
+}
+
+/// It relaxes in 1e-5, in steps of a hundredth, and its base is jerked three times.
+#[test]
+fn a_dashpot_that_steps_do_not_resolve_moves_along_with_a_jerk() {
+    let dashpot = "[nodes]\nbase = [0, 0, 0]\n\n[[supports]]\nnode = \"base\"\n\
+        fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\ndriven = { x = { table = [[0, 0], [1, 1], [2, 1]] } }\n\n\
+        [[joints]]\nname = \"slide\"\ntype = \"prismatic\"\nmaster = \"base\"\naxis = [1, 0, 0]\n\
+        spring = { k = 100, c = 1e5 }\nvalue = 0.1\n\n[[bodies]]\nname = \"mass\"\nnode = \"slide\"\nmass = 1\n\n\
+        [[probes]]\nname = \"s\"\nquantity = \"joint_coordinate\"\njoint = \"slide\"\n\n\
+        [analysis.dynamic]\nto = 3\nstep = 0.01\n";
+    for scheme in [
+        "newmark", "ga:0.5", "ga:0.9", "hht:-0.1", "bathe", "radau", "em",
+    ] {
+        let text = format!("{dashpot}scheme = \"{scheme}\"\n{PLAIN}");
+        let (defect, said, out) = defect("dashpot", &text);
+        assert!(defect < 0.03, "{scheme}: {defect:e}");
+        assert!(!said.contains("much compared"), "{scheme}: {said}");
+        for row in history(&out) {
+            // s = 0.1 exp(-t k/c) but for 1e-5 in a jerk.
+            let exact = 0.1 * (-1e-3 * number(&row, "t")).exp();
+            assert!(
+                (number(&row, "s") - exact).abs() < 1e-4,
+                "{scheme}: {row:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_damped_strip_that_is_jerked_is_no_false_alarm() {
+    let strip = "[sections.strip]\nrectangle = { width = 0.02, height = 0.001 }\n\
+        material = { E = 210e9, nu = 0.3, rho = 7850 }\ndamping = { mass = 5, stiffness = 1e-5 }\n\n\
+        [nodes]\nL = [-0.25, 0, 0]\nR = [0.25, 0, 0]\n\n\
+        [[lines]]\nname = \"strip\"\nfrom = \"L\"\nto = \"R\"\nelements = 20\nsection = \"strip\"\nsecond_axis = [0, 1, 0]\n\n\
+        [[supports]]\nnode = \"L\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n\n\
+        [[supports]]\nnode = \"R\"\nfix = [\"y\", \"z\", \"rx\", \"rz\"]\ndriven = { x = { table = [[0, 0], [0.2, 0.001]] } }\n\n\
+        [[loads]]\nnode = \"strip/9\"\nforce = [0, 0, 0.05]\n\n\
+        [analysis.dynamic]\nto = 0.3\nstep = 0.0005\nscheme = { generalised-alpha = 0.5 }\n\n\
+        [output]\nfigures = false\nparaview_every = 0\n";
+    let (defect, said, _) = defect("strip", strip);
+    assert!(defect < 1e-3, "{defect:e}");
+    assert!(!said.contains("much compared"), "{said}");
+}
+
+#[test]
+fn a_damped_blade_that_turns_from_the_start_keeps_its_balance() {
+    // Its first element is sheared at once, and stiffness-proportional damping resists in a thousandth of a step.
+    let model = pullback::gallery::model(Path::new("spin_up")).unwrap();
+    let text = model
+        .replace("run-up = { rate = 6, duration = 15 }", "proportional = 1")
+        .replace("[nodes]", "damping = { stiffness = 1e-3 }\n\n[nodes]")
+        .replace("to = 20", "to = 2");
+    assert!(text.contains("proportional = 1") && text.contains("to = 2\n"));
+    let (defect, said, _) = defect("blade", &text);
+    assert!(defect < 0.02, "{defect:e}");
+    assert!(!said.contains("much compared"), "{said}");
 }
