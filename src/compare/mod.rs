@@ -130,8 +130,8 @@ pub struct Row {
     pub failure: Option<String>,
     /// What it did.
     pub counts: Counts,
-    /// How often it assembled the model: once per evaluation, and three times for a tangent where rates
-    /// are spins. What comes before the first step is apart.
+    /// How often it assembled the model: once per state that was evaluated, and three times for a tangent
+    /// where rates are spins. What comes before the first step is apart.
     pub assemblies: usize,
     /// How often it assembled the model to find what the scheme has to know before its first step: what
     /// the motion keeps, or the largest frequency.

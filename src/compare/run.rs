@@ -199,7 +199,11 @@ fn advance(
             flow
         });
         ran.summary = progress.summary;
-        ran.assemblies = (model.assemblies() - before).saturating_sub(searches);
+        ran.assemblies = match options.scheme.stages() {
+            [_] => (model.assemblies() - before).saturating_sub(searches),
+            // Several tangents of a state count once; rates are no spins here.
+            _ => progress.summary.evaluations,
+        };
         ran.time = clock.elapsed();
         integrated?;
         if stopped {

@@ -244,6 +244,8 @@ impl Stepper {
         let from = first.then_some(origin.t);
         let mut residual = [0.0_f64; 3];
         for k in group.range() {
+            // With several tangents a state is still evaluated once.
+            self.evaluations += 1;
             if tangent {
                 let row = &scheme.stages()[k];
                 let weights = |j: usize| Weights {
@@ -288,7 +290,6 @@ impl Stepper {
         from: Option<f64>,
         weights: Option<Weights>,
     ) -> Result<(), Failure> {
-        self.evaluations += 1;
         let StageState { state, before } = &self.stages[k];
         let at = Point {
             t: state.t,

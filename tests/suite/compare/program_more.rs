@@ -167,7 +167,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     let model = write(&directory, BODY);
     let asked = [
         "--schemes",
-        "newmark,lie-newmark,em,central-difference",
+        "newmark,lie-newmark,em,central-difference,radau",
         "--steps",
         "0.02,0.0005",
         "-q",
@@ -183,15 +183,23 @@ fn times_are_taken_alone_where_they_are_asked_for() {
         };
         rows(&json, scheme).map(of).collect()
     };
-    // What a scheme looks for before its first step is apart, whatever the number of steps.
-    for scheme in ["newmark", "em", "central-difference"] {
+    // What a scheme looks for before its first step is apart, whatever the number of steps. The matrix of
+    // two stages of Radau's takes two tangents of each.
+    for scheme in ["newmark", "em", "central-difference", "radau"] {
         for [assemblies, evaluations] in counts(scheme) {
             assert_eq!(assemblies, evaluations, "{scheme}");
         }
         for row in rows(&json, scheme) {
             let before = row["searching"].as_u64().unwrap();
-            assert_eq!(before > 0, scheme != "newmark", "{scheme}: {before}");
+            let searches = ["em", "central-difference"].contains(&scheme);
+            assert_eq!(before > 0, searches, "{scheme}: {before}");
         }
+    }
+    // A solution in every step, and a residual that shows the balance: each evaluates two stages.
+    for row in rows(&json, "radau") {
+        let [evaluations, iterations, steps] =
+            ["evaluations", "iterations", "steps"].map(|key| row["counts"][key].as_u64().unwrap());
+        assert!(evaluations <= 2 * (iterations + 2 * steps) + 1, "{row}");
     }
     for [assemblies, evaluations] in counts("lie-newmark") {
         // Of two evaluations per step or more one at least is a last residual.
@@ -213,7 +221,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     }
     assert_eq!(json["equal_time"]["seconds"], true);
     assert_eq!(json["equal_cost"]["seconds"], false);
-    assert_eq!(json["late"].as_array().unwrap().len(), 8);
+    assert_eq!(json["late"].as_array().unwrap().len(), 10);
     let page = read(model.with_extension("compare").join("compare.md"));
     for heading in [
         "Errors at equal work",
@@ -223,7 +231,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
         assert!(page.contains(&format!("\n## {heading}\n")), "{heading}");
     }
     let csv = read(model.with_extension("compare").join("compare.csv"));
-    assert_eq!(csv.lines().filter(|l| l.starts_with("late,")).count(), 8);
+    assert_eq!(csv.lines().filter(|l| l.starts_with("late,")).count(), 10);
 }
 
 /// Momenta and constraints over a long run: by theory, not by an earlier one.
