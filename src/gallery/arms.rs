@@ -144,7 +144,7 @@ fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Res
 /// The converged motion and the distance of the thesis's meshes from it, with steps that resolve the
 /// waves of the jerk.
 ///
-/// The independent solution is tests/suite/independent/arms.rs: finite volumes, masses lumped at the nodes,
+/// The independent solution is tests/studies/arms.rs: finite volumes, masses lumped at the nodes,
 /// quaternions, the classical Runge-Kutta method, 80 and 160 elements, extrapolated to none. The last
 /// doubling moved the tip by at most 0.027, so that a third of it is the largest correction.
 fn converged(context: &mut Context, file: &ModelFile, independent: &[At]) -> Result<(), CaseError> {

@@ -41,7 +41,7 @@ fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, 
 
 const PLACE: f64 = 1e-5;
 const BENDING: f64 = 1e-4;
-/// `tests/suite/independent/rods.rs`
+/// `tests/studies/rods.rs`
 const INDEPENDENT: &str =
     "independent: finite volumes, ends on crank and carrier, Nyström's method";
 

@@ -41,7 +41,7 @@ const PUBLISHED: [[f64; 7]; 3] = [
 ];
 const NAMES: [&str; 7] = ["beta", "theta", "gamma", "phi", "delta", "omega", "epsilon"];
 /// Accelerations that belong to these angles and rates by the equations of the test set
-/// (`tests/suite/independent/andrews.rs`), and by how much of each they change with angles and rates that are off by
+/// (`tests/studies/andrews.rs`), and by how much of each they change with angles and rates that are off by
 /// [`TRUST`].
 const FOLLOWING: [[f64; 2]; 7] = [
     [-24_631.764_251, 5e-7],

@@ -1,5 +1,9 @@
 //! Computations of minutes that the suite makes small ones of: `cargo test --release --test studies`.
 
+mod andrews;
 mod arms;
 mod formulations;
+mod gallery;
+mod heavy_top;
+mod rods;
 mod support;

@@ -167,12 +167,12 @@ fn stages_with_multipliers_have_the_orders_of_index_three() {
         [0, 1, 2].map(|k| (coarse[k] / fine[k]).log2())
     };
     let near = |slope: f64, order: f64| (slope - order).abs() < 0.25;
-    let radau = slopes("radau", 3200);
+    let radau = slopes("radau", 1600);
     assert!(
         near(radau[0], 3.0) && near(radau[1], 2.0) && near(radau[2], 1.0),
         "{radau:?}"
     );
-    let bathe = slopes("bathe", 1600);
+    let bathe = slopes("bathe", 800);
     assert!(
         bathe[0] > 1.75 && bathe[1] > 1.75 && near(bathe[2], 1.0),
         "{bathe:?}"

@@ -4,4 +4,3 @@ mod andrews;
 mod gallery;
 mod misaligned_linear;
 mod misaligned_shooting;
-mod rods;

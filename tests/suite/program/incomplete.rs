@@ -146,9 +146,9 @@ fn stopped_by(signal: &str) {
 /// The model file is a pipe that nobody writes into: the program waits for it before its first step.
 #[cfg(unix)]
 #[test]
-fn ctrl_c_before_the_first_step_ends_the_program_at_once() {
+fn a_signal_before_the_first_step_ends_the_program_at_once() {
     use std::time::{Duration, Instant};
-    let pipe = directory("program_early_ctrl_c").join("pipe.toml");
+    let pipe = directory("program_early_signal").join("pipe.toml");
     let made = Command::new("mkfifo").arg(&pipe).status();
     assert!(made.unwrap().success());
     let mut child = Command::new(env!("CARGO_BIN_EXE_pullback"))
@@ -158,7 +158,7 @@ fn ctrl_c_before_the_first_step_ends_the_program_at_once() {
         .unwrap();
     std::thread::sleep(Duration::from_millis(500));
     let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args(["-TERM", &child.id().to_string()])
         .status();
     assert!(killed.unwrap().success());
     let start = Instant::now();

@@ -242,7 +242,7 @@ fn elbow(lines: &[Curve]) {
     near(highest(&first), (3.1, 5.5129), [0.2, 0.1]);
 }
 
-/// The tip at t = 1 of the independent solution (tests/suite/independent/arms.rs), to a tenth of the length.
+/// The tip at t = 1 of the independent solution (tests/studies/arms.rs), to a tenth of the length.
 fn arm(lines: &[Curve], tip: [f64; 3]) {
     let norm = tip.iter().map(|x| x * x).sum::<f64>().sqrt();
     for (curve, known) in lines.iter().zip([tip[0], tip[1], tip[2], norm]) {

@@ -1,9 +1,12 @@
 //! Set-up that several tests share.
 
+pub mod andrews;
 pub mod closures;
 pub mod drawings;
 pub mod dynamics;
 pub mod formulations;
+pub mod gallery;
+pub mod heavy_top;
 pub mod included;
 pub mod independent;
 pub mod laboratory;

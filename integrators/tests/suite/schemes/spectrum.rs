@@ -198,14 +198,20 @@ fn newmark_with_larger_gamma_damps_in_the_first_order() {
     // reference: newmark_gamma: ξ̄ = (γ − ½) Ω/2, κ = (48 β + 12 γ² − 36 γ + 11)/96
     let (beta, gamma) = (0.3025, 0.6);
     let kappa = (48.0 * beta + 12.0 * gamma * gamma - 36.0 * gamma + 11.0) / 96.0;
-    for Omega in [0.04, 0.02, 0.01] {
-        let numbers = point(&Scheme::newmark(beta, gamma).unwrap(), Omega)
-            .unwrap()
-            .numbers;
-        let xi = numbers.damping.unwrap() / Omega;
-        assert!((xi - 0.05).abs() < 0.1 * Omega, "{xi}");
-        let found = numbers.elongation.unwrap() / Omega.powi(2);
-        assert!((found - kappa).abs() < 0.2 * Omega, "{found} {kappa}");
+    let rest = [0.04, 0.02, 0.01].map(|Omega: f64| {
+        let scheme = Scheme::newmark(beta, gamma).unwrap();
+        let numbers = point(&scheme, Omega).unwrap().numbers;
+        [
+            numbers.damping.unwrap() - 0.05 * Omega,
+            numbers.elongation.unwrap() - kappa * Omega.powi(2),
+        ]
+    });
+    // The next terms of odd and even functions.
+    for (k, order) in [(0, 3.0), (1, 4.0)] {
+        for pair in rest.windows(2) {
+            let slope = (pair[0][k] / pair[1][k]).abs().log2();
+            assert!((slope - order).abs() < 0.05, "{slope} {rest:?}");
+        }
     }
 }
 
