@@ -172,7 +172,7 @@ fn a_flying_beam_keeps_energy_and_momenta() {
             let energy = 0.5 * (momenta[0].dot(&motion.velocity))
                 + 0.5 * (momenta[1] - motion.about.cross(&momenta[0])).dot(&motion.omega);
             let known = (energy, momenta);
-            let (kept, progress) = run(&mut beam, &v, &options(em(), 40.0, 2000), known, ALL);
+            let (kept, progress) = run(&mut beam, &v, &options(em(), 20.0, 1000), known, ALL);
             assert!(kept[0] < 1e-12, "{formulation:?}, {stiff}: {kept:?}");
             assert!(
                 kept[1] < 1e-12 && kept[2] < 1e-11,
@@ -182,7 +182,7 @@ fn a_flying_beam_keeps_energy_and_momenta() {
             let (lost, _) = run(
                 &mut make(),
                 &v,
-                &options(Scheme::default(), 40.0, 2000),
+                &options(Scheme::default(), 20.0, 1000),
                 known,
                 ALL,
             );

@@ -13,5 +13,5 @@ fn the_loops_obey_the_laws() {
 
 #[test]
 fn all_choices_of_coordinates_give_the_same_motion() {
-    assert_choices([200, 400, 800]);
+    assert_choices([400, 800, 1600], &by_midpoints(60));
 }
