@@ -80,26 +80,42 @@
 //! ```
 //!
 //! The same from a model file: [`run::run`], or `pullback run model.toml`.
+//!
+//! # Features
+//!
+//! - `cli` (default): model files, results, figures, [`studies`] and the program. Without it the library
+//!   is [`elements`], [`integrators`], [`manifold`] and the [`prelude`], on nalgebra and faer.
+//! - `diffsol`: general solvers of ordinary differential equations in comparisons.
 
 // Both panic where a reader has gone away: `terminal::tell` and `cli::print` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+#[cfg(feature = "cli")]
 pub mod check;
+#[cfg(feature = "cli")]
 pub mod cli;
-pub mod compare;
+#[cfg(feature = "cli")]
 mod failure;
-pub mod gallery;
-pub mod general;
+#[cfg(feature = "cli")]
 pub mod input;
+#[cfg(feature = "cli")]
 pub mod method;
+#[cfg(feature = "cli")]
 pub mod output;
+#[cfg(feature = "cli")]
 pub mod probe;
+#[cfg(feature = "cli")]
 pub mod run;
+#[cfg(feature = "cli")]
 pub mod solve;
-pub mod spectrum;
+#[cfg(feature = "cli")]
+pub mod studies;
+#[cfg(feature = "cli")]
 mod terminal;
+#[cfg(feature = "cli")]
 mod warnings;
 
+#[cfg(feature = "cli")]
 pub use failure::Failure;
 pub use pullback_elements as elements;
 pub use pullback_integrators as integrators;
@@ -107,9 +123,8 @@ pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
-    pub use crate::Failure;
-    pub use crate::check;
-    pub use crate::input::Registry;
+    #[cfg(feature = "cli")]
+    pub use crate::{Failure, check, input::Registry};
     pub use nalgebra::{Matrix3, SVector, Unit, Vector3};
     pub use pullback_elements::beam::{Material, Section};
     pub use pullback_elements::body::{PointMass, RigidBody};

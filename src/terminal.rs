@@ -1,7 +1,7 @@
 //! What the program shows while it works, and how it is stopped.
 
-use crate::gallery::Comparison;
 use crate::solve::{Advance, Counts};
+use crate::studies::gallery::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
 use pullback_integrators::significant;
 use std::fmt::{Display, Write};

@@ -1,10 +1,10 @@
 //! `pullback compare`.
 
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
-use crate::compare::{self, CompareError, Contender, Options, Subject, Watch};
-use crate::gallery;
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
+use crate::studies::compare::{self, CompareError, Contender, Options, Subject, Watch};
+use crate::studies::gallery;
 use crate::terminal::{Interrupt, Progress, tell};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;

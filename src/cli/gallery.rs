@@ -1,7 +1,7 @@
 //! `pullback gallery`.
 
 use super::{FAILED, REFUSED, print};
-use crate::gallery::{self, Comparison};
+use crate::studies::gallery::{self, Comparison};
 use crate::terminal::{self, Progress, tell};
 use std::path::Path;
 

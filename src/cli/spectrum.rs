@@ -1,7 +1,7 @@
 //! `pullback spectrum`.
 
 use super::{REFUSED, print};
-use crate::spectrum::{self, SpectrumError};
+use crate::studies::spectrum::{self, SpectrumError};
 use crate::terminal::tell;
 use std::path::PathBuf;
 

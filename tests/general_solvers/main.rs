@@ -6,8 +6,8 @@ mod laboratory;
 
 use laboratory::{bob, compared, model, options, until};
 use nalgebra::Vector3;
-use pullback::compare::{Contender, Exact, Options, Quantity};
 use pullback::input;
+use pullback::studies::compare::{Contender, Exact, Options, Quantity};
 
 const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
 

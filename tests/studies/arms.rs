@@ -7,7 +7,7 @@
 
 use crate::support::independent::{assert_published, extrapolated};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use pullback::gallery;
+use pullback::studies::gallery;
 
 /// Place, velocity, orientation and angular velocity in axes of the body, or the rates of these.
 #[derive(Clone, Copy)]

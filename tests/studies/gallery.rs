@@ -1,7 +1,7 @@
 //! All cases of the gallery.
 
 use crate::support::gallery::assert_bounded;
-use pullback::gallery;
+use pullback::studies::gallery;
 
 #[test]
 fn every_case_meets_its_tolerances_and_none_is_lost_or_loosened() {

@@ -8,7 +8,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::independent::{assert_published, extrapolated};
-use pullback::gallery;
+use pullback::studies::gallery;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::dynamics::*;
-use pullback::gallery::MODELS;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
+use pullback::studies::gallery::MODELS;
 use std::collections::BTreeSet;
 
 /// A model, the end and the step of a short run, a penalty at which its springs give way by a small part of

@@ -1,8 +1,8 @@
 //! What changes of chart cost, as a comparison tells it, after theory.
 #![allow(clippy::unwrap_used)]
 
-use pullback::compare::{Comparison, Options, Quantity, Row, Watch, compare};
 use pullback::input;
+use pullback::studies::compare::{Comparison, Options, Quantity, Row, Watch, compare};
 
 /// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
 /// `{interpolation}` that of its rotations.

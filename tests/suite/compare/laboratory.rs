@@ -3,9 +3,9 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
-use pullback::compare::{Contender, Exact, Options, Quantity, looked_at, read_exact};
 use pullback::input::{self, Analysis};
 use pullback::method::Method;
+use pullback::studies::compare::{Contender, Exact, Options, Quantity, looked_at, read_exact};
 use std::path::Path;
 
 #[test]
@@ -29,7 +29,7 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
         assert!(orders.of(Quantity::Rotation).is_none());
         let rows = by_reference.of(word).zip(comparison.of(word));
         for (estimated, exact) in rows {
-            let error = |row: &pullback::compare::Row, q| row.error.unwrap().of(q);
+            let error = |row: &pullback::studies::compare::Row, q| row.error.unwrap().of(q);
             assert!(error(exact, Quantity::Rotation).is_nan());
             // Of the energy there is one value in a model, for both.
             let [a, b] = [estimated, exact].map(|row| error(row, Quantity::Energy));

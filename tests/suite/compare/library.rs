@@ -2,10 +2,10 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use pullback::compare::{
+use pullback::input;
+use pullback::studies::compare::{
     CompareError, Comparison, Options, Quantity, Row, Sample, Values, Watch, compare, run,
 };
-use pullback::input;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

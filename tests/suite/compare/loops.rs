@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{directory, write};
-use pullback::compare::{Comparison, Options, Quantity, Sample, Slope, Values, Watch, compare};
 use pullback::input;
+use pullback::studies::compare::{
+    Comparison, Options, Quantity, Sample, Slope, Values, Watch, compare,
+};
 use std::process::Command;
 
 const FOUR_BAR: &str = include_str!("../../../examples/models/four_bar.toml");

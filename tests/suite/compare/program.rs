@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{directory, files, read};
-use pullback::compare::FILES;
-use pullback::gallery::{self, MODELS};
+use pullback::studies::compare::FILES;
+use pullback::studies::gallery::{self, MODELS};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -3,8 +3,8 @@
 
 use crate::support::program::{directory, files, read, write};
 use nalgebra::{Rotation3, Vector3};
-use pullback::compare::FILES;
-use pullback::gallery::MODELS;
+use pullback::studies::compare::FILES;
+use pullback::studies::gallery::MODELS;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
@@ -151,7 +151,7 @@ fn a_search_that_finds_nothing_is_apart_too() {
     let directory = directory("program_compare_search");
     let pendulum = write(
         &directory,
-        pullback::gallery::model(Path::new("pendulum")).unwrap(),
+        pullback::studies::gallery::model(Path::new("pendulum")).unwrap(),
     );
     let json = compared(&pendulum, &asked);
     for row in rows(&json, "em") {

@@ -6,8 +6,8 @@
 use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;
 use crate::support::program::{directory, files, read};
-use pullback::compare::{Comparison, Options, Quantity, Subject, Watch, run_several};
 use pullback::input;
+use pullback::studies::compare::{Comparison, Options, Quantity, Subject, Watch, run_several};
 
 const METHODS: [&str; 4] = ["newmark", "ul-newmark", "lie-newmark", "spin-newmark"];
 

@@ -1,7 +1,7 @@
 //! Cases of the gallery meet every published or exact value.
 
 use crate::support::gallery::assert_bounded;
-use pullback::gallery;
+use pullback::studies::gallery;
 
 /// Cases of seconds each, which `tests/studies` runs with all others.
 const LONG: [&str; 7] = [

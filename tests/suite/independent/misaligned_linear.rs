@@ -7,7 +7,7 @@
 
 use crate::support::independent::assert_published;
 use nalgebra::{Matrix2, Matrix3, Matrix6, Vector2, Vector3};
-use pullback::gallery;
+use pullback::studies::gallery;
 
 /// Torsional, bending and shear stiffness of bars 1 and 2, and of bar 3.
 const THICK: [f64; 3] = [733.5, 1131.0, 16.88e6];

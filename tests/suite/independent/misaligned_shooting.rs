@@ -8,7 +8,7 @@
 
 use crate::support::independent::assert_published;
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
-use pullback::gallery;
+use pullback::studies::gallery;
 
 /// Stretching, shear, torsional and bending stiffness of bars 1 and 2, and of bar 3.
 const THICK: [f64; 4] = [52.99e6, 16.88e6, 733.5, 1131.0];

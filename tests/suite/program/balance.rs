@@ -161,7 +161,7 @@ fn a_damped_strip_that_is_jerked_is_no_false_alarm() {
 #[test]
 fn a_damped_blade_that_turns_from_the_start_keeps_its_balance() {
     // Its first element is sheared at once, and stiffness-proportional damping resists in a thousandth of a step.
-    let model = pullback::gallery::model(Path::new("spin_up")).unwrap();
+    let model = pullback::studies::gallery::model(Path::new("spin_up")).unwrap();
     let text = model
         .replace("run-up = { rate = 6, duration = 15 }", "proportional = 1")
         .replace("[nodes]", "damping = { stiffness = 1e-3 }\n\n[nodes]")

@@ -111,5 +111,5 @@ fn an_unknown_case_is_refused_with_the_list() {
     ] {
         assert!(known.contains(&name), "{name} is not in {list}");
     }
-    assert_eq!(known.len(), pullback::gallery::CASES.len());
+    assert_eq!(known.len(), pullback::studies::gallery::CASES.len());
 }

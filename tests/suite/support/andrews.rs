@@ -11,13 +11,13 @@ use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
 use pullback::elements::spring::AxialSpring;
 use pullback::elements::time::Constant;
-use pullback::gallery::{self, Comparison};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Kind, System};
+use pullback::studies::gallery::{self, Comparison};
 
 // Lengths in m, masses in kg, moments of inertia in kg m².
 pub const A: [f64; 3] = [-0.06934, -0.00227, 0.0];

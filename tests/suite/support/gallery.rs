@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use super::program::{directory, read};
-use pullback::gallery::{self, Comparison};
+use pullback::studies::gallery::{self, Comparison};
 use std::collections::BTreeSet;
 
 /// What a case must compare: its name, how the quantity or the source begins, the least number of such

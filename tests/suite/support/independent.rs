@@ -1,7 +1,7 @@
 //! What the tests that solve cases of the gallery by other means share.
 #![allow(dead_code)]
 
-use pullback::gallery::Comparison;
+use pullback::studies::gallery::Comparison;
 
 /// Value at no cell size from those of order two with some size and its half.
 pub fn extrapolated<const N: usize>(coarse: [f64; N], fine: [f64; N]) -> [f64; N] {

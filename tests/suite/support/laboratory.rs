@@ -2,8 +2,8 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::Vector3;
-use pullback::compare::{CompareError, Comparison, Options, Sample, Watch, compare};
 use pullback::input::{self, Analysis, ModelFile};
+use pullback::studies::compare::{CompareError, Comparison, Options, Sample, Watch, compare};
 use std::path::Path;
 
 pub fn model(name: &str) -> ModelFile {

@@ -1,0 +1,110 @@
+//! What becomes, over time, of what the motion keeps.
+
+use super::{ends, lasting, near, rounded};
+use crate::output::plot::{Curve, Division, Graph};
+use crate::studies::compare::{Comparison, Row};
+
+/// What is drawn of a run at a common time.
+type Drawn = dyn Fn(&Row, usize) -> f64;
+
+/// Points of a curve at most: each is the largest value in its part of the run. What swings through zero
+/// would be a comb on a logarithmic axis, and hide the others.
+pub(super) const PARTS: usize = 32;
+
+pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
+    let mut out = Vec::new();
+    for (name, value) in &drawn(comparison) {
+        for finest in [false, true] {
+            let step = ends(comparison)[usize::from(finest)];
+            // A long run, where there is one, shows more than a short one with the same step.
+            let rows = match finest || comparison.long.is_empty() {
+                true => &comparison.rows,
+                false => &comparison.long,
+            };
+            let schemes = comparison.orders.iter().enumerate();
+            let curves = schemes.flat_map(|(k, scheme)| {
+                let own = move |r: &&Row| r.scheme == scheme.scheme && near(r.step, step);
+                let drawn = rows.iter().filter(own).filter(|row| row.samples.len() > 1);
+                drawn.map(move |row| {
+                    let label = lasting(comparison, &scheme.scheme);
+                    Curve::new(label, envelope(row, value)).colored(k)
+                })
+            });
+            out.push(Graph {
+                description: [format!("time t,  h = {}", rounded(step)), name.clone()],
+                division: [Division::Linear, Division::Logarithmic],
+                curves: curves.collect(),
+                marked: false,
+                slopes: Vec::new(),
+                level: None,
+            });
+        }
+    }
+    out
+}
+
+/// The largest value in each part of a run, where it is; what is not known has no point.
+fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
+    let points: Vec<(f64, f64)> = (1..row.samples.len())
+        .map(|j| (row.samples[j].t, value(row, j)))
+        .collect();
+    // As many points in each as can be: a short last part would end a curve in a dip.
+    let parts = PARTS.min(points.len());
+    let end = |k: usize| k * points.len() / parts;
+    let largest = (0..parts).filter_map(|k| {
+        let known = points[end(k)..end(k + 1)].iter().filter(|p| !p.1.is_nan());
+        known.max_by(|a, b| a.1.total_cmp(&b.1)).copied()
+    });
+    largest.collect()
+}
+
+/// The change of something since the start of a run.
+fn change(of: impl Fn(&Row, usize) -> f64 + 'static) -> Box<Drawn> {
+    Box::new(move |row, j| (of(row, j) - of(row, 0)).abs())
+}
+
+/// What there is to draw, with the words on its axis.
+fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
+    let keeps = comparison.reference.as_ref().map(|r| r.kept);
+    let keeps = keeps.unwrap_or_default().without(comparison.zero_momenta);
+    let mut out = vec![match keeps.energy {
+        true => (
+            "|change of energy|".to_owned(),
+            change(|row, j| row.samples[j].energy),
+        ),
+        false => (
+            "|defect of the balance of energy|".to_owned(),
+            change(|row, j| row.samples[j].defect.unwrap_or(f64::NAN)),
+        ),
+    }];
+    let vectors = [
+        (0, "momentum", keeps.momentum),
+        (1, "angular momentum", keeps.angular_momentum),
+    ];
+    for (k, name, keeps) in vectors {
+        let of = |i: usize| change(move |row, j| row.samples[j].momenta[k][i]);
+        // The worst of the components speaks for all.
+        let largest = |i: &usize| {
+            let value = of(*i);
+            let all = comparison.rows.iter();
+            let changes = all.flat_map(|row| (0..row.samples.len()).map(move |j| (row, j)));
+            changes.fold(0.0, |m: f64, (row, j)| m.max(value(row, j)))
+        };
+        let worst = (0..3).filter(|&i| keeps[i]);
+        let worst = worst.max_by(|a, b| largest(a).total_cmp(&largest(b)));
+        if let Some(i) = worst.filter(|i| largest(i) > 0.0) {
+            out.push((format!("|change of {name}|, component {}", i + 1), of(i)));
+        }
+    }
+    // Equations that do not hold at the start are not thereby right.
+    let violation = |row: &Row, j: usize| row.samples[j].violation;
+    let loops = |row: &Row| (0..row.samples.len()).any(|j| violation(row, j).is_some());
+    if comparison.rows.iter().any(loops) {
+        let value = move |row: &Row, j: usize| violation(row, j).map_or(f64::NAN, f64::abs);
+        out.push((
+            "residual of the loops' equations".to_owned(),
+            Box::new(value),
+        ));
+    }
+    out
+}

@@ -1,0 +1,211 @@
+//! What the figures are drawn from, on an oscillator whose steps are known in closed form.
+
+use super::*;
+use crate::input;
+use crate::studies::compare::{Options, Watch, compare};
+
+/// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
+const OSCILLATOR: &str = r#"
+[nodes]
+ground = [0, 0, 0]
+[[joints]]
+name = "slider"
+type = "prismatic"
+master = "ground"
+axis = [1, 0, 0]
+spring = { k = 4 }
+value = 0.3
+[[bodies]]
+name = "mass"
+node = "slider"
+mass = 1
+[[supports]]
+node = "ground"
+fix = "all"
+[analysis.dynamic]
+to = 8
+step = 0.01
+"#;
+
+const STEPS: [f64; 3] = [0.1, 0.05, 0.025];
+
+fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
+    let file = input::parse("model.toml", OSCILLATOR).unwrap();
+    let make = |formulation| input::job_in("model.toml", &file, formulation);
+    let schemes = schemes.iter().map(|s| s.parse().unwrap()).collect();
+    let options = Options {
+        long,
+        ..Options::new(schemes, STEPS.to_vec())
+    };
+    compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap()
+}
+
+/// Root mean square over the common times of the error of the place by the trapezoidal rule, which
+/// has the amplitude and the frequency ω̄ with tan(ω̄h/2) = ωh/2.
+fn error_of_place(comparison: &Comparison, h: f64) -> f64 {
+    let bar = 2.0 / h * h.atan();
+    let time = |k: usize| comparison.to * k as f64 / comparison.times as f64;
+    let off = |k: usize| 0.3 * ((bar * time(k)).cos() - (2.0 * time(k)).cos());
+    let squares: f64 = (0..=comparison.times).map(|k| off(k).powi(2)).sum();
+    // The node at rest has no error, and counts.
+    (squares / (2 * (comparison.times + 1)) as f64).sqrt()
+}
+
+#[test]
+fn work_is_what_the_runs_cost_against_their_errors() {
+    let comparison = compared(&["newmark", "ga:0.8"], None);
+    let graphs = work(&comparison);
+    let [by_assemblies, by_time] = &graphs[..2] else {
+        panic!("{} graphs", graphs.len());
+    };
+    assert_eq!(by_assemblies.description[0], "assemblies of the model");
+    assert!(by_time.description[0].starts_with("time"));
+    assert_eq!(by_assemblies.description[1], "error of position");
+    for graph in [by_assemblies, by_time] {
+        let labels: Vec<&str> = graph.curves.iter().map(|c| &c.label[..]).collect();
+        assert_eq!(labels, ["newmark", "ga:0.8"]);
+    }
+    for (k, (work, error)) in by_assemblies.curves[0].points.iter().enumerate() {
+        // A linear model takes a tangent and a residual that shows the balance in every step, and a few
+        // evaluations at the start.
+        let steps = (comparison.to / STEPS[k]).round();
+        assert!(
+            (2.0 * steps..2.0 * steps + 6.0).contains(work),
+            "{work} {steps}"
+        );
+        let exact = error_of_place(&comparison, STEPS[k]);
+        assert!((error / exact - 1.0).abs() < 1e-3, "{error:e} {exact:e}");
+    }
+    let times = by_time.curves[0].points.iter();
+    assert!(
+        times
+            .zip(comparison.of("newmark"))
+            .all(|(p, row)| p.0 == row.seconds)
+    );
+}
+
+#[test]
+fn a_linear_model_takes_one_solution_per_step() {
+    let comparison = compared(&["newmark", "radau"], None);
+    let [graph] = &iterations(&comparison)[..] else {
+        panic!("one graph");
+    };
+    // Both stages of Radau IIA are solved together.
+    for curve in &graph.curves {
+        let expected: Vec<(f64, f64)> = STEPS.iter().map(|&h| (h, 1.0)).collect();
+        for (found, expected) in curve.points.iter().zip(&expected) {
+            assert!(
+                (found.0 - expected.0).abs() < 1e-12 && found.1 == expected.1,
+                "{curve:?}"
+            );
+        }
+        assert_eq!(curve.points.len(), STEPS.len());
+    }
+}
+
+/// A run that fails is said to: its curve ends before the others.
+#[test]
+fn curves_that_stop_say_so() {
+    let mut comparison = compared(&["newmark", "ga:0.8"], Some(2.0));
+    assert_eq!(stopping(&comparison), "");
+    let whole = drift(&comparison)[0].clone();
+    let row = &mut comparison.long[1];
+    row.failure = Some("the step failed".to_owned());
+    row.samples.truncate(5);
+    let last = row.samples[4].t;
+    let graph = &drift(&comparison)[0];
+    let labels: Vec<&str> = graph.curves.iter().map(|c| &c.label[..]).collect();
+    assert_eq!(labels, ["newmark", "ga:0.8 (stops: failed)"]);
+    assert_eq!(graph.curves[1].points.len(), 4);
+    assert_eq!(graph.curves[0].points, whole.curves[0].points);
+    let said = stopping(&comparison);
+    let expected = format!("ga:0.8 with h = 0.1 after t = {}.", rounded(last));
+    assert!(said.ends_with(&expected), "{said}");
+    // So does the short one with the smallest step, which is drawn beside it, and none between.
+    comparison.long[1].failure = None;
+    let middle = comparison
+        .rows
+        .iter()
+        .position(|r| r.scheme == "newmark" && near(r.step, 0.05));
+    comparison.rows[middle.unwrap()].failure = Some("it failed".to_owned());
+    assert_eq!(stopping(&comparison), "");
+    let finest = comparison
+        .rows
+        .iter()
+        .position(|r| r.scheme == "newmark" && near(r.step, 0.025));
+    comparison.rows[finest.unwrap()].failure = Some("it failed".to_owned());
+    assert!(stopping(&comparison).contains("newmark with h = 0.025 after"));
+}
+
+/// There are seven colours: with more curves marks tell them apart.
+#[test]
+fn lines_of_one_colour_have_marks() {
+    let line = |k: usize| {
+        let points = (0..50).map(|i| (f64::from(i), (k + 1) as f64));
+        Curve::new(k.to_string(), points.collect()).colored(k)
+    };
+    let circles = |count: usize| {
+        let graph = Graph {
+            description: [String::new(), String::new()],
+            division: [Division::Linear; 2],
+            curves: (0..count).map(line).collect(),
+            marked: false,
+            slopes: Vec::new(),
+            level: None,
+        };
+        let svg = graphs(None, LEVEL, &[graph]).unwrap();
+        svg.matches("<circle").count()
+    };
+    assert_eq!(circles(7), 0);
+    assert!(circles(8) > 5, "{}", circles(8));
+}
+
+/// A swing of the amplitude 0.2 e^(t/200) about nothing, in a run of 128 common times, or of 121: its envelope
+/// is the amplitude to the end, however near to zero single values are.
+#[test]
+fn curves_over_time_are_envelopes() {
+    for factor in [16.0, 15.125] {
+        envelope_of_a_swing(factor);
+    }
+}
+
+fn envelope_of_a_swing(factor: f64) {
+    let mut comparison = compared(&["newmark"], Some(factor));
+    let row = &mut comparison.long[0];
+    assert!(row.samples.len() > 2 * drift::PARTS);
+    let amplitude = |t: f64| 0.2 * (t / 200.0).exp();
+    for sample in &mut row.samples {
+        sample.energy = amplitude(sample.t) * (2.0 * sample.t).sin();
+    }
+    let row = &comparison.long[0];
+    let swings: Vec<f64> = row.samples.iter().map(|s| s.energy.abs()).collect();
+    let least = swings[1..].iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(least < 0.02 * 0.2);
+    let graph = &drift(&comparison)[0];
+    assert_eq!(graph.description[1], "|change of energy|");
+    let points = &graph.curves[0].points;
+    assert_eq!(points.len(), drift::PARTS);
+    for (t, value) in points {
+        // Three values of |sin 2t| that are 1 apart in t, and more so four: one is within 0.57 of its top, where it
+        // is above 0.84, as π − 2 and 4 − π are 1.14 and 0.86.
+        let part = value / amplitude(*t);
+        assert!((0.82..1.0 + 1e-12).contains(&part), "{t}: {part}");
+        assert!(row.samples.iter().any(|s| s.t == *t));
+    }
+}
+
+/// A penalty in balance leaves its loop open from the start on: that is no change, and it is drawn.
+#[test]
+fn what_is_left_of_loops_is_drawn_as_it_is() {
+    let mut comparison = compared(&["newmark"], None);
+    for row in &mut comparison.rows {
+        for sample in &mut row.samples {
+            sample.violation = Some(-0.25);
+        }
+    }
+    let graphs = drift(&comparison);
+    let name = "residual of the loops' equations";
+    let mut own = graphs.iter().filter(|g| g.description[1] == name);
+    let points = &own.next().unwrap().curves[0].points;
+    assert!(!points.is_empty() && points.iter().all(|p| p.1 == 0.25));
+}

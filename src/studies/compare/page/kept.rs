@@ -1,0 +1,120 @@
+//! Tables of energies and momenta.
+
+use super::{Page, begun, escaped, first, step};
+use crate::studies::compare::tables::short;
+use crate::studies::compare::{Comparison, Components, Kept, Row};
+
+pub(super) fn drift(out: &mut Page, c: &Comparison) {
+    let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
+    let constraints = if c.enforced {
+        "Loops closed by multipliers hold their equations h at every step to the tolerance of the \
+         solver, those closed by a penalty to its compliance; their rates are not enforced."
+    } else {
+        "Constraints are maps x = φ(t, q): they hold at every step whatever the scheme. Where loops are \
+         closed by their equations, |h| is what Newton's method leaves of them at a given q."
+    };
+    out.heading(2, "", "What the motion keeps");
+    let kept = keeps(&kept.without(c.zero_momenta)) + &nothing(&kept, c.zero_momenta);
+    out.paragraph("", &format!("{kept} {constraints}"));
+    let caption = "Largest change since the start at common times, of what is kept; |h|, the largest \
+                   residual of a loop there, each equation over its size; and the largest \
+                   defect of the balance of energy over all steps, kinetic and stored less supplied \
+                   (the work by the trapezoidal rule). What grows with time is told by the trend: the \
+                   mean change of the energy (where it is not kept, the defect of its balance) in the \
+                   last quarter of the run less that in the first. All relative to the largest energy, \
+                   the magnitudes of kinetic and stored energy and load potential.";
+    rows(out, caption, &c.rows);
+    if let Some(row) = c.long.first() {
+        out.heading(2, "", "What a long run keeps");
+        let end = row.samples.last().map_or(0.0, |s| s.t);
+        let halved = c.long.iter().filter(|row| row.counts.rejected > 0);
+        let halved: Vec<&str> = halved.map(|row| row.scheme.as_str()).collect();
+        let caption = match halved.is_empty() {
+            true => format!("The same over a long run, until t = {}.", short(end)),
+            false => format!(
+                "The same over a long run, until t = {}; some steps were halved by {}.",
+                short(end),
+                escaped(&halved.join(", "))
+            ),
+        };
+        rows(out, &caption, &c.long);
+    }
+}
+
+/// What is kept because it is nothing.
+fn nothing(kept: &Kept, zero: Components) -> String {
+    let both = |kept: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| kept[i] && zero[i]);
+    let all = [
+        components("momentum", both(kept.momentum, zero[0])),
+        components("angular momentum", both(kept.angular_momentum, zero[1])),
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Left out of it, as zero in all runs whatever the scheme: {}.",
+            all.join(", ")
+        ),
+    }
+}
+
+fn rows(out: &mut Page, caption: &str, all: &[Row]) {
+    let columns = [
+        "scheme",
+        "h",
+        "energy",
+        "relative",
+        "momentum",
+        "angular momentum",
+        "|h|",
+        "balance of energy",
+        "relative",
+        "trend, relative",
+    ];
+    out.table(caption, &columns.map(str::to_owned), 1);
+    let rows = begun(all);
+    for (k, row) in rows.iter().enumerate() {
+        let optional = |x: Option<f64>| x.map_or("–".to_owned(), short);
+        let drift = row.drift;
+        let mut line = vec![escaped(&row.scheme), step(row)];
+        let all = [
+            drift.energy,
+            drift.relative(drift.energy),
+            drift.momentum,
+            drift.angular_momentum,
+            drift.violation,
+            drift.balance,
+            drift.relative(drift.balance),
+            drift.relative(drift.trend),
+        ];
+        line.extend(all.map(optional));
+        out.row(first(&rows, k), 1, &line);
+    }
+    out.end_table();
+}
+
+/// Components of a momentum in words, if there are any.
+fn components(name: &str, which: [bool; 3]) -> Option<String> {
+    let numbers = (0..3).filter(|&i| which[i]);
+    let numbers: Vec<String> = numbers.map(|i| (i + 1).to_string()).collect();
+    match numbers.len() {
+        0 => None,
+        3 => Some(name.to_owned()),
+        1 => Some(format!("{name} (component {})", numbers[0])),
+        _ => Some(format!("{name} (components {})", numbers.join(", "))),
+    }
+}
+
+/// What a motion keeps, in words.
+fn keeps(kept: &Kept) -> String {
+    let all = [
+        kept.energy.then(|| "energy".to_owned()),
+        components("momentum", kept.momentum),
+        components("angular momentum", kept.angular_momentum),
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    match all.is_empty() {
+        true => "The reference keeps neither energy nor momentum.".to_owned(),
+        false => format!("The reference keeps {}.", all.join(", ")),
+    }
+}

@@ -1,0 +1,205 @@
+//! Tables of the runs: errors, cost, reasons of failures.
+
+use super::{Page, begun, escaped, exact, first, names, step};
+use crate::studies::compare::tables::{failures as failures_of, short, status};
+use crate::studies::compare::{Comparison, EqualCost, Quantity, Row};
+
+pub(super) fn errors(out: &mut Page, c: &Comparison) {
+    let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
+        .chain(names())
+        .collect();
+    let caption = format!(
+        "Root mean square errors over {} equally spaced times and all frame nodes; of rotations the \
+         angle of the relative rotation in radians. Where the error is below that of the reference \
+         itself, that stands instead, and – where the reference is not known at all.{}",
+        c.times,
+        changed_steps(c)
+    );
+    out.table(&caption, &columns, 1);
+    let rows = begun(&c.rows);
+    for (k, row) in rows.iter().enumerate() {
+        let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
+        // An error below that of the reference is only known to be no larger than that.
+        let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
+        let error = |q| match row.error.map(|e| e.of(q)) {
+            None => "–".to_owned(),
+            Some(_) if least(q).is_infinite() => "–".to_owned(),
+            Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
+            Some(error) => short(error),
+        };
+        line.extend(Quantity::ALL.map(error));
+        out.row(first(&rows, k), 1, &line);
+    }
+    out.end_table();
+}
+
+/// Which step sizes were made of those asked for, where they are others.
+fn changed_steps(c: &Comparison) -> String {
+    let mut made: Vec<String> = Vec::new();
+    for row in &c.rows {
+        if (row.step - row.asked).abs() > 1e-9 * row.asked {
+            let pair = format!("{} for {}", exact(row.step), exact(row.asked));
+            if !made.contains(&pair) {
+                made.push(pair);
+            }
+        }
+    }
+    if made.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Steps end at kinks of the functions of time and at common times: h is {}.",
+        made.join(", ")
+    )
+}
+
+/// What there is to say about a run, in a word.
+fn note(row: &Row) -> &'static str {
+    match status(row) {
+        "complete" if row.counts.rejected > 0 => "steps halved",
+        "complete" => "",
+        other => other,
+    }
+}
+
+/// Errors of all schemes at a cost that they have in common.
+pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
+    let (title, what) = match equal.seconds {
+        true => {
+            let time = short(equal.cost);
+            (
+                "Errors at equal time",
+                format!("{time} s of integration alone"),
+            )
+        }
+        false => {
+            let count = equal.cost.round();
+            (
+                "Errors at equal work",
+                format!("{count} assemblies of the model"),
+            )
+        }
+    };
+    out.heading(2, "", title);
+    let caption = format!(
+        "At {what}: log error interpolated over log cost between neighbouring step sizes, or \
+         extrapolated from the nearest two (≈); in brackets, over that of the first scheme.",
+    );
+    let columns: Vec<String> = std::iter::once("scheme".to_owned())
+        .chain(names())
+        .collect();
+    out.table(&caption, &columns, 1);
+    for (name, errors, beyond) in &equal.schemes {
+        let about = if *beyond { "≈ " } else { "" };
+        let mut line = vec![escaped(name)];
+        line.extend(Quantity::ALL.map(|q| {
+            let over = errors.of(q) / equal.schemes[0].1.of(q);
+            match (errors.of(q), over) {
+                (e, _) if !e.is_finite() => "–".to_owned(),
+                (e, over) if over.is_finite() => format!("{about}{} ({})", short(e), short(over)),
+                (e, _) => format!("{about}{}", short(e)),
+            }
+        }));
+        out.row(false, 1, &line);
+    }
+    out.end_table();
+}
+
+pub(super) fn cost(out: &mut Page, c: &Comparison) {
+    let mut columns = vec![
+        "scheme",
+        "h",
+        "steps",
+        "rejected",
+        "solutions per step",
+        "evaluations",
+        "assemblies",
+        "factorisations",
+        "changes of chart",
+        "time / s",
+    ];
+    let alone = match c.rows.iter().any(|row| row.seconds_alone.is_some()) {
+        false => "",
+        true => {
+            columns.push("alone / s");
+            "; alone is that of the integration and nothing else but what it looks for before its first step, the \
+             least of some repetitions"
+        }
+    };
+    let beside = match c.threads {
+        1 => "one run at a time".to_owned(),
+        n => format!("{n} runs side by side on one machine, which makes each of them slower"),
+    };
+    let caption = format!(
+        "Time is wall-clock time with the audits of energy and momentum, {beside}{alone}. An evaluation \
+         assembles the model once, with a tangent three times where rates are spins. Increments are \
+         centred anew in every step, and each time counts as a change of chart.{}",
+        searching(c)
+    );
+    let names: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
+    out.table(&caption, &names, 1);
+    let rows = begun(&c.rows);
+    for (k, row) in rows.iter().enumerate() {
+        let n = &row.counts;
+        let per_step = match n.steps {
+            0 => "–".to_owned(),
+            _ => format!("{:.2}", row.iterations_per_step()),
+        };
+        let line = [
+            escaped(&row.scheme),
+            step(row),
+            n.steps.to_string(),
+            n.rejected.to_string(),
+            per_step,
+            n.evaluations.to_string(),
+            row.assemblies.to_string(),
+            n.factorisations.to_string(),
+            n.chart_changes.to_string(),
+            short(row.seconds),
+            row.seconds_alone.map_or("–".to_owned(), short),
+        ];
+        out.row(first(&rows, k), 1, &line[..columns.len()]);
+    }
+    out.end_table();
+}
+
+/// What schemes do before their first step, which is not counted.
+fn searching(c: &Comparison) -> String {
+    let mut found: Vec<String> = Vec::new();
+    for row in c.rows.iter().filter(|row| row.searching > 0) {
+        let text = format!("{} {}", escaped(&row.scheme), row.searching);
+        if !found.contains(&text) {
+            found.push(text);
+        }
+    }
+    match found.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Not counted are assemblies before the first step, once in a run, that find what a scheme \
+             has to know (what the motion keeps, the largest frequency): {}.",
+            found.join(", ")
+        ),
+    }
+}
+
+pub(super) fn failures(out: &mut Page, c: &Comparison) {
+    if c.rows.iter().all(|row| row.failure.is_none()) {
+        return;
+    }
+    out.heading(2, "", "Runs without an end");
+    let columns = ["scheme", "h", "reason"].map(str::to_owned);
+    out.table("", &columns, 3);
+    for (failed, reason) in failures_of(c) {
+        let reason = format!("<span class=\"reason\">{}</span>", escaped(reason));
+        let steps = match failed.len() == c.of(&failed[0].scheme).count() && failed.len() > 1 {
+            true => "all".to_owned(),
+            false => failed
+                .iter()
+                .map(|row| step(row))
+                .collect::<Vec<_>>()
+                .join(", "),
+        };
+        out.row(false, 3, &[escaped(&failed[0].scheme), steps, reason]);
+    }
+    out.end_table();
+}

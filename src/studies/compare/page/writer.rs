@@ -1,0 +1,172 @@
+//! A page in the making: the same headings, paragraphs, tables and figures in HTML and in Markdown.
+
+use super::super::figures::Figure;
+use super::escaped;
+use std::fmt::Write;
+
+/// What a page is written in. Text inside paragraphs and cells is that of HTML in both, which
+/// Markdown knows as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::studies::compare) enum Format {
+    /// One file with its figures inside.
+    Html,
+    /// Tables between bars; figures by the names of their files.
+    Markdown,
+}
+
+/// A page.
+pub(super) struct Page {
+    format: Format,
+    text: String,
+}
+
+impl Page {
+    pub(super) fn new(format: Format) -> Self {
+        Self {
+            format,
+            text: String::new(),
+        }
+    }
+
+    pub(super) fn is_html(&self) -> bool {
+        self.format == Format::Html
+    }
+
+    pub(super) fn into_text(self) -> String {
+        match self.format {
+            Format::Html => self.text,
+            // One line ends it.
+            Format::Markdown => self.text.trim_end().to_owned() + "\n",
+        }
+    }
+
+    /// Appends a line as it is.
+    pub(super) fn put(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    pub(super) fn heading(&mut self, level: usize, class: &str, text: &str) {
+        match self.format {
+            Format::Html => self.put(&format!("<h{level}{}>{text}</h{level}>", of(class))),
+            Format::Markdown => self.put(&format!("{} {text}\n", "#".repeat(level))),
+        }
+    }
+
+    pub(super) fn paragraph(&mut self, class: &str, text: &str) {
+        match self.format {
+            Format::Html => self.put(&format!("<p{}>{text}</p>", of(class))),
+            Format::Markdown => self.put(&format!("{}\n", text.trim())),
+        }
+    }
+
+    /// A command line.
+    pub(super) fn command(&mut self, command: &str) {
+        match self.format {
+            Format::Html => {
+                let code = format!("<code>{}</code>", escaped(command));
+                self.paragraph("command", &code);
+            }
+            Format::Markdown => self.put(&format!("```sh\n{command}\n```\n")),
+        }
+    }
+
+    pub(super) fn list(&mut self, items: &[String]) {
+        match self.format {
+            Format::Html => {
+                let items = items.iter().map(|item| format!("<li>{item}</li>\n"));
+                self.put(&format!("<ul>\n{}</ul>", items.collect::<String>()));
+            }
+            Format::Markdown => {
+                let items = items.iter().map(|item| format!("- {item}\n"));
+                self.put(&items.collect::<String>());
+            }
+        }
+    }
+
+    pub(super) fn figure(&mut self, figure: &Figure) {
+        let Figure { name, caption, svg } = figure;
+        match self.format {
+            Format::Html => {
+                let svg = inline(svg);
+                let caption = format!("<figcaption>{caption}</figcaption>");
+                self.put(&format!("<figure>\n{svg}\n{caption}\n</figure>"));
+            }
+            Format::Markdown => {
+                let alternative = name.trim_end_matches(".svg");
+                self.put(&format!("![{alternative}]({name})\n\n{caption}\n"));
+            }
+        }
+    }
+
+    /// The head of a table: a caption, and names of columns, the first ones of words.
+    pub(super) fn table(&mut self, caption: &str, columns: &[String], words: usize) {
+        if !caption.is_empty() {
+            self.paragraph("caption", caption);
+        }
+        match self.format {
+            Format::Html => {
+                let head = cells("th", words, columns);
+                self.put(&format!("<table>\n<thead><tr>{head}</tr></thead>\n<tbody>"));
+            }
+            Format::Markdown => {
+                self.row(false, words, columns);
+                let sides = (0..columns.len()).map(|k| if k < words { " :-- |" } else { " --: |" });
+                self.put(&format!("|{}", sides.collect::<String>()));
+            }
+        }
+    }
+
+    /// A row of a table, the first cells of words; `next` where something else begins.
+    pub(super) fn row(&mut self, next: bool, words: usize, row: &[String]) {
+        match self.format {
+            Format::Html => {
+                let class = if next { "next" } else { "" };
+                self.put(&format!(
+                    "<tr{}>{}</tr>",
+                    of(class),
+                    cells("td", words, row)
+                ));
+            }
+            Format::Markdown => {
+                let cell = |cell: &String| {
+                    let line = cell.replace('|', "\\|").replace('\n', "<br/>");
+                    format!(" {line} |")
+                };
+                self.put(&format!("|{}", row.iter().map(cell).collect::<String>()));
+            }
+        }
+    }
+
+    pub(super) fn end_table(&mut self) {
+        self.put(if self.is_html() {
+            "</tbody>\n</table>"
+        } else {
+            ""
+        });
+    }
+}
+
+/// A class as an attribute.
+fn of(class: &str) -> String {
+    match class.is_empty() {
+        true => String::new(),
+        false => format!(" class=\"{class}\""),
+    }
+}
+
+fn cells(tag: &str, words: usize, cells: &[String]) -> String {
+    let mut out = String::new();
+    for (k, cell) in cells.iter().enumerate() {
+        let class = of(if k < words { "l" } else { "" });
+        // Writing to a string cannot fail.
+        let _ = write!(out, "<{tag}{class}>{cell}</{tag}>");
+    }
+    out
+}
+
+/// A figure as part of a page: without its declaration.
+fn inline(svg: &str) -> &str {
+    svg.find("<svg")
+        .map_or(svg, |start| svg[start..].trim_end())
+}

@@ -1,0 +1,387 @@
+//! One run of a comparison, and runs side by side.
+
+use super::Contender;
+use super::grid::Grid;
+use super::sample::Sample;
+use crate::input::{DynamicPlan, InputError, Job, Plan};
+use crate::method::Method;
+use crate::solve::point;
+use pullback_elements::model::Formulation;
+use pullback_integrators::dynamics::{
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Summary, integrate, start,
+};
+use pullback_manifold::system::SystemError;
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Makes the model of a comparison in a formulation of rotations: each run has one of its own.
+pub type Maker<'a> = dyn Fn(Formulation) -> Result<Job, InputError> + Sync + 'a;
+
+/// Who looks on, from whatever thread.
+pub struct Watch<'a> {
+    /// Asked after every step; a break ends the comparison.
+    pub flow: &'a (dyn Fn() -> ControlFlow<()> + Sync),
+    /// Told of every run that has ended: how many have, out of how many, and which this was.
+    pub ended: &'a (dyn Fn(usize, usize, &str) + Sync),
+    /// Told, before anything runs, of every scheme that cannot begin this motion, and why: its rows will say
+    /// the same.
+    pub refused: &'a (dyn Fn(&str, &str) + Sync),
+}
+
+impl Watch<'_> {
+    /// Nobody.
+    pub const NOBODY: Watch<'static> = Watch {
+        flow: &|| ControlFlow::Continue(()),
+        ended: &|_, _, _| {},
+        refused: &|_, _| {},
+    };
+}
+
+/// What one run is asked to do.
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    pub name: String,
+    pub contender: Contender,
+    pub steps: usize,
+    /// Residual relative to the forces, where it is smaller than that of the model file.
+    pub relative: f64,
+    /// Whether charts of rotations are kept until [`LATE`].
+    pub late: bool,
+}
+
+/// The length of a rotation vector, in radians, at which charts that are kept change: three quarters of a
+/// turn, as far from half a turn as from the end of the chart.
+pub const LATE: f64 = 1.5 * PI;
+
+/// What one run gave.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Ran {
+    /// The common times that it reached.
+    pub samples: Vec<Sample>,
+    pub summary: Summary,
+    /// How often the model was assembled on the way, without what comes before the first step.
+    pub assemblies: usize,
+    /// How often it was assembled to find what a scheme has to know before it steps.
+    pub searching: usize,
+    /// Why it did not come to its end.
+    pub failure: Option<Failure>,
+    /// Wall-clock time of the integration.
+    pub time: Duration,
+}
+
+/// Why a run did not come to its end.
+#[derive(Debug, thiserror::Error, Clone)]
+pub(super) enum Failure {
+    #[error("interrupted")]
+    Interrupted,
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<DynamicsError> for Failure {
+    fn from(error: DynamicsError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<SystemError> for Failure {
+    fn from(error: SystemError) -> Self {
+        Self::Failed(format!("a converged state cannot be evaluated: {error}"))
+    }
+}
+
+#[cfg(feature = "diffsol")]
+impl From<crate::studies::general::GeneralError> for Failure {
+    fn from(error: crate::studies::general::GeneralError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+/// The dynamic plan of a job.
+pub(super) fn dynamic(plan: &Plan) -> Option<&DynamicPlan> {
+    match plan {
+        Plan::Dynamic(plan) => Some(plan),
+        _ => None,
+    }
+}
+
+fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> DynamicOptions {
+    let step = grid.step(task.steps);
+    let newton = plan.options.newton;
+    DynamicOptions {
+        scheme: method.scheme(),
+        step,
+        min_step: 1e-6 * step,
+        adaptivity: None,
+        interval: None,
+        newton: NewtonOptions {
+            relative: newton.relative.min(task.relative),
+            ..newton
+        },
+        ..plan.options
+    }
+}
+
+/// Integrates from common time to common time, with a look at the model at each of them.
+pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, watch: &Watch<'_>) -> Ran {
+    let mut ran = Ran {
+        samples: Vec::with_capacity(grid.times + 1),
+        ..Ran::default()
+    };
+    ran.failure = advance(make, task, grid, watch, &mut ran).err();
+    ran
+}
+
+fn advance(
+    make: &Maker<'_>,
+    task: &Task,
+    grid: &Grid,
+    watch: &Watch<'_>,
+    ran: &mut Ran,
+) -> Result<(), Failure> {
+    let mut job = make(task.contender.formulation())?;
+    if task.late {
+        job.model.keep_charts_until(LATE);
+    }
+    let Some(plan) = dynamic(&job.plan) else {
+        return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
+    };
+    let options = match &task.contender {
+        Contender::Method(method) => options(task, method, grid, plan),
+        Contender::General(general) => {
+            let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
+            return in_general(&mut job, &general, grid, watch, ran);
+        }
+    };
+    let model = &mut job.model;
+    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let before = model.assemblies();
+    let clock = Instant::now();
+    let mut searches = 0;
+    for k in 0..=grid.times {
+        let to = if k == 0 { 0.0 } else { grid.time(k) };
+        let part = DynamicOptions { to, ..options };
+        // Every part begins with a search for what the scheme has to know (symmetries, the largest
+        // frequency), which a run in one part makes once: an empty part tells what it takes.
+        let here = DynamicOptions {
+            to: progress.state.t,
+            ..options
+        };
+        if k == 0 {
+            integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+            // The same search once more, by a run that knows nothing of the first one.
+            let mut anew = Progress {
+                kept: None,
+                ..progress.clone()
+            };
+            let asked = model.assemblies();
+            integrate(model, &mut anew, &here, &mut |_, _| (watch.flow)())?;
+            ran.searching = model.assemblies() - asked;
+            searches += 2 * ran.searching;
+        }
+        let asked = model.assemblies();
+        integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+        // The empty part, and the part itself.
+        searches += 2 * (model.assemblies() - asked);
+        let mut stopped = false;
+        let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
+            let flow = (watch.flow)();
+            stopped = flow.is_break();
+            flow
+        });
+        ran.summary = progress.summary;
+        ran.assemblies = match options.scheme.stages() {
+            [_] => (model.assemblies() - before).saturating_sub(searches),
+            // Several tangents of a state count once; rates are no spins here.
+            _ => progress.summary.evaluations,
+        };
+        ran.time = clock.elapsed();
+        integrated?;
+        if stopped {
+            return Err(Failure::Interrupted);
+        }
+        let defect = progress.summary.energy.map(|e| e.defect());
+        ran.samples
+            .push(Sample::of(model, point(&progress), defect)?);
+    }
+    Ok(())
+}
+
+/// A run by a general solver, with a look at the model at the common times.
+#[cfg(feature = "diffsol")]
+fn in_general(
+    job: &mut Job,
+    general: &crate::studies::general::General,
+    grid: &Grid,
+    watch: &Watch<'_>,
+    ran: &mut Ran,
+) -> Result<(), Failure> {
+    use crate::studies::general::Observer;
+    use pullback_elements::model::Model;
+    use pullback_integrators::dynamics::State;
+    use pullback_manifold::system::Point;
+    let model = &mut job.model;
+    let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
+    let clock = Instant::now();
+    let before = model.assemblies();
+    let times = grid.all_times();
+    let mut failed = None;
+    let samples = &mut ran.samples;
+    let mut observer = Observer {
+        seen: &mut |model: &mut Model, state: &State| {
+            let at = Point {
+                t: state.t,
+                q: &state.q,
+                v: &state.v,
+                a: &state.a,
+            };
+            match Sample::of(model, at, None) {
+                Ok(sample) => samples.push(sample),
+                Err(error) => {
+                    failed = Some(Failure::from(error));
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        },
+        go: watch.flow,
+    };
+    let ended =
+        crate::studies::general::integrate(model, &mut progress, general, &times, &mut observer);
+    ran.summary = progress.summary;
+    ran.assemblies = model.assemblies() - before;
+    ran.time = clock.elapsed();
+    ended?;
+    match failed {
+        Some(failure) => Err(failure),
+        None if !progress.summary.finished => Err(Failure::Interrupted),
+        None => Ok(()),
+    }
+}
+
+/// Words of general solvers are refused by programs that are built without them.
+#[cfg(not(feature = "diffsol"))]
+fn in_general(
+    _: &mut Job,
+    general: &crate::studies::general::General,
+    _: &Grid,
+    _: &Watch<'_>,
+    _: &mut Ran,
+) -> Result<(), Failure> {
+    let why = format!("{general}: this program is built without the feature `diffsol`");
+    Err(Failure::Failed(why))
+}
+
+/// Repetitions of a short run whose time is taken, and the time after which there are no more.
+const REPETITIONS: usize = 5;
+const ENOUGH: Duration = Duration::from_millis(500);
+
+/// Wall-clock time of a run with nothing but the integration, the least of some repetitions;
+/// `None` where it fails or is stopped.
+pub(super) fn clock(
+    make: &Maker<'_>,
+    task: &Task,
+    grid: &Grid,
+    watch: &Watch<'_>,
+) -> Option<Duration> {
+    let mut least: Option<Duration> = None;
+    let mut spent = Duration::ZERO;
+    for _ in 0..REPETITIONS {
+        let mut job = make(task.contender.formulation()).ok()?;
+        let time = match &task.contender {
+            Contender::Method(method) => {
+                let options = DynamicOptions {
+                    energies: false,
+                    ..options(task, method, grid, dynamic(&job.plan)?)
+                };
+                let model = &mut job.model;
+                let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
+                let mut progress = Progress::new(from);
+                let begin = Instant::now();
+                integrate(model, &mut progress, &options, &mut |_, _| (watch.flow)()).ok()?;
+                let time = begin.elapsed();
+                progress.summary.finished.then_some(time)?
+            }
+            Contender::General(general) => {
+                let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
+                let mut ran = Ran::default();
+                in_general(&mut job, &general, grid, watch, &mut ran).ok()?;
+                ran.time
+            }
+        };
+        if (watch.flow)().is_break() {
+            return None;
+        }
+        least = Some(least.map_or(time, |least| least.min(time)));
+        spent += time;
+        if spent > ENOUGH {
+            break;
+        }
+    }
+    least
+}
+
+/// Does `count` pieces of work on so many threads; results stand in the order of the pieces,
+/// whichever thread did which.
+pub(super) fn side_by_side<T: Send>(
+    count: usize,
+    threads: usize,
+    work: &(dyn Fn(usize) -> T + Sync),
+) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::with_capacity(count));
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, count.max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    if k >= count {
+                        break;
+                    }
+                    let out = work(k);
+                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+                    done.push((k, out));
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(k, _)| *k);
+    done.into_iter().map(|(_, out)| out).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::side_by_side;
+    use std::sync::{Condvar, Mutex};
+    use std::time::Duration;
+
+    #[test]
+    fn as_many_pieces_as_threads_are_under_way_at_once() {
+        for (threads, together) in [(1, 1), (3, 3), (9, 4)] {
+            let (under_way, changed) = (Mutex::new((0, 0)), Condvar::new());
+            let out = side_by_side(4, threads, &|k| {
+                let mut count = under_way.lock().unwrap();
+                count.0 += 1;
+                count.1 = count.1.max(count.0);
+                changed.notify_all();
+                // Waits for the others, but not for ever.
+                let wait = Duration::from_secs(if together == 1 { 0 } else { 20 });
+                let waiting = changed.wait_timeout_while(count, wait, |c| c.1 < together);
+                waiting.unwrap().0.0 -= 1;
+                10 * k
+            });
+            assert_eq!(out, [0, 10, 20, 30]);
+            assert_eq!(under_way.into_inner().unwrap().1, together);
+        }
+    }
+}

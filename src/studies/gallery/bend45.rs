@@ -1,0 +1,255 @@
+//! The 45° bend: the thesis's case, convergence to the exact curve, and what a superposed
+//! rotation or another load path changes.
+
+use super::case::{Case, CaseError, Context, order};
+use crate::input::{DofName, Driven, Fix, Interpolation, ModelFile, Time};
+use nalgebra::Vector3;
+use pullback_integrators::statics::StaticOptions;
+use std::f64::consts::PI;
+
+const MODEL: &str = include_str!("../../../examples/models/bend45.toml");
+
+/// The thesis's mesh and result.
+pub const CASE: Case = Case {
+    name: "bend45",
+    run: thesis,
+};
+
+/// Meshes of two- and three-node elements against the exact curve.
+pub const CONVERGENCE: Case = Case {
+    name: "bend45-convergence",
+    run: convergence,
+};
+
+/// S21: path independence, and invariance under superposed rotations.
+pub const OBJECTIVITY: Case = Case {
+    name: "objectivity",
+    run: objectivity,
+};
+
+fn tip(context: &Context, file: &ModelFile) -> Result<Vector3<f64>, CaseError> {
+    let mut watched = context.build(file, "tip")?;
+    Ok(watched.end(&StaticOptions::default())?.state.d)
+}
+
+fn thesis(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(MODEL)?;
+    let d = tip(context, &file)?;
+    let (records, _) = context
+        .build(&file, "tip")?
+        .solve(&StaticOptions::equal_steps(24))?;
+    let most = records.iter().map(|r| r.iterations).max().unwrap_or(0);
+    context.compare(
+        "most iterations of a step, 24 equal steps",
+        most as f64,
+        5.0,
+        1.0,
+        "published: Mäkinen 2004 4.2, 4 to 5 each",
+    );
+    context.compare_vector(
+        "tip displacement, 8 elements,",
+        d,
+        [-23.696, -13.668, 53.497],
+        1e-3,
+        "published: Mäkinen 2004 4.2",
+    );
+    Ok(())
+}
+
+/// Stiffness with GJ = EI, for which the exact curve is known, on a mesh.
+fn variant(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
+    let mut file = file.clone();
+    for section in file.sections.values_mut() {
+        if let Some(s) = &mut section.stiffness {
+            s.GJ = s.EI[0];
+        }
+    }
+    file.lines[0].elements = elements;
+    file.lines[0].order = order;
+    file
+}
+
+fn convergence(context: &mut Context) -> Result<(), CaseError> {
+    // Independent Cosserat shooting; its arc turns towards −e2.
+    const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
+    const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
+    let file = context.file(MODEL)?;
+    let exact = Vector3::from(EXACT);
+    let mut errors = Vec::new();
+    for elements in [8, 16, 32, 64] {
+        let d = tip(context, &variant(&file, elements, 1))?;
+        errors.push((d - exact).norm());
+    }
+    for (k, e) in errors.windows(2).enumerate() {
+        context.compare(
+            format!("order, 2-node, {} to {} elements", 8 << k, 16 << k),
+            order(e[0], e[1]),
+            2.0,
+            0.1,
+            "theory: linear elements converge with h²",
+        );
+    }
+    let mut errors = Vec::new();
+    for elements in [8, 16, 32, 64] {
+        let d = tip(context, &variant(&file, elements, 2))?;
+        errors.push((d - exact).norm());
+        if elements == 64 {
+            context.compare_vector("tip, 64 3-node elements,", d, EXACT, 1e-5, SOURCE);
+        }
+    }
+    for (k, e) in errors.windows(2).enumerate() {
+        context.compare(
+            format!("order, 3-node, {} to {} elements", 8 << k, 16 << k),
+            order(e[0], e[1]),
+            4.0,
+            0.3,
+            "theory: quadratic elements converge with h⁴ at nodes",
+        );
+    }
+    let d = tip(context, &variant(&file, 32, 3))?;
+    context.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
+    // Geodesic elements on the way to the same curve.
+    for (nodes, expected, meshes) in [(2, 2.0, [16, 32]), (3, 4.0, [16, 32])] {
+        let mut errors = Vec::new();
+        for elements in meshes {
+            let mut file = variant(&file, elements, nodes - 1);
+            file.lines[0].interpolation = Interpolation::Geodesic;
+            errors.push((tip(context, &file)? - exact).norm());
+        }
+        context.compare(
+            format!(
+                "order, geodesic {nodes}-node, {} to {} elements",
+                meshes[0], meshes[1]
+            ),
+            order(errors[0], errors[1]),
+            expected,
+            0.3,
+            "theory: as with total rotation vectors",
+        );
+    }
+    let mut fine = variant(&file, 32, 3);
+    fine.lines[0].interpolation = Interpolation::Geodesic;
+    let d = tip(context, &fine)?;
+    context.compare_vector("tip, 32 geodesic 4-node elements,", d, EXACT, 1e-7, SOURCE);
+    Ok(())
+}
+
+fn objectivity(context: &mut Context) -> Result<(), CaseError> {
+    const CLOSED: &str = "exact: S21, conservative loads";
+    const TURN: f64 = 1.6;
+    let file = context.file(MODEL)?;
+
+    // Load and unload.
+    let mut cycle = file.clone();
+    cycle.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
+    let two = StaticOptions {
+        to: 2.0,
+        ..StaticOptions::default()
+    };
+    let end = context.build(&cycle, "tip")?.end(&two)?;
+    context.compare(
+        "tip after loading and unloading",
+        end.state.d.norm(),
+        0.0,
+        1e-9,
+        CLOSED,
+    );
+
+    // Two loads in either order.
+    let first = Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]);
+    let second = Time::Table(vec![[1.0, 0.0], [2.0, 1.0]]);
+    let mut tips = Vec::new();
+    for times in [[&first, &second], [&second, &first]] {
+        let mut both = file.clone();
+        let mut other = both.loads[0].clone();
+        other.force = Some([0.0, 300.0, 0.0]);
+        both.loads.push(other);
+        for (load, time) in both.loads.iter_mut().zip(times) {
+            load.time = Some(time.clone());
+        }
+        tips.push(context.build(&both, "tip")?.end(&two)?.state.d);
+    }
+    let gap = (tips[0] - tips[1]).norm();
+    context.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
+
+    // The same bend with a follower force, its clamp turned: the strain energy must not change.
+    let mut geodesic = file.clone();
+    geodesic.lines[0].interpolation = Interpolation::Geodesic;
+    for (file, name) in [(&file, ""), (&geodesic, "geodesic ")] {
+        let free = energy(context, file, 8, TURN, 0.0)?;
+        let scale = energy(context, file, 8, 0.0, 300.0)?;
+        context.compare(
+            format!("strain energy of the unloaded {name}bend, turned by {TURN} rad, relative"),
+            free / scale,
+            0.0,
+            1e-12,
+            "exact: S21",
+        );
+    }
+    let straight = energy(context, &geodesic, 8, 0.0, 300.0)?;
+    for turn in [1e-3, 0.5, TURN, 3.1, 2.5 * PI] {
+        context.compare(
+            format!(
+                "relative change of strain energy when the loaded geodesic bend is turned by \
+                 {turn:.4} rad, 8 elements"
+            ),
+            energy(context, &geodesic, 8, turn, 300.0)? / straight - 1.0,
+            0.0,
+            1e-10,
+            "exact: S21; to what Newton's method leaves",
+        );
+    }
+    let mut errors = Vec::new();
+    for elements in [8, 16, 32] {
+        let straight = energy(context, &file, elements, 0.0, 300.0)?;
+        errors.push(energy(context, &file, elements, TURN, 300.0)? / straight - 1.0);
+    }
+    context.compare(
+        "relative change of strain energy when the loaded bend is turned, 32 elements",
+        errors[2],
+        0.0,
+        1e-3,
+        "exact: S21; total rotation vectors meet it only up to the mesh error",
+    );
+    context.compare(
+        "order in which that change vanishes with the mesh",
+        order(errors[1], errors[2]),
+        2.0,
+        0.2,
+        "theory: interpolation error of linear elements",
+    );
+    Ok(())
+}
+
+/// Strain energy of the bend under a follower force, with its clamp turned afterwards by an angle.
+fn energy(
+    context: &Context,
+    file: &ModelFile,
+    elements: usize,
+    turn: f64,
+    force: f64,
+) -> Result<f64, CaseError> {
+    let mut file = file.clone();
+    file.lines[0].elements = elements;
+    file.loads[0].force = Some([0.0, 0.0, force]);
+    file.loads[0].follower = true;
+    if turn != 0.0 {
+        let axis = Vector3::new(0.8, -1.1, 0.9).normalize();
+        file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
+        let ramp = |part: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, turn * part]]));
+        file.supports[0].driven = Some(Driven {
+            rx: ramp(axis.x),
+            ry: ramp(axis.y),
+            rz: ramp(axis.z),
+            ..Driven::default()
+        });
+        file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
+    }
+    let mut watched = context.build(&file, "tip")?;
+    let options = StaticOptions {
+        to: if turn != 0.0 { 2.0 } else { 1.0 },
+        ..StaticOptions::default()
+    };
+    watched.end(&options)?;
+    Ok(watched.model.strain_energy(options.to))
+}

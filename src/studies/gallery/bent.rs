@@ -1,0 +1,146 @@
+//! Planar linkages with a part that bends.
+
+use super::case::{Case, CaseError, Context};
+use super::linkages::{BARS, CRANK, ROD, energy_error, gap, last};
+use super::motion::{History, Run};
+use crate::input::{ModelFile, Stiffness, Tensor};
+use crate::output::plot::Curve;
+use nalgebra::Vector3;
+
+/// A four-bar linkage with a flexible coupler.
+pub const COUPLER: Case = Case {
+    name: "four-bar-flexible",
+    run: coupler,
+};
+
+/// A slider-crank mechanism with a flexible rod.
+pub const CONNECTING_ROD: Case = Case {
+    name: "slider-crank-flexible",
+    run: connecting_rod,
+};
+
+/// All stiffnesses of all sections 1000 times.
+fn stiffer(file: &ModelFile) -> ModelFile {
+    let mut file = file.clone();
+    for stiffness in (file.sections.values_mut()).filter_map(|s| s.stiffness.as_mut()) {
+        let Stiffness { EA, GA, GJ, EI } = stiffness;
+        let all = [EA, GJ].into_iter().chain(GA).chain(EI);
+        all.for_each(|x| *x *= 1e3);
+    }
+    file
+}
+
+/// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the places below by
+/// 4e-6 and how far the middle is off by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which is
+/// left here. The tolerances are twice the sum of both; the independent values are within 4e-6.
+fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
+    let mut file = file.clone();
+    file.lines[0].elements = 8;
+    context.motion(&file, nodes, Run::step(5e-4).to(2.0))
+}
+
+const PLACE: f64 = 1e-5;
+const BENDING: f64 = 1e-4;
+/// `tests/studies/rods.rs`
+const INDEPENDENT: &str =
+    "independent: finite volumes, ends on crank and carrier, Nyström's method";
+
+/// How far the watched middle is to the left of the way from one watched end to the other.
+fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
+    let [a, m, b] = [from, middle, to].map(|node| run.at(node, t).place);
+    let way = b - a;
+    way.cross(&(m - a)).dot(&Vector3::z()) / way.norm()
+}
+
+fn coupler(context: &mut Context) -> Result<(), CaseError> {
+    let rigid = context.file(include_str!("../../../examples/models/four_bar.toml"))?;
+    let file = context.file(include_str!(
+        "../../../examples/models/four_bar_flexible.toml"
+    ))?;
+    // The coupler of the other file weighs 1; this one weighs its length.
+    let mut alike = rigid.clone();
+    let l = BARS[1];
+    // Both start at rest.
+    alike.joints[0].rate = None;
+    alike.bodies[1].mass = l;
+    if let Some(Tensor::Full(rows)) = &mut alike.bodies[1].inertia {
+        rows.iter_mut().flatten().for_each(|x| *x *= l);
+    }
+    let to = Run::step(1e-3).to(2.0);
+    let rigid = context.motion(&alike, &["coupler tip"], to)?;
+    let stiff = context.motion(&stiffer(&file), &["coupler tip"], to)?;
+    let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).place);
+    let source = "independent: the rigid linkage, whose loop closes implicitly";
+    for (k, name) in ["e1", "e2"].into_iter().enumerate() {
+        let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
+        context.compare(what, b[k], a[k], PLACE, source);
+    }
+    let watched = ["crank tip", "coupler/8", "coupler tip", "rocker tip"];
+    let bent = fine(context, &file, &watched)?;
+    for (t, [x, y, off]) in [
+        (0.5, [1.056_236, 1.863_953, -0.007_841]),
+        (1.25, [-0.224_015, 0.665_558, 0.024_064]),
+        (2.0, [1.574_806, 1.941_485, -0.003_976]),
+    ] {
+        let tip = bent.at(2, t).place;
+        let what = format!("tip at t = {t}, bent coupler, along");
+        context.compare(format!("{what} e1"), tip.x, x, PLACE, INDEPENDENT);
+        context.compare(format!("{what} e2"), tip.y, y, PLACE, INDEPENDENT);
+        let what = format!("middle off the line between the ends at t = {t}");
+        let found = off_the_line(&bent, t, [0, 1, 2]);
+        context.compare(what, found, off, BENDING, INDEPENDENT);
+    }
+    let source = "exact: the loop is closed at all times";
+    let open = gap(&bent, [2, 3]);
+    context.compare("largest gap of the loop", open, 0.0, 1e-13, source);
+    let source = "theory: generalised-alpha keeps energy but for its damping";
+    let what = "largest relative change of energy";
+    context.compare(what, energy_error(&bent), 0.0, 1e-3, source);
+    Ok(())
+}
+
+fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!(
+        "../../../examples/models/slider_crank_flexible.toml"
+    ))?;
+    let to = Run::step(5e-4).to(1.0);
+    let stiff = context.motion(&stiffer(&file), &["slider"], to)?;
+    let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
+    let what = "slider at t = 1, rod 1000 times stiffer";
+    let y = 6.0_f64.sin() * CRANK;
+    let way = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
+    context.compare(what, last(&stiff, 0).place.x, way, PLACE, source);
+    let watched = ["crank pin", "rod/8", "slider", "rod end"];
+    let bent = fine(context, &file, &watched)?;
+    // At t = 0.5 half the step changes it by 1e-5 only, twice as many elements by 7e-7.
+    for (t, [way, off], bending) in [
+        (0.5, [1.201_438, 0.000_629], 3e-5),
+        (1.0, [1.377_863, -0.003_715], BENDING),
+        (2.0, [1.217_908, -0.005_812], BENDING),
+    ] {
+        let what = format!("slider at t = {t}, bent rod");
+        let found = bent.at(2, t).place.x;
+        context.compare(what, found, way, PLACE, INDEPENDENT);
+        let what = format!("middle off the line between the ends at t = {t}");
+        let found = off_the_line(&bent, t, [0, 1, 2]);
+        context.compare(what, found, off, bending, INDEPENDENT);
+    }
+    let source = "exact: the loop is closed at all times";
+    let open = gap(&bent, [2, 3]);
+    context.compare("largest gap of the loop", open, 0.0, 1e-13, source);
+    let source = "theory: what the crank supplies is there, but for the scheme's damping";
+    let off = bent.summary.energy.map_or(f64::NAN, |e| e.largest_defect);
+    let kinetic = bent.audit(|a| a.energies.kinetic);
+    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
+    let what = "largest relative energy defect";
+    context.compare(what, off / most, 0.0, 1e-3, source);
+    let way = |node: usize, run: &History| run.curve(node, |s| s.place.x);
+    context.figure(
+        "Slider-crank mechanism",
+        ["time t", "slider"],
+        vec![
+            Curve::new("flexible rod", way(2, &bent)),
+            Curve::new("rod 1000 times stiffer", way(0, &stiff)),
+        ],
+    )
+}

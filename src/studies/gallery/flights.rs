@@ -1,0 +1,116 @@
+//! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
+
+use super::case::{Case, CaseError, Context};
+use super::motion::{Run, richardson};
+use crate::output::plot::Curve;
+use pullback_elements::time::{RunUp, TimeFunction};
+
+/// D02: spin-up of a flexible arm.
+pub const SPIN_UP: Case = Case {
+    name: "spin-up",
+    run: spin_up,
+};
+
+/// D03: a flying flexible beam.
+pub const FLYING: Case = Case {
+    name: "flying-beam",
+    run: flying,
+};
+
+fn spin_up(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/spin_up.toml"))?;
+    let Ok(drive) = RunUp::new(6.0, 15.0) else {
+        return Err(context.setup("its drive is not usable"));
+    };
+    // Time, extension and deflection in axes that turn with the hub.
+    let seen = |step: f64| -> Result<Vec<[f64; 3]>, CaseError> {
+        let run = context.motion(&file, &["tip"], Run::step(step))?;
+        let states = run.t.iter().zip(&run.nodes[0]);
+        let seen = states.map(|(&t, s)| {
+            let (sin, cos) = drive.at(t)[0].sin_cos();
+            let [x, y] = [s.place.x, s.place.y];
+            [t, cos * x + sin * y - 10.0, cos * y - sin * x]
+        });
+        Ok(seen.collect())
+    };
+    let (coarse, seen) = (seen(0.01)?, seen(0.005)?);
+    let lowest = |seen: &[[f64; 3]], k: usize| {
+        let best = seen.iter().min_by(|a, b| a[k].total_cmp(&b[k]));
+        best.map_or([f64::NAN; 2], |s| [s[0], s[k]])
+    };
+    let source = "independent: spectral element in rotating axes, Radau, D02";
+    for (k, name, [at, exact]) in [
+        (2, "largest lag", [6.76, -0.5738345]),
+        (1, "largest shortening", [6.74, -0.0188232]),
+    ] {
+        let [t, fine] = lowest(&seen, k);
+        let [value] = richardson([lowest(&coarse, k)[1]], [fine]);
+        context.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
+        context.compare(format!("{name}: time"), t, at, 0.01, source);
+    }
+    // The steady state is passed to and fro: its mean counts.
+    let steady: Vec<f64> = seen.iter().filter(|s| s[0] >= 16.0).map(|s| s[1]).collect();
+    let mean = steady.iter().sum::<f64>() / steady.len() as f64;
+    let source = "exact: L (tan x / x − 1), D02";
+    context.compare("steady extension", mean, 5.143174550426e-4, 1e-5, source);
+    let curve = |k: usize| seen.iter().map(|s| (s[0], s[k])).collect();
+    context.figure(
+        "Spin-up of a flexible arm",
+        ["time t", "tip in axes of the hub"],
+        vec![
+            Curve::new("extension", curve(1)),
+            Curve::new("deflection", curve(2)),
+        ],
+    )
+}
+
+fn flying(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/flying_beam.toml"))?;
+    let run = context.motion(&file, &["loaded", "free"], Run::step(0.01))?;
+    let source = "independent: two codes agree to 5e-3, D03";
+    for (t, exact) in [
+        (1.0, [4.329, 0.4077, 0.3692, 7.7969]),
+        (2.5, [4.9639, 4.4766, 3.5821, 6.1119]),
+        (3.5, [7.3845, 7.0672, 7.8278, 5.0421]),
+        (5.0, [9.784, 8.2026, 8.0748, 1.7581]),
+    ] {
+        let [a, b] = [0, 1].map(|k| run.at(k, t).place);
+        let computed = [a.x, a.z, b.x, b.z];
+        let names = [
+            "loaded end e1",
+            "loaded end e3",
+            "free end e1",
+            "free end e3",
+        ];
+        for (k, name) in names.into_iter().enumerate() {
+            context.compare(
+                format!("{name} at t = {t}"),
+                computed[k],
+                exact[k],
+                1e-2,
+                source,
+            );
+        }
+    }
+    let worst = (run.t.iter().zip(&run.audits)).fold(0.0_f64, |m, (t, audit)| {
+        let exact = 8.0 * t.min(2.5);
+        m.max((audit.momentum.linear.x - exact).abs())
+            .max(audit.momentum.linear.z.abs())
+    });
+    let source = "exact: impulse of the force";
+    context.compare("momentum, largest error", worst, 0.0, 1e-9, source);
+    let path = |k: usize| {
+        run.nodes[k]
+            .iter()
+            .map(|s| (s.place.x, s.place.z))
+            .collect()
+    };
+    context.figure(
+        "Flying beam",
+        ["along e1", "along e3"],
+        vec![
+            Curve::new("loaded end", path(0)),
+            Curve::new("free end", path(1)),
+        ],
+    )
+}

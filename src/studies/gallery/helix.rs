@@ -1,0 +1,157 @@
+//! The helical beam: rotations far beyond π, elements astride a change of chart most of the time.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context, Record, peak};
+use crate::input::Interpolation;
+use crate::output::plot::Curve;
+use nalgebra::{Matrix3, Vector3};
+use pullback_integrators::statics::StaticOptions;
+use pullback_manifold::so3::skew;
+
+/// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot
+/// redraws Fig. 31.
+pub const CASE: Case = Case { name: "helix", run };
+
+/// The first maximum of the tip's displacement out of the plane: load and value, by the parabola
+/// through the largest recorded point and its neighbours.
+fn first_maximum(records: &[Record]) -> (f64, f64) {
+    let Some(k) = (1..records.len().saturating_sub(1))
+        .find(|&k| records[k].state.d.z >= records[k + 1].state.d.z)
+    else {
+        return (f64::NAN, f64::NAN);
+    };
+    let points: Vec<(f64, f64)> = records.iter().map(|r| (r.t, r.state.d.z)).collect();
+    peak(&points, k)
+}
+
+/// Length, EA = GA, GJ = EI, and the loads of the model file at load factor 1.
+const LENGTH: f64 = 10.0;
+const STRETCH: f64 = 1e4;
+const BEND: f64 = 1e2;
+const FORCE: f64 = 50.0;
+const MOMENT: f64 = 200.0 * std::f64::consts::PI;
+
+/// Place and directors along the exact curve.
+type Frame = (Vector3<f64>, Matrix3<f64>);
+
+/// End of the curve whose tip is assumed at `tip`, by Runge and Kutta's method.
+///
+/// With dead loads at the tip alone, equilibrium gives n = F and m = M + (x_L − x) × F everywhere,
+/// and x′ = R (E₁ + C_n⁻¹ Rᵀ n), R′ = R (C_m⁻¹ Rᵀ m)~.
+fn shoot(load: f64, tip: &Vector3<f64>) -> Vector3<f64> {
+    const STEPS: usize = 600;
+    let n = Vector3::z() * (load * FORCE);
+    let rate = |(x, R): &Frame| -> Frame {
+        let m = Vector3::z() * (load * MOMENT) + (tip - x).cross(&n);
+        let (Gamma, K) = (R.tr_mul(&n) / STRETCH, R.tr_mul(&m) / BEND);
+        (R * (Vector3::x() + Gamma), R * skew(&K))
+    };
+    let along = |y: &Frame, k: &Frame, h: f64| (y.0 + k.0 * h, y.1 + k.1 * h);
+    let h = LENGTH / STEPS as f64;
+    let mut y = (Vector3::zeros(), Matrix3::identity());
+    for _ in 0..STEPS {
+        let k1 = rate(&y);
+        let k2 = rate(&along(&y, &k1, 0.5 * h));
+        let k3 = rate(&along(&y, &k2, 0.5 * h));
+        let k4 = rate(&along(&y, &k3, h));
+        for (k, weight) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
+            y = along(&y, &k, weight * h / 6.0);
+        }
+    }
+    y.0
+}
+
+/// Tip of the exact curve at each load, found by Newton's method from the tip at the load before.
+fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
+    let mut tip = Vector3::x() * LENGTH;
+    let newton = |load: f64, mut tip: Vector3<f64>| {
+        for _ in 0..6 {
+            let gap = |tip: &Vector3<f64>| shoot(load, tip) - tip;
+            let (f, e) = (gap(&tip), 1e-6);
+            if f.norm() < 1e-10 {
+                break;
+            }
+            let columns = [0, 1, 2].map(|k| (gap(&(tip + Vector3::ith(k, e))) - f) / e);
+            let step = Matrix3::from_columns(&columns).lu().solve(&f);
+            tip -= step.unwrap_or(Vector3::repeat(f64::NAN));
+        }
+        tip
+    };
+    let mut tips = Vec::new();
+    for &load in loads {
+        tip = newton(load, tip);
+        tips.push(tip);
+    }
+    tips
+}
+
+fn run(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/helix.toml"))?;
+    let mut heights = Vec::new();
+    let mut curves = Vec::new();
+    let mut distances = Vec::new();
+    for (elements, interpolation, name) in [
+        (100, Interpolation::Total, "100 elements"),
+        (200, Interpolation::Total, "200 elements"),
+        (100, Interpolation::Geodesic, "100 geodesic elements"),
+    ] {
+        let mut file = file.clone();
+        file.lines[0].elements = elements;
+        file.lines[0].interpolation = interpolation;
+        let (records, _) = context.build(&file, "tip")?.solve(&StaticOptions {
+            first_step: 0.001,
+            max_step: 0.004,
+            ..StaticOptions::default()
+        })?;
+        let (load, value) = first_maximum(&records);
+        let source = "published: figure in Mäkinen 2004 4.2, as described";
+        context.compare(format!("first maximum, {name}"), value, 3.28, 0.05, source);
+        let quantity = format!("load factor of the first maximum, {name}");
+        context.compare(quantity, load, 0.036, 0.002, source);
+        let last = records.last().map_or(f64::NAN, |r| r.t);
+        let quantity = format!("load factor reached, {name}");
+        context.compare(quantity, last, 1.0, 0.0, "the whole path");
+        heights.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
+        let loads: Vec<f64> = records.iter().map(|r| r.t).collect();
+        let exact = exact_tips(&loads);
+        let squares = records.iter().zip(&exact);
+        let squares = squares.map(|(r, tip)| (r.state.d.z - tip.z).powi(2));
+        // Root mean square over the steps.
+        distances.push((squares.sum::<f64>() / exact.len() as f64).sqrt());
+        let points = std::iter::once((0.0, 0.0))
+            .chain(records.iter().map(|r| (r.t, r.state.d.z)))
+            .collect();
+        curves.push(Curve::new(name, points));
+    }
+    // The mesh error of Ψ's linear interpolation shows as a drift of the whole curve.
+    context.compare(
+        "height of the tip at full load, 100 over 200 elements",
+        heights[0] / heights[1],
+        2.5,
+        0.5,
+        "published: about 2.5 (description of the figure)",
+    );
+    const EXACT: &str = "exact curve: shooting from the tip's equilibrium";
+    let quantity = "mean distance of the tip along e3 from the exact curve";
+    context.compare(
+        format!("order of the {quantity}, 100 to 200 elements"),
+        (distances[0] / distances[1]).log2(),
+        2.0,
+        0.1,
+        EXACT,
+    );
+    // Half as many geodesic elements are to be closer.
+    context.compare(
+        format!("{quantity}, 100 geodesic over 200 elements"),
+        distances[2] / distances[1],
+        0.0,
+        0.5,
+        EXACT,
+    );
+    context.figure(
+        "Helical beam",
+        ["load factor", "tip displacement along e3"],
+        curves,
+    )
+}

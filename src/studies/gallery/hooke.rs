@@ -1,0 +1,217 @@
+//! Hooke's joint: two shafts and a cross between them.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context};
+use super::motion::{History, Run, richardson};
+use crate::input::{Analysis, DofName, Driven, Fix, ModelFile, RunUp, Scheme, Support, Time};
+use crate::output::plot::Curve;
+use crate::probe::continue_rotation;
+use nalgebra::Vector3;
+use pullback_elements::model::NodeState;
+use std::f64::consts::PI;
+
+/// Case 4 of [M04]. Its plot redraws Fig. 35.
+pub const CASE: Case = Case {
+    name: "hooke",
+    run: hooke,
+};
+
+/// R08: the kinematics alone.
+pub const UNIVERSAL: Case = Case {
+    name: "universal-joint",
+    run: universal,
+};
+
+/// What the output is ahead of the input by, tan β = tan α / cos γ for shafts at an angle γ.
+fn ahead(alpha: f64, cosine: f64) -> f64 {
+    let (s, c) = alpha.sin_cos();
+    (s * c * (1.0 / cosine - 1.0)).atan2(c * c + s * s / cosine)
+}
+
+/// Rotation angle of a node over time, any number of turns.
+fn angles(states: &[NodeState]) -> Vec<f64> {
+    let mut continued = Vector3::zeros();
+    let turn = states.iter().map(|s| {
+        continued = continue_rotation(&continued, &s.psi);
+        continued.norm()
+    });
+    turn.collect()
+}
+
+/// Angle of the input of rigid shafts with inertias of 20 after the moment 0 → 40 → 0, by the
+/// classical Runge-Kutta method: the momentum p = I α̇ with I = 20 (1 + ρ²), ρ = dβ/dα, has the rate
+/// M + ½ I' α̇².
+fn rigid_shafts(cosine: f64, until: f64) -> f64 {
+    let inertia = |alpha: f64| {
+        let (s, c) = alpha.sin_cos();
+        let bottom = cosine * c * c + s * s / cosine;
+        let slope = 2.0 * s * c * (1.0 / cosine - cosine);
+        [
+            20.0 * (1.0 + bottom.powi(-2)),
+            -40.0 * slope * bottom.powi(-3),
+        ]
+    };
+    let rates = |t: f64, [alpha, p]: [f64; 2]| {
+        let moment = (40.0 * (1.0 - (2.0 * t - 1.0).abs())).max(0.0);
+        let [I, slope] = inertia(alpha);
+        let speed = p / I;
+        [speed, moment + 0.5 * slope * speed * speed]
+    };
+    let count = 30_000;
+    let h = until / f64::from(count);
+    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    let end = (0..count).fold([0.0; 2], |y, n| {
+        let t = h * f64::from(n);
+        let k1 = rates(t, y);
+        let k2 = rates(t + 0.5 * h, along(y, k1, 0.5 * h));
+        let k3 = rates(t + 0.5 * h, along(y, k2, 0.5 * h));
+        let k4 = rates(t + h, along(y, k3, h));
+        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+        along(y, [sum(0), sum(1)], h)
+    });
+    end[0]
+}
+
+fn hooke(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/hooke.toml"))?;
+    let cosine = 0.5_f64.sqrt();
+    let run = context.motion(&file, &["A", "B"], Run::FILE)?;
+    let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
+    let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
+    let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
+    let after = |t: &f64| *t > 1.0;
+    let worst = (run.t.iter().zip(difference.iter().zip(&exact)))
+        .filter(|(t, _)| after(t))
+        .fold(0.0_f64, |m, (_, (d, e))| m.max((d - e).abs()));
+    let source = "exact: tan β = tan α / cos 45°";
+    context.compare("largest error after the moment", worst, 0.0, 1e-3, source);
+    let amplitude = difference.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    let most = ((1.0 - cosine) / (1.0 + cosine)).asin();
+    context.compare("amplitude", amplitude, most, 1e-3, source);
+    let source = "independent: rigid shafts, Runge-Kutta";
+    let last = a.last().copied().unwrap_or(f64::NAN);
+    let what = "angle of the input at t = 30";
+    context.compare(what, last, rigid_shafts(cosine, 30.0), 1e-3, source);
+    let curve = |values: &[f64]| -> Vec<(f64, f64)> {
+        run.t.iter().copied().zip(values.iter().copied()).collect()
+    };
+    context.figure(
+        "Hooke's joint",
+        ["time t", "‖Ψ_B‖ − ‖Ψ_A‖ (rad)"],
+        vec![
+            Curve::new("two beams, two revolute joints", curve(&difference)),
+            Curve::points("exact", curve(&exact).into_iter().step_by(12).collect()),
+        ],
+    )
+}
+
+/// Steps of the universal joint: of half a degree once the input has its speed 1, which it runs up to
+/// while it turns by ten. All angles of R08 are then those of steps.
+const STEP: f64 = PI / 360.0;
+const RUN_UP: usize = 40;
+
+/// The input shaft runs up to a constant speed and turns by a whole turn; the shafts are stiff and light.
+fn light(file: &ModelFile, degrees: f64) -> ModelFile {
+    let mut file = file.clone();
+    let (s, c) = degrees.to_radians().sin_cos();
+    file.nodes.insert("B".to_owned(), [c, s, 0.0]);
+    for section in file.sections.values_mut() {
+        if let Some(stiffness) = &mut section.stiffness {
+            stiffness.GA = [1e7; 2];
+        }
+        if let Some(mass) = &mut section.mass {
+            mass.J = [2e-3, 1e-3, 1e-3];
+        }
+    }
+    file.loads.clear();
+    file.supports[0] = Support {
+        node: "A".to_owned(),
+        fix: Some(Fix::List(
+            (DofName::ALL.into_iter())
+                .filter(|dof| *dof != DofName::RX)
+                .collect(),
+        )),
+        driven: Some(Driven {
+            rx: Some(Time::RunUp(RunUp {
+                rate: 1.0,
+                duration: RUN_UP as f64 * STEP,
+            })),
+            ..Driven::default()
+        }),
+    };
+    if let Analysis::Dynamic(d) = &mut file.analysis {
+        d.to = (RUN_UP / 2 + 720) as f64 * STEP;
+        d.scheme = Scheme::from("ga:0.5");
+    }
+    file
+}
+
+/// Angles of input and output and the ratio of their speeds at all steps.
+fn turned(run: &History) -> Vec<[f64; 3]> {
+    let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
+    let states = run.nodes[0].iter().zip(&run.nodes[1]);
+    (states.zip(a.into_iter().zip(b)))
+        .map(|((i, o), (a, b))| [a, b, o.omega.norm() / i.omega.norm()])
+        .collect()
+}
+
+fn universal(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/hooke.toml"))?;
+    let source = "exact: R08, angles from where the input yoke lies in the plane";
+    for (degrees, points) in [
+        (
+            30.0,
+            &[
+                (0, 0.0, 1.15470053838),
+                (30, 33.690067526, 1.06587742004),
+                (45, 49.1066053509, 0.989743318611),
+                (90, 90.0, 0.866025403784),
+            ][..],
+        ),
+        (45.0, &[(60, 67.7923457014, 0.808122035642)][..]),
+    ] {
+        let file = light(&file, degrees);
+        let [coarse, fine] =
+            [STEP, 0.5 * STEP].map(|h| context.motion(&file, &["A", "B"], Run::step(h)));
+        let [coarse, fine] = [turned(&coarse?), turned(&fine?)];
+        let fine = fine.iter().step_by(2);
+        let rows: Vec<[f64; 3]> = coarse
+            .iter()
+            .zip(fine)
+            .map(|(c, f)| richardson(*c, *f))
+            .collect();
+        let (s, c) = degrees.to_radians().sin_cos();
+        // The scheme halves in every step what the end of the run-up leaves in the speeds.
+        let settled = 2 * RUN_UP;
+        let mut off = [0.0_f64; 2];
+        for (n, [a, b, ratio]) in rows.iter().enumerate() {
+            off[0] = off[0].max((b - a - ahead(*a, c)).abs());
+            if n >= settled {
+                let exact = c / (1.0 - (s * a.cos()).powi(2));
+                off[1] = off[1].max((ratio - exact).abs());
+            }
+        }
+        let shafts = format!("shafts at {degrees}°");
+        let what = format!("{shafts}: output off the relation, at most");
+        context.compare(what, off[0], 0.0, 1e-7, "exact: tan β = tan α / cos γ");
+        let what = format!("{shafts}: ratio of speeds off the relation, at most");
+        context.compare(
+            what,
+            off[1],
+            0.0,
+            1e-7,
+            "exact: cos γ / (1 − sin² γ cos² α)",
+        );
+        for &(alpha, beta, speed) in points {
+            // The relation repeats itself after half a turn.
+            let [_, b, ratio] = rows[RUN_UP / 2 + 2 * (180 + alpha)];
+            let at = format!("{shafts}, input {alpha}°");
+            let what = format!("output (degrees) of {at}");
+            context.compare(what, b.to_degrees() - 180.0, beta, 1e-5, source);
+            let what = format!("ratio of speeds of {at}");
+            context.compare(what, ratio, speed, 1e-7, source);
+        }
+    }
+    Ok(())
+}

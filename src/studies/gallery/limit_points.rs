@@ -1,0 +1,188 @@
+//! Snap-through: paths followed through their limit points.
+
+use super::case::{Case, CaseError, Context, Record};
+use crate::output::plot::Curve;
+use pullback_elements::model::Dof;
+use pullback_integrators::statics::{ArcLengthOptions, Event};
+
+/// S11: Lee's frame.
+pub const LEE_FRAME: Case = Case {
+    name: "lee-frame",
+    run: lee_frame,
+};
+
+/// S12: the deep circular arch.
+pub const DEEP_ARCH: Case = Case {
+    name: "deep-arch",
+    run: deep_arch,
+};
+
+fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
+    const EXACT: &str = "exact curve: independent shooting, S11";
+    const FORCE: f64 = 20000.0;
+    let file = context.file(include_str!("../../../examples/models/lee_frame.toml"))?;
+    let mut frame = context.build(&file, "load")?;
+    let points = [
+        (20.0, 13448.637234, 5.250298),
+        (40.0, 17795.965941, 17.543385),
+        (60.0, 14829.873945, 52.19503),
+    ];
+    let mut events = vec![(Event::TurningPoint, false)];
+    for (v, ..) in points {
+        events.push((frame.passes(Dof::Y, -v)?, false));
+    }
+    events.push((Event::Load(1.0), true));
+    let records = frame.trace(&ArcLengthOptions {
+        first_step: 0.02,
+        max_step: 0.04,
+        events,
+        ..ArcLengthOptions::default()
+    })?;
+    let first = |event: usize| records.iter().find(|r| r.event == Some(event));
+    let turns: Vec<_> = records.iter().filter(|r| r.event == Some(0)).collect();
+    let nan = f64::NAN;
+    let (p, v, u) = turns.first().map_or((nan, nan, nan), |r| {
+        (r.t * FORCE, -r.state.d.y, r.state.d.x)
+    });
+    for (quantity, computed, exact) in [
+        ("limit load", p, 18546.558),
+        ("deflection at the limit load", v, 48.751),
+        ("displacement along e1 there", u, 26.8786),
+    ] {
+        context.compare(quantity, computed, exact, 1e-5 * exact, EXACT);
+    }
+    let source = "published: Lee et al. 1968, 0.2 %";
+    context.compare("limit load", p, 18552.0, 37.0, source);
+    let source = "published: Simo & Vu-Quoc 1986, 10 quadratic elements, 0.2 %";
+    context.compare("limit load", p, 18532.0, 37.0, source);
+    for (k, (v, load, u)) in points.into_iter().enumerate() {
+        let (p, x) = first(k + 1).map_or((nan, nan), |r| (r.t * FORCE, r.state.d.x));
+        let quantity = format!("load at deflection {v}");
+        context.compare(quantity, p, load, 1e-5 * load, EXACT);
+        context.compare(
+            format!("displacement along e1 at deflection {v}"),
+            x,
+            u,
+            f64::min(1e-5 * u, 1e-4),
+            EXACT,
+        );
+    }
+    context.compare(
+        "turning points of the load on the way to 20 000",
+        turns.len() as f64,
+        2.0,
+        0.0,
+        "published: Simo & Vu-Quoc 1986, figure",
+    );
+    let path = |pick: fn(&Record) -> f64| -> Vec<(f64, f64)> {
+        std::iter::once((0.0, 0.0))
+            .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
+            .collect()
+    };
+    context.figure(
+        "Lee's frame",
+        ["displacement of the loaded point", "load"],
+        vec![
+            Curve::new("along e1", path(|r| r.state.d.x)),
+            Curve::new("along −e2", path(|r| -r.state.d.y)),
+            Curve::points(
+                "exact curve",
+                points
+                    .iter()
+                    .map(|&(v, p, _)| (v, p))
+                    .chain(points.iter().map(|&(_, p, u)| (u, p)))
+                    .collect(),
+            ),
+        ],
+    )
+}
+
+fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
+    const EXACT: &str = "exact curve: independent shooting, S12";
+    const LOAD: f64 = 1000.0;
+    // Where the load has fallen beyond the limit point: load, deflection of the crown and its
+    // displacement along e1. Shooting with the equations of the plane arch (Runge and Kutta's
+    // method), continued from the unloaded state; it gives the limit load of S12 to all its digits.
+    const BEYOND_EXACT: &str =
+        "exact curve: independent shooting, continued beyond the limit point";
+    const BEYOND: [(f64, f64, f64); 2] = [
+        (500.0, 120.354209478, -64.933228891),
+        (0.0, 118.486579799, -60.880951149),
+    ];
+    let file = context.file(include_str!("../../../examples/models/deep_arch.toml"))?;
+    let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, CaseError> {
+        let mut file = file.clone();
+        for line in &mut file.lines {
+            line.elements = elements;
+            line.order = order;
+        }
+        context.build(&file, "crown")?.trace(&ArcLengthOptions {
+            first_step: 0.01,
+            max_step: 0.03,
+            events,
+            ..ArcLengthOptions::default()
+        })
+    };
+    // The last passage of an event.
+    let point = |records: &[Record], event: usize| {
+        let found = records.iter().rfind(|r| r.event == Some(event));
+        found.map_or([f64::NAN; 3], |r| [LOAD * r.t, -r.state.d.y, r.state.d.x])
+    };
+    let whole = path(
+        30,
+        3,
+        vec![
+            (Event::TurningPoint, false),
+            (Event::Load(BEYOND[0].0 / LOAD), false),
+            (Event::Load(BEYOND[1].0 / LOAD), true),
+        ],
+    )?;
+    let fine = point(&whole, 0);
+    let to_limit = || vec![(Event::TurningPoint, true)];
+    let linear = point(&path(20, 1, to_limit())?, 0);
+    let curved = point(&path(10, 2, to_limit())?, 0);
+    context.compare("limit load", fine[0], 897.2891, 1e-3, EXACT);
+    context.compare("crown deflection there", fine[1], 113.7308, 1e-3, EXACT);
+    context.compare(
+        "crown displacement along e1",
+        fine[2],
+        -61.1417,
+        1e-3,
+        EXACT,
+    );
+    for (k, (load, deflection, along)) in BEYOND.into_iter().enumerate() {
+        let [_, v, u] = point(&whole, k + 1);
+        let quantity = format!("crown deflection at load {load} beyond the limit point");
+        context.compare(quantity, v, deflection, 1e-5, BEYOND_EXACT);
+        let quantity = format!("crown displacement along e1 at load {load} beyond it");
+        context.compare(quantity, u, along, 1e-5, BEYOND_EXACT);
+    }
+    let passed = |event: usize| whole.iter().filter(|r| r.event == Some(event)).count();
+    let source = "exact curve: one limit point on the way down to zero load";
+    context.compare(
+        "turning points of the load",
+        passed(0) as f64,
+        1.0,
+        0.0,
+        source,
+    );
+    let source = "published: DaDeppo & Schmidt 1975";
+    context.compare("limit load", fine[0], 897.0, 0.5, source);
+    let source = "published: Simo & Vu-Quoc 1986, the same mesh";
+    context.compare(
+        "limit load, 40 2-node elements",
+        linear[0],
+        905.28,
+        0.5,
+        source,
+    );
+    let source = "published: Ibrahimbegovic 1995, the same mesh";
+    context.compare(
+        "limit load, 20 3-node elements",
+        curved[0],
+        897.3,
+        0.5,
+        source,
+    );
+    Ok(())
+}

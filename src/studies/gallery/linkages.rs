@@ -1,0 +1,265 @@
+//! Planar linkages: one freedom, closed-form kinematics, an equation of motion to compare with.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context};
+use super::motion::{History, Run, richardson};
+use crate::input::ModelFile;
+use crate::output::plot::Curve;
+use nalgebra::Vector3;
+use pullback_elements::model::NodeState;
+use pullback_manifold::jet::Taylor;
+use pullback_manifold::scalar::Scalar;
+
+/// A four-bar linkage of rigid bars.
+pub const FOUR_BAR: Case = Case {
+    name: "four-bar",
+    run: four_bar,
+};
+
+/// A slider-crank mechanism of rigid bars.
+pub const SLIDER_CRANK: Case = Case {
+    name: "slider-crank",
+    run: slider_crank,
+};
+
+/// Five parallelograms in a row.
+pub const PARALLELOGRAMS: Case = Case {
+    name: "parallelograms",
+    run: parallelograms,
+};
+
+pub(super) const G: f64 = 9.81;
+
+/// Mass M of a mechanism of one freedom θ (kinetic energy ½ M θ̇²) and its potential V, with their
+/// derivatives by θ.
+pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
+
+/// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
+pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f64; 2] {
+    let rates = |[theta, rate]: [f64; 2]| {
+        let [M, V] = system(Taylor {
+            v: theta,
+            d: 1.0,
+            dd: 0.0,
+        });
+        [rate, -(0.5 * M.d * rate * rate + V.d) / M.v]
+    };
+    let count = 20_000;
+    let h = to / f64::from(count);
+    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    (0..count).fold(start, |y, _| {
+        let k1 = rates(y);
+        let k2 = rates(along(y, k1, 0.5 * h));
+        let k3 = rates(along(y, k2, 0.5 * h));
+        let k4 = rates(along(y, k3, h));
+        let sum = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+        along(y, [sum(0), sum(1)], h)
+    })
+}
+
+/// The derivative by θ of what is known with two derivatives.
+pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
+    Taylor {
+        v: x.d,
+        d: x.dd,
+        dd: 0.0,
+    }
+}
+
+/// Lengths of crank, coupler, rocker and base, the last from the origin along e1.
+pub(super) const BARS: [f64; 4] = [1.0, 1.5, 1.941_648_783_894_76, 1.6];
+const MASSES: [f64; 3] = [2.0, 1.0, 1.2];
+
+/// Angles of coupler and rocker from that of the crank: the circles of their ends meet.
+fn closed_form<S: Scalar>(crank: S) -> [S; 2] {
+    let [a, b, c, base] = BARS;
+    let (px, py) = (crank.cos() * a, crank.sin() * a);
+    let (ux, uy) = (-px + base, -py);
+    let r = (ux * ux + uy * uy).sqrt();
+    let cosine = (r * r + (b * b - c * c)) / (r * (2.0 * b));
+    let opening = (-(cosine * cosine) + 1.0).sqrt().atan2(cosine);
+    let coupler = uy.atan2(ux) + opening;
+    let (ex, ey) = (px + coupler.cos() * b, py + coupler.sin() * b);
+    [coupler, ey.atan2(ex - base)]
+}
+
+fn four_bar_system(crank: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let ([a, b, c, _], [m1, m2, m3]) = (BARS, MASSES);
+    let [coupler, rocker] = closed_form(crank);
+    let (k2, k3) = (slope(coupler), slope(rocker));
+    let M = k2 * k2 * (m2 * b * b / 3.0)
+        + k2 * (crank - coupler).cos() * (m2 * a * b)
+        + k3 * k3 * (m3 * c * c / 3.0)
+        + (m1 / 3.0 + m2) * a * a;
+    let V = crank.sin() * ((0.5 * m1 + m2) * G * a)
+        + coupler.sin() * (0.5 * m2 * G * b)
+        + rocker.sin() * (0.5 * m3 * G * c);
+    [M, V]
+}
+
+/// Largest distance of two watched nodes.
+pub(super) fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
+    let both = run.nodes[a].iter().zip(&run.nodes[b]);
+    both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()))
+}
+
+/// Largest change of the total energy over the largest kinetic energy.
+pub(super) fn energy_error(run: &History) -> f64 {
+    let energy = run.total_energy();
+    let drift = energy
+        .iter()
+        .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
+    let kinetic = run.audit(|a| a.energies.kinetic);
+    drift / kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1))
+}
+
+/// Runs with the step of the file and its half.
+fn halved(
+    context: &Context,
+    file: &ModelFile,
+    nodes: &[&str],
+    step: f64,
+) -> Result<[History; 2], CaseError> {
+    let coarse = context.motion(file, nodes, Run::step(step))?;
+    let fine = context.motion(file, nodes, Run::step(0.5 * step))?;
+    Ok([coarse, fine])
+}
+
+pub(super) fn last(run: &History, node: usize) -> NodeState {
+    run.nodes[node][run.nodes[node].len() - 1]
+}
+
+/// A vector at the end, from two steps.
+fn at_end(runs: &[History; 2], node: usize, of: impl Fn(&NodeState) -> Vector3<f64>) -> [f64; 3] {
+    let [coarse, fine] = runs;
+    richardson(of(&last(coarse, node)).into(), of(&last(fine, node)).into())
+}
+
+const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V′ = 0 by Runge-Kutta";
+
+fn four_bar(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/four_bar.toml"))?;
+    let runs = halved(context, &file, &["coupler tip", "rocker tip"], 1e-3)?;
+    let start = std::f64::consts::FRAC_PI_2;
+    let [crank, rate] = integrate(&four_bar_system, [start, 4.5], 4.0);
+    let angle = Taylor {
+        v: crank,
+        d: rate,
+        dd: 0.0,
+    };
+    let [_, rocker] = closed_form(angle);
+    let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
+    let found = at_end(&runs, 0, |s| s.place);
+    context.compare("coupler tip at t = 4 along e1", found[0], x.v, 1e-5, SOURCE);
+    context.compare("coupler tip at t = 4 along e2", found[1], y.v, 1e-5, SOURCE);
+    let found = at_end(&runs, 0, |s| s.velocity);
+    context.compare("its velocity along e1", found[0], x.d, 1e-4, SOURCE);
+    context.compare("its velocity along e2", found[1], y.d, 1e-4, SOURCE);
+    let source = "exact: the loop is closed at all times";
+    let what = "largest gap of the loop in 8000 steps";
+    context.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
+    let source = "exact: energy is constant";
+    let what = "largest relative change of energy";
+    context.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    let path = |node: usize| -> Vec<(f64, f64)> {
+        let places = runs[1].nodes[node].iter();
+        places.map(|s| (s.place.x, s.place.y)).collect()
+    };
+    context.figure(
+        "Four-bar linkage: path of the coupler's tip",
+        ["x", "y"],
+        vec![Curve::new("tip of the coupler", path(0))],
+    )
+}
+
+pub(super) const CRANK: f64 = 0.4;
+pub(super) const ROD: f64 = 1.0;
+
+fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
+    move |angle: Taylor<f64>| {
+        let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
+        let way = x + (-(y * y) + ROD * ROD).sqrt();
+        let tilt = (y * (1.0 / ROD)).atan2((-(y * y) * (1.0 / (ROD * ROD)) + 1.0).sqrt());
+        let (cx, cy) = (slope((x + way) * 0.5), slope(y * 0.5));
+        let (turn, s) = (slope(tilt), slope(way));
+        let M = (cx * cx + cy * cy) * rod
+            + turn * turn * (rod * ROD * ROD / 12.0)
+            + s * s * 0.8
+            + CRANK * CRANK / 3.0;
+        let V = y * (G * 0.5 * (1.0 + rod));
+        [M, V]
+    }
+}
+
+/// Way of the slider and its rate at a time.
+fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
+    let [angle, rate] = integrate(&slider_crank_system(rod), [0.0, 12.0], to);
+    let angle = Taylor {
+        v: angle,
+        d: rate,
+        dd: 0.0,
+    };
+    let y = angle.sin() * CRANK;
+    let way = angle.cos() * CRANK + (-(y * y) + ROD * ROD).sqrt();
+    [way.v, way.d]
+}
+
+fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/slider_crank.toml"))?;
+    let runs = halved(context, &file, &["slider", "rod end"], 1e-3)?;
+    let [way, rate] = slider_exact(1.5, 2.0);
+    let found = at_end(&runs, 0, |s| s.place)[0];
+    context.compare("slider at t = 2", found, way, 1e-5, SOURCE);
+    let found = at_end(&runs, 0, |s| s.velocity)[0];
+    context.compare("its velocity", found, rate, 1e-4, SOURCE);
+    let source = "exact: the loop is closed at all times";
+    context.compare(
+        "largest gap of the loop",
+        gap(&runs[1], [0, 1]),
+        0.0,
+        1e-14,
+        source,
+    );
+    let source = "exact: energy is constant";
+    let what = "largest relative change of energy";
+    context.compare(what, energy_error(&runs[1]), 0.0, 1e-3, source);
+    Ok(())
+}
+
+/// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five
+/// couplers at its end.
+fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/parallelograms.toml"))?;
+    let runs = halved(context, &file, &["end 5", "far 5"], 4e-3)?;
+    let system = |angle: Taylor<f64>| {
+        let M = Taylor::constant(6.0 / 3.0 + 5.0);
+        [M, -(angle.cos() * (G * (6.0 / 2.0 + 5.0)))]
+    };
+    let [angle, rate] = integrate(&system, [1.2, 0.0], 4.0);
+    let (s, c) = angle.sin_cos();
+    let found = at_end(&runs, 0, |s| s.place);
+    let source = "exact: a pendulum, Runge-Kutta";
+    context.compare(
+        "last coupler at t = 4 along e1",
+        found[0],
+        5.0 + s,
+        1e-5,
+        source,
+    );
+    context.compare("last coupler at t = 4 along e2", found[1], -c, 1e-5, source);
+    let found = at_end(&runs, 0, |s| s.velocity);
+    context.compare("its velocity along e1", found[0], rate * c, 1e-4, source);
+    let source = "exact: the loops are closed at all times";
+    context.compare(
+        "largest gap of the last loop",
+        gap(&runs[1], [0, 1]),
+        0.0,
+        2e-14,
+        source,
+    );
+    let source = "exact: energy is constant";
+    let what = "largest relative change of energy";
+    context.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    Ok(())
+}

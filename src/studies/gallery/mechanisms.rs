@@ -1,0 +1,365 @@
+//! Mechanisms in space: Bricard's, Bauchau's.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context};
+use super::linkages::{G, integrate, slope};
+use super::motion::{History, Run, observed_order, richardson};
+use crate::input::{self, Analysis, Closure, Plan};
+use crate::solve::{begin, point};
+use nalgebra::Vector3;
+use pullback_elements::model::NodeState;
+use pullback_integrators::dynamics::{self, DynamicsError, Progress, start};
+use pullback_manifold::jet::Taylor;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::Quaternion;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::ops::ControlFlow;
+
+/// A loop that moves although it should not.
+pub const BRICARD: Case = Case {
+    name: "bricard",
+    run: bricard,
+};
+
+/// D06: a linkage that moves only because its bars bend.
+pub const MISALIGNED: Case = Case {
+    name: "four-bar-misaligned",
+    run: misaligned,
+};
+
+/// The same standing still, with less and less misalignment.
+pub const HARDLY_MISALIGNED: Case = Case {
+    name: "four-bar-hardly-misaligned",
+    run: hardly_misaligned,
+};
+
+/// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
+/// pairs of nodes on the way.
+pub(super) fn joints<const N: usize>(
+    context: &Context,
+    file: &input::ModelFile,
+    step: f64,
+    names: [&str; N],
+    pairs: &[[&str; 2]],
+    seen: &mut dyn FnMut([f64; N]),
+) -> Result<([[f64; N]; 3], f64), CaseError> {
+    let case = context.case;
+    let job = input::job(case, file).map_err(|source| context.model_error(source))?;
+    let Plan::Dynamic(plan) = job.plan else {
+        return Err(context.setup("its analysis is not dynamic"));
+    };
+    let mut model = job.model;
+    let missing = |node: &str| CaseError::Node {
+        case: case.to_owned(),
+        node: node.to_owned(),
+    };
+    let mut nodes = Vec::new();
+    for name in names {
+        let name = format!("{name} angle");
+        nodes.push(model.find(&name).ok_or_else(|| missing(&name))?);
+    }
+    let mut ends = Vec::new();
+    for pair in pairs {
+        for &name in pair {
+            ends.push(model.find(name).ok_or_else(|| missing(name))?);
+        }
+    }
+    let fail = |source: DynamicsError| CaseError::Motion {
+        case: case.to_owned(),
+        source,
+    };
+    let mut options = plan.options;
+    options.step = step;
+    options.min_step = options.min_step.min(1e-6 * step);
+    let initial = start(&model, 0.0, &job.start.q, &job.start.v).map_err(fail)?;
+    let mut progress = Progress::new(initial);
+    begin(&mut model, &options, &mut progress).map_err(fail)?;
+    let (mut end, mut gap) = ([[f64::NAN; N]; 3], 0.0_f64);
+    let mut failed = None;
+    dynamics::integrate(&mut model, &mut progress, &options, &mut |model, step| {
+        if let Err(source) = model.configure(point(step.progress)) {
+            failed = Some(source);
+            return ControlFlow::Break(());
+        }
+        for (k, &node) in nodes.iter().enumerate() {
+            let motion = model.coordinate_motion(node, 0).unwrap_or([f64::NAN; 3]);
+            for d in 0..3 {
+                end[d][k] = motion[d];
+            }
+        }
+        for pair in ends.chunks_exact(2) {
+            let [a, b] = [pair[0], pair[1]].map(|n| model.node_state(n).place);
+            gap = gap.max((a - b).norm());
+        }
+        seen(end[0]);
+        ControlFlow::Continue(())
+    })
+    .map_err(fail)?;
+    match failed {
+        Some(source) => Err(fail(DynamicsError::System { t: 0.0, source })),
+        None => Ok((end, gap)),
+    }
+}
+
+fn bricard(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/bricard.toml"))?;
+    let names = [
+        "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
+    ];
+    let (mut worst, mut uneven, mut travel) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (_, gap) = joints(
+        context,
+        &file,
+        4e-3,
+        names,
+        &[["end 5", "last"]],
+        &mut |x| {
+            // Turned by a right angle where it is drawn, on a cube: cos of 90° + x.
+            let [a, b] = [-x[0].sin(), -x[1].sin()];
+            worst = worst.max((a + b + a * b).abs());
+            let same = |k: usize| (x[k] - x[k % 2]).abs();
+            uneven = (0..6).map(same).fold(uneven, f64::max);
+            travel = travel.max(x[0].abs());
+        },
+    )?;
+    let source = "exact: threefold-symmetric Bricard linkage, twist 90° (Chen, You & Tarnai 2005)";
+    let what = "cos θ + cos φ + cos θ cos φ, largest in 1250 steps";
+    context.compare(what, worst, 0.0, 1e-12, source);
+    context.compare(
+        "largest difference of every other hinge",
+        uneven,
+        0.0,
+        1e-12,
+        source,
+    );
+    let source = "exact: the loop is closed at all times";
+    context.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
+    let run = context.motion(&file, &["end 2"], Run::step(2e-3))?;
+    let energy = run.total_energy();
+    let kinetic = run.audit(|a| a.energies.kinetic);
+    let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
+    let change = energy
+        .iter()
+        .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
+    let source = "exact: energy is constant";
+    context.compare(
+        "largest relative change of energy",
+        change / most,
+        0.0,
+        1e-3,
+        source,
+    );
+    if travel < 0.5 {
+        return Err(context.setup("it does not move far enough to prove anything"));
+    }
+    let [s, rate] = integrate(&bricard_system, [0.0; 2], 5.0);
+    let [x, _] = bricard_angles(Taylor {
+        v: s,
+        d: rate,
+        dd: 0.0,
+    });
+    let exact = [x.v, x.d];
+    let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
+    let mut enforced = file.clone();
+    let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
+    last.ok_or_else(|| context.setup("it has no hinge 6"))?
+        .closure = Some(Closure::Multipliers);
+    if let Analysis::Dynamic(analysis) = &mut enforced.analysis {
+        analysis.scheme = "ga:0.8".into();
+    }
+    for (file, how) in [(&file, "a map"), (&enforced, "multipliers")] {
+        let mut ends = Vec::new();
+        for step in [4e-3, 2e-3] {
+            ends.push(joints(context, file, step, names, &[], &mut |_| {})?.0);
+        }
+        for (d, what) in ["hinge 1", "rate of hinge 1"].into_iter().enumerate() {
+            let [found] = richardson([ends[0][d][0]], [ends[1][d][0]]);
+            let what = format!("{what} at t = 5, closed by {how}");
+            context.compare(what, found, exact[d], 1e-4, source);
+        }
+    }
+    Ok(())
+}
+
+/// Angles x and y of the odd and the even hinges of Bricard's mechanism. Of
+/// cos θ + cos φ + cos θ cos φ = 0 with θ = 90° + x and φ = 90° + y remains, for the mean m and the
+/// difference 4w of x and y, sin m = −2 sin² w: a closed curve, which √2 sin w = sin s goes round.
+fn bricard_angles(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let sine = s.sin();
+    let square = sine * sine;
+    let m = (-square).atan2(s.cos() * (square + 1.0).sqrt());
+    let w = (sine * FRAC_1_SQRT_2).atan2((-(square * 0.5) + 1.0).sqrt());
+    [m + w * 2.0, m - w * 2.0]
+}
+
+/// Its mass and potential. Bars are slender, of mass and length 1: one whose ends move with a and b has
+/// the energy (a² + a·b + b²)/6.
+fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
+    let [x, y] = bricard_angles(s);
+    let zero = Taylor::constant(0.0);
+    let mut turn = Quaternion::about(&Vector3::x(), zero);
+    let mut end = Vector3::repeat(zero);
+    let (mut M, mut V) = (zero, zero);
+    let [e1, e2, e3] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    for (axis, bar, angle) in [
+        (-e2, e1, x),
+        (e3, e2, y),
+        (e1, e3, x),
+        (-e2, -e1, y),
+        (e3, -e2, x),
+    ] {
+        turn = turn.product(&Quaternion::about(&axis, angle));
+        let next = end + turn.rotate(&bar.map(Taylor::constant));
+        let [a, b] = [end.map(slope), next.map(slope)];
+        M += (a.dot(&a) + a.dot(&b) + b.dot(&b)) * (1.0 / 3.0);
+        V += (end.y + next.y) * (0.5 * G);
+        end = next;
+    }
+    [M, V]
+}
+
+fn misaligned(context: &mut Context) -> Result<(), CaseError> {
+    let mut file = context.file(include_str!(
+        "../../../examples/models/four_bar_misaligned.toml"
+    ))?;
+    let watched = ["C", "tip of bar 3", "axis A", "axis D"];
+    let turn = |run: &History, node: usize| {
+        let states: &Vec<NodeState> = &run.nodes[node];
+        let mut continued = Vector3::zeros();
+        for s in states {
+            continued = crate::probe::continue_rotation(&continued, &s.psi);
+        }
+        continued
+    };
+    // A parallelogram where the axis is not misaligned: bar 3 turns like bar 1.
+    let mut aligned = file.clone();
+    for joint in &mut aligned.joints {
+        if let Some(axis) = joint.keys.get_mut("axis") {
+            *axis = serde_json::json!([0.0, 0.0, 1.0]);
+        }
+    }
+    let run = context.motion(&aligned, &watched, Run::step(8e-3))?;
+    let source = "exact: rigid parallelogram";
+    let what = "aligned: angle of bar 3 at t = 12";
+    context.compare(what, turn(&run, 3).z, -7.2, 1e-3, source);
+    let off = |run: &History| {
+        let states = run.nodes[0].iter();
+        states.fold(0.0_f64, |m, s| m.max(s.d.z.abs()))
+    };
+    context.compare(
+        "aligned: largest deflection at C",
+        off(&run),
+        0.0,
+        1e-12,
+        source,
+    );
+    let turns = |elements: usize, order: usize, loads: &[f64]| {
+        let mut file = file.clone();
+        for line in &mut file.lines {
+            (line.elements, line.order) = (elements, order);
+        }
+        let records = context.build(&file, "C")?.at_loads(loads)?;
+        Ok::<_, CaseError>(records.iter().map(|r| r.state.d).collect::<Vec<_>>())
+    };
+    let mut ends = Vec::new();
+    for elements in [4, 8, 16] {
+        ends.push(turns(elements, 1, &[1.0, 2.0])?[1]);
+    }
+    // Bar 1 turns by 0.012 each, so that no other equilibrium is met beyond the flat places.
+    let loads: Vec<f64> = (1..=600).map(|k| 0.02 * f64::from(k)).collect();
+    let path = turns(4, 2, &loads)?;
+    let found = observed_order(&[ends[0], ends[1], ends[2]]);
+    let source = "theory: linear elements, integrated at their middle";
+    let what = "order in the mesh of C, bar 1 turned by 1.2";
+    context.compare(what, found, 2.0, 0.05, source);
+    let source = "independent: Reissner's rods by shooting, followed by the length of the path";
+    for (angle, k, exact) in [
+        (
+            0.6,
+            50,
+            [0.067_737_263_413, -0.020_978_222_108, -0.002_043_880_842],
+        ),
+        (
+            0.9,
+            75,
+            [0.093_969_805_269, -0.045_464_886_765, -0.003_023_838_218],
+        ),
+        (
+            1.2,
+            100,
+            [0.111_811_237_120, -0.076_699_899_577, -0.003_834_949_750],
+        ),
+        (
+            1.8,
+            150,
+            [0.094_526_996_393, -0.046_255_657_519, -0.004_053_579_594],
+        ),
+        (
+            3.6,
+            300,
+            [-0.110_111_559_952, -0.072_324_531_427, 0.001_315_285_227],
+        ),
+        (
+            7.2,
+            600,
+            [0.095_210_318_522, -0.047_059_634_564, -0.003_075_281_311],
+        ),
+    ] {
+        let what = format!("C in equilibrium, bar 1 turned by {angle},");
+        context.compare_vector(&what, path[k - 1], exact, 3e-8, source);
+    }
+    for line in &mut file.lines {
+        (line.elements, line.order) = (4, 2);
+    }
+    let run = context.motion(&file, &watched, Run::step(8e-3))?;
+    // So slow that inertia and steps make 1e-7 of it.
+    let what = "largest deflection at C across the plane";
+    context.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
+    // Where the bars lie in one line the bent ones let it turn back as an antiparallelogram.
+    let what = "angle of bar 3 at t = 12, which turns back at the flat places";
+    context.compare(what, turn(&run, 3).z, -0.918_418_949_6, 1e-7, source);
+    let source = "exact: the loop is closed at all times";
+    let both = run.nodes[0].iter().zip(&run.nodes[1]);
+    let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()));
+    context.compare("largest gap at C", gap, 0.0, 1e-14, source);
+    Ok(())
+}
+
+fn hardly_misaligned(context: &mut Context) -> Result<(), CaseError> {
+    let mut file = context.file(include_str!(
+        "../../../examples/models/four_bar_misaligned.toml"
+    ))?;
+    for line in &mut file.lines {
+        (line.elements, line.order) = (4, 2);
+    }
+    // Bar 1 turns by 0.15 each.
+    let loads: Vec<f64> = (1..=8).map(|k| 0.25 * f64::from(k)).collect();
+    let mut found = Vec::new();
+    for degrees in [0.5_f64, 0.25] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let joint = file.joints.iter_mut().find(|j| j.name == "axis C");
+        let joint = joint.ok_or_else(|| context.setup("it has no axis C"))?;
+        joint
+            .keys
+            .insert("axis".into(), serde_json::json!([s, 0.0, c]));
+        let records = context.build(&file, "C")?.at_loads(&loads)?;
+        found.push([3, 5, 7].map(|k| records[k].state.d.z * c / s));
+    }
+    // With the other sign of the misalignment it bends the other way: what is left goes with its square, and
+    // of that the square of a square, 6e-9 of it, with both.
+    let limit = richardson(found[0], found[1]);
+    let source = "linear theory: a grid of Timoshenko beams without mass, solved apart";
+    for (k, (angle, exact)) in [
+        (0.6, -0.023_453_943_60),
+        (0.9, -0.034_707_914_43),
+        (1.2, -0.044_023_635_82),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let what = format!("deflection at C over misalignment, bar 1 turned by {angle}");
+        context.compare(what, limit[k], exact, 3e-10, source);
+    }
+    Ok(())
+}

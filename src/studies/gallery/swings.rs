@@ -1,0 +1,202 @@
+//! Pendulums: rigid, of two flexible rods, and of rubber.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context};
+use super::motion::{History, Run, observed_order, richardson};
+use crate::input::{ModelFile, Sine, Time};
+use crate::output::plot::Curve;
+use nalgebra::Vector3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// R04: a pendulum let go from the horizontal, and struck so that it goes over.
+pub const PENDULUM: Case = Case {
+    name: "pendulum",
+    run: pendulum,
+};
+
+/// A double pendulum of flexible rods.
+pub const DOUBLE: Case = Case {
+    name: "double-pendulum",
+    run: double,
+};
+
+/// A rubber rod that swings under its own weight.
+pub const RUBBER: Case = Case {
+    name: "rubber-rod",
+    run: rubber,
+};
+
+/// The file with its gravity put on smoothly within half a unit of time: at once it sends out
+/// waves that no sensible step resolves, and hides the order.
+fn gentle(file: &ModelFile) -> ModelFile {
+    let mut file = file.clone();
+    file.loads[0].time = Some(Time::Sine(Sine {
+        amplitude: 0.5,
+        omega: TAU,
+        phase: -FRAC_PI_2,
+        offset: 0.5,
+    }));
+    file
+}
+
+/// Order in the step of the place of a node at t = 0.5.
+fn order(context: &mut Context, file: &ModelFile, node: &str) -> Result<(), CaseError> {
+    let file = gentle(file);
+    let run = |h: f64| context.motion(&file, &[node], Run::step(h).to(0.5));
+    let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
+    let ends = [&a, &b, &c].map(|h| h.at(0, 0.5).place);
+    let source = "theory: the trapezoidal rule";
+    let what = "order in the step, gravity put on smoothly";
+    context.compare(what, observed_order(&ends), 2.0, 0.1, source);
+    Ok(())
+}
+
+/// Largest change of the total energy over the largest kinetic energy.
+fn energy_error(run: &History) -> f64 {
+    let energy = run.total_energy();
+    let first = energy[0].1;
+    let drift = energy
+        .iter()
+        .fold(0.0_f64, |m, e| m.max((e.1 - first).abs()));
+    let scale = run.audit(|a| a.energies.kinetic);
+    drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
+}
+
+fn pendulum(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/pendulum.toml"))?;
+    let runs = [4e-3, 2e-3, 1e-3].map(|h| context.motion(&file, &["rod"], Run::step(h)));
+    let [a, b, c] = runs;
+    let (a, b, c) = (a?, b?, c?);
+    let source = "exact: elliptic functions, R04";
+    for (t, exact) in [
+        (1.0, [0.986291751131875, -0.165010853125541]),
+        (5.0, [-0.942305435043757, -0.334754338414001]),
+        (10.0, [-0.275087462576117, -0.961419205099125]),
+    ] {
+        let place = |h: &History| {
+            let place = h.at(0, t).place;
+            [place.x, place.z]
+        };
+        let computed = richardson(place(&b), place(&c));
+        for (k, name) in ["e1", "e3"].into_iter().enumerate() {
+            let what = format!("extrapolated place at t = {t} along {name}");
+            context.compare(what, computed[k], exact[k], 1e-6, source);
+        }
+    }
+    let ends = [&a, &b, &c].map(|h| h.at(0, 10.0).place);
+    let source = "theory: the trapezoidal rule";
+    context.compare(
+        "order in the step",
+        observed_order(&ends),
+        2.0,
+        0.05,
+        source,
+    );
+    let error = energy_error(&c);
+    context.compare("energy error", error, 0.0, 1e-5, "conserved");
+    over(context, &file)
+}
+
+/// Complete elliptic integral of the first kind by the arithmetic-geometric mean; k is the modulus.
+fn elliptic_K(k: f64) -> f64 {
+    let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
+    for _ in 0..10 {
+        (a, g) = (0.5 * (a + g), (a * g).sqrt());
+    }
+    FRAC_PI_2 / a
+}
+
+/// Angle by which a pendulum has turned from where it hangs, whole turns included.
+fn turned(run: &History) -> Vec<f64> {
+    let mut turned = 0.0;
+    let angles = run.nodes[0].iter().map(|s| {
+        let angle = s.place.x.atan2(-s.place.z);
+        turned += (angle - turned + PI).rem_euclid(TAU) - PI;
+        turned
+    });
+    angles.collect()
+}
+
+/// The same pendulum, struck where it hangs, so that it goes over: θ̇(0) = ω = 8.
+///
+/// Energy says θ̇² = ω² − (4g/l) sin²(θ/2), so that a turn takes
+/// (2/ω) ∫₀^π dφ/√(1 − k² sin²φ) = 4 K(k)/ω with k = 2√(g/l)/ω, and half a turn half of that.
+fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
+    let (omega, g_over_l) = (8.0, 9.81);
+    let turn = 4.0 * elliptic_K(2.0 * f64::sqrt(g_over_l) / omega) / omega;
+    let mut file = file.clone();
+    file.joints[0].rate = Some(omega);
+    (file.joints[1].keys).insert("place".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
+    let run = |count: usize| {
+        let run = Run::step(turn / count as f64).to(6.0 * turn);
+        context.motion(&file, &["rod"], run)
+    };
+    let [coarse, fine] = [(500, run(500)?), (1000, run(1000)?)];
+    let source = "exact: elliptic integral, R04 struck so that it goes over";
+    // By halves of a turn, which are passed with the least and the largest speed.
+    for halves in [2, 7, 12] {
+        let [a, b] = [&coarse, &fine].map(|(count, run)| {
+            let k = halves * count / 2;
+            [turned(run)[k] / TAU, run.nodes[0][k].velocity.norm()]
+        });
+        let [turns, speed] = richardson(a, b);
+        let exact = halves as f64 / 2.0;
+        let at = format!("after {exact} periods of going over");
+        context.compare(format!("turns {at}"), turns, exact, 1e-6, source);
+        let rise = if halves % 2 == 0 { 0.0 } else { 4.0 * g_over_l };
+        let exact = f64::sqrt(omega * omega - rise);
+        context.compare(format!("speed {at}"), speed, exact, 1e-6, source);
+    }
+    Ok(())
+}
+
+fn double(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!(
+        "../../../examples/models/double_pendulum.toml"
+    ))?;
+    order(context, &file, "tip")?;
+    let run = |h: f64| context.motion(&file, &["tip", "knee"], Run::step(h));
+    let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
+    let source = "theory: the trapezoidal rule";
+    let order = (energy_error(&a) / energy_error(&b)).log2();
+    context.compare("order of the energy error", order, 2.0, 0.1, source);
+    context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    // The hinges leave the motion in its plane.
+    let out = c.curve(0, |s| s.d.y.abs());
+    let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
+    context.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
+    let path = |node: usize| -> Vec<(f64, f64)> {
+        let places = c.nodes[node].iter().map(|s| (s.place.x, s.place.z));
+        places.collect()
+    };
+    context.figure(
+        "Flexible double pendulum",
+        ["along e1", "along e3"],
+        vec![Curve::new("knee", path(1)), Curve::new("tip", path(0))],
+    )
+}
+
+fn rubber(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/rubber_rod.toml"))?;
+    let run = |h: f64| context.motion(&file, &["end"], Run::step(h));
+    let c = run(5e-4)?;
+    context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    order(context, &file, "end")?;
+    let mut coarse = file.clone();
+    let mut places: Vec<Vector3<f64>> = Vec::new();
+    for elements in [4, 8, 16] {
+        coarse.lines[0].elements = elements;
+        let run = context.motion(&coarse, &["end"], Run::step(1e-3).to(0.5))?;
+        places.push(run.at(0, 0.5).place);
+    }
+    let mesh = (places[1] - places[2]).norm();
+    let what = "8 and 16 quadratic elements apart at t = 0.5";
+    context.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
+    let path = c.nodes[0].iter().map(|s| (s.place.x, s.place.z));
+    context.figure(
+        "Swinging rubber rod",
+        ["along e1", "along e3"],
+        vec![Curve::new("path of the end", path.collect())],
+    )
+}

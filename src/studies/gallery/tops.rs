@@ -1,0 +1,332 @@
+//! Tops and free bodies: one point of a rigid body at rest, or none.
+
+#![allow(non_snake_case)]
+
+use super::case::{Case, CaseError, Context, peak};
+use super::motion::{History, Run, observed_order, richardson};
+use crate::input::Analysis;
+use crate::output::plot::Curve;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use pullback_elements::model::NodeState;
+
+/// Case 3 of [M04] and R02: the fast symmetrical top. Its plot redraws Fig. 33.
+pub const TOP: Case = Case {
+    name: "top",
+    run: top,
+};
+
+/// R01: the heavy top.
+pub const HEAVY_TOP: Case = Case {
+    name: "heavy-top",
+    run: heavy_top,
+};
+
+/// R03: a free body near its middle axis.
+pub const FREE_BODY: Case = Case {
+    name: "free-body",
+    run: free_body,
+};
+
+/// Inclination of the axis e3 of a node.
+fn nutation(state: &NodeState) -> f64 {
+    let axis = state.R.column(2);
+    axis.x.hypot(axis.y).atan2(axis.z)
+}
+
+/// A rigid body with a fixed point as Euler's equations for the quaternion p and the angular
+/// velocity Ω in axes of the body; the only other formulation in this file.
+struct Gyroscope {
+    /// Principal moments about the fixed point.
+    J: Vector3<f64>,
+    /// Weight times the place of the centre of mass in axes of the body.
+    arm: Vector3<f64>,
+}
+
+type GyroState = (Quaternion<f64>, Vector3<f64>);
+
+impl Gyroscope {
+    fn rates(&self, (p, omega): &GyroState) -> GyroState {
+        let R = UnitQuaternion::from_quaternion(*p);
+        let down = R.inverse_transform_vector(&-Vector3::z());
+        let moment = self.arm.cross(&down) - omega.cross(&self.J.component_mul(omega));
+        let half = Quaternion::from_parts(0.0, *omega) * 0.5;
+        (p * half, moment.component_div(&self.J))
+    }
+
+    /// The classical Runge-Kutta method with `count` steps until `t`.
+    fn integrate(&self, start: GyroState, t: f64, count: usize) -> GyroState {
+        let h = t / count as f64;
+        let along = |s: &GyroState, d: &GyroState, h: f64| (s.0 + d.0 * h, s.1 + d.1 * h);
+        (0..count).fold(start, |s, _| {
+            let k1 = self.rates(&s);
+            let k2 = self.rates(&along(&s, &k1, 0.5 * h));
+            let k3 = self.rates(&along(&s, &k2, 0.5 * h));
+            let k4 = self.rates(&along(&s, &k3, h));
+            let sum = (
+                k1.0 + (k2.0 + k3.0) * 2.0 + k4.0,
+                k1.1 + (k2.1 + k3.1) * 2.0 + k4.1,
+            );
+            let (p, omega) = along(&s, &sum, h / 6.0);
+            (p.normalize(), omega)
+        })
+    }
+}
+
+fn top(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/top.toml"))?;
+    let source = "exact: cubic of the top, R02";
+    let converged = context.motion(&file, &["O"], Run::step(1e-4))?;
+    let angle = converged.curve(0, nutation);
+    let smallest = angle.iter().fold(f64::INFINITY, |m, a| m.min(a.1));
+    let largest = angle.iter().fold(0.0_f64, |m, a| m.max(a.1));
+    context.compare("smallest nutation", smallest, 0.3, 1e-5, source);
+    context.compare("largest nutation", largest, 0.326733714644854, 1e-5, source);
+    // Maxima of the nutation are a period apart.
+    let maxima: Vec<usize> = (1..angle.len() - 1)
+        .filter(|&k| angle[k].1 > angle[k - 1].1 && angle[k].1 >= angle[k + 1].1)
+        .collect();
+    let (Some(&first), Some(&last)) = (maxima.first(), maxima.last()) else {
+        return Err(context.setup("the top does not nutate"));
+    };
+    let turns = (maxima.len() - 1) as f64;
+    let times = [first, last].map(|k| peak(&angle, k).0);
+    let source = "exact: complete elliptic integral, R02";
+    let period = (times[1] - times[0]) / turns;
+    context.compare("nutation period", period, 0.6822560158311819, 1e-4, source);
+    let precession = [first, last].map(|k| {
+        let axis = converged.nodes[0][k].R.column(2).into_owned();
+        axis.x.atan2(-axis.y)
+    });
+    let rate = (precession[1] - precession[0]) / (converged.t[last] - converged.t[first]);
+    let source = "exact: mean precession, R02";
+    context.compare("precession rate", rate, 0.416425036235478, 1e-4, source);
+
+    let gyroscope = Gyroscope {
+        J: Vector3::new(5.0, 5.0, 1.0),
+        arm: Vector3::new(0.0, 0.0, 20.0),
+    };
+    let tilt = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.0));
+    let begin = (*tilt.quaternion(), Vector3::new(0.0, 0.0, 50.0));
+    for t in [0.5, 1.0, 1.5] {
+        let (p, _) = gyroscope.integrate(begin, t, 100_000);
+        let exact = UnitQuaternion::from_quaternion(p) * Vector3::z();
+        let axis: Vector3<f64> = converged.at(0, t).R.column(2).into();
+        let source = "independent: quaternion, Runge-Kutta";
+        context.compare_vector(
+            &format!("axis at t = {t}"),
+            axis,
+            exact.into(),
+            1e-4,
+            source,
+        );
+    }
+
+    let rigid = context.motion(&file, &["O"], Run::FILE)?;
+    let beam = include_str!("../../../examples/models/top_beam.toml");
+    let mut flexible = context.file(beam)?;
+    let stiff = context.motion(&flexible, &["O"], Run::FILE)?;
+    for section in flexible.sections.values_mut() {
+        if let Some(s) = &mut section.stiffness {
+            s.EA /= 100.0;
+            s.GJ /= 100.0;
+            s.GA = s.GA.map(|x| x / 100.0);
+            s.EI = s.EI.map(|x| x / 100.0);
+        }
+    }
+    let flexible = context.motion(&flexible, &["O"], Run::FILE)?;
+    let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
+    let apart =
+        (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
+    // A hundredth of the nutation, 0.0267: the width of a line.
+    let source = "published: they coincide in the plot (Mäkinen 2004, case 3)";
+    context.compare("stiff beam off the rigid body", apart, 0.0, 2.67e-4, source);
+    let drawn = curves[0].iter().map(|p| p.1);
+    let [least, most] = [
+        drawn.clone().fold(f64::INFINITY, f64::min),
+        drawn.fold(0.0, f64::max),
+    ];
+    // As the range is printed, to four digits.
+    let source = "published: nutation in [0.3, 0.3267] (Mäkinen 2004, case 3)";
+    context.compare("plot: smallest nutation", least, 0.3, 5e-5, source);
+    context.compare("plot: largest nutation", most, 0.3267, 5e-5, source);
+    let names = ["rigid body", "stiff beam", "flexible beam"];
+    let curves = names.into_iter().zip(curves);
+    // Every eighth step is as much as a line shows.
+    let thin = |c: Vec<(f64, f64)>| c.into_iter().step_by(8).collect();
+    context.figure(
+        "Fast symmetrical top",
+        ["time t", "nutation angle (rad)"],
+        curves.map(|(name, c)| Curve::new(name, thin(c))).collect(),
+    )
+}
+
+fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
+    let exact = [
+        (0.1, [0.42129666, 0.89457197, -0.1491647]),
+        (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
+        (1.0, [0.1733439640984, 0.6400885920706, -0.7484907911336]),
+    ];
+    let turned = Quaternion::new(
+        0.7329439806797,
+        -0.2782857193376,
+        0.5318246113342,
+        -0.3201761427363,
+    );
+    let hung = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
+    // The same body with a pinned node instead of a joint.
+    let mut pinned = hung.clone();
+    pinned.joints.clear();
+    pinned.probes.clear();
+    pinned.nodes.insert("top".to_owned(), [0.0; 3]);
+    pinned.nodes.remove("ground");
+    pinned.supports[0].node = "top".to_owned();
+    pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Place));
+    for (name, file) in [("fixed point", &pinned), ("spherical joint", &hung)] {
+        let runs = [4e-4, 2e-4, 1e-4].map(|h| context.motion(file, &["top"], Run::step(h)));
+        let [a, b, c] = runs;
+        let (a, b, c) = (a?, b?, c?);
+        let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
+        let source = "exact: order-8 Runge-Kutta in extended precision, R01";
+        for (t, x) in exact {
+            let [coarse, fine] = [&b, &c].map(|h| axis(h, t).into());
+            let what = format!("{name}, extrapolated place at t = {t}");
+            let place: [f64; 3] = richardson(coarse, fine);
+            context.compare_vector(&what, place, x, 1e-5, source);
+        }
+        // The attitude turns 24 times: changes of chart at other moments of each step leave more of
+        // its error than can be extrapolated.
+        let mut third = file.clone();
+        if let Analysis::Dynamic(d) = &mut third.analysis {
+            d.scheme = "radau".into();
+        }
+        let third = context.motion(&third, &["top"], Run::step(1e-4))?;
+        let what = format!("{name}, body axis");
+        compare_axes(context, &what, axes(&third), turned, source);
+        let what = format!("{name}, body rate at t = 1 over 150");
+        let exact = Vector3::new(-0.8220781016826, 150.0, -5.9232913481173);
+        let [rate, exact] = [body_rate(&third), exact].map(|r| (r / 150.0).into());
+        context.compare_vector(&what, rate, exact, 1e-5, source);
+        let order = observed_order(&[&a, &b, &c].map(|h| axis(h, 1.0)));
+        context.compare(
+            format!("{name}, order in the step"),
+            order,
+            2.0,
+            0.1,
+            "theory: the trapezoidal rule",
+        );
+    }
+    Ok(())
+}
+
+/// Angular velocity in axes of the body, of the first recorded node at t = 1.
+fn body_rate(run: &History) -> Vector3<f64> {
+    let state = run.at(0, 1.0);
+    state.R.transpose() * state.omega
+}
+
+/// The axes of the first recorded node at t = 1.
+fn axes(run: &History) -> [[f64; 3]; 3] {
+    let R = run.at(0, 1.0).R;
+    [0, 1, 2].map(|k| Vector3::from(R.column(k)).into())
+}
+
+/// Compares the axes of a body at t = 1 with those of a quaternion.
+fn compare_axes(
+    context: &mut Context,
+    what: &str,
+    axes: [[f64; 3]; 3],
+    exact: Quaternion<f64>,
+    source: &str,
+) {
+    let exact = UnitQuaternion::new_normalize(exact);
+    for (k, axis) in axes.into_iter().enumerate() {
+        let what = format!("{what} {} at t = 1,", k + 1);
+        let exact = exact * Vector3::ith(k, 1.0);
+        context.compare_vector(&what, axis, exact.into(), 1e-5, source);
+    }
+}
+
+/// Time between two zeros, downwards, of the second component of a body's rate.
+fn period(run: &History) -> f64 {
+    let rate: Vec<(f64, f64)> = (run.t.iter().zip(&run.nodes[0]))
+        .map(|(&t, s)| (t, (s.R.transpose() * s.omega).y))
+        .collect();
+    let zeros: Vec<f64> = rate
+        .windows(2)
+        .filter(|w| w[0].1 > 0.0 && w[1].1 <= 0.0)
+        .map(|w| w[0].0 + (w[1].0 - w[0].0) * w[0].1 / (w[0].1 - w[1].1))
+        .collect();
+    match zeros[..] {
+        [first, .., last] => (last - first) / (zeros.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
+fn free_body(context: &mut Context) -> Result<(), CaseError> {
+    let file = context.file(include_str!("../../../examples/models/free_body.toml"))?;
+    let steps = [2e-3, 1e-3, 5e-4];
+    let [a, b, c] = steps.map(|h| context.motion(&file, &["O"], Run::step(h)));
+    let (a, b, c) = (a?, b?, c?);
+    let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
+    let source = "exact: order-8 Runge-Kutta in extended precision, R03";
+    let exact = [-8.74573438, 4.84996187, 5.05001221];
+    context.compare_vector(
+        "extrapolated body rate at t = 1",
+        omega,
+        exact,
+        1e-5,
+        source,
+    );
+    let exact = Quaternion::new(0.24270299, 0.11814413, -0.82272015, -0.50026871);
+    let [coarse, fine] = [axes(&b), axes(&c)];
+    let extrapolated = [0, 1, 2].map(|k| richardson(coarse[k], fine[k]));
+    compare_axes(
+        context,
+        "extrapolated body axis",
+        extrapolated,
+        exact,
+        source,
+    );
+    let period = richardson([period(&b)], [period(&c)])[0];
+    let source = "exact: Jacobi's elliptic functions, R03";
+    let what = "extrapolated period";
+    context.compare(what, period, 3.91057341972687, 1e-4, source);
+    let order = observed_order(&[&a, &b, &c].map(body_rate));
+    let source = "theory: the trapezoidal rule";
+    context.compare("order in the step", order, 2.0, 0.1, source);
+    // Energy is not conserved exactly: its error has the order of the scheme.
+    let drift = |h: &History| {
+        let energy = h.total_energy();
+        let first = energy[0].1;
+        let relative = energy.iter().map(|&(t, e)| (t, (e - first) / first));
+        relative.collect::<Vec<_>>()
+    };
+    let curves = [drift(&a), drift(&b), drift(&c)];
+    let size = |c: &[(f64, f64)]| c.iter().fold(0.0_f64, |m, p| m.max(p.1.abs()));
+    let order = (size(&curves[0]) / size(&curves[1])).log2();
+    context.compare("order of the energy error", order, 2.0, 0.1, source);
+    // The scheme that restores it, at a coarse step.
+    let mut kept = file.clone();
+    if let Analysis::Dynamic(d) = &mut kept.analysis {
+        d.scheme = "em".into();
+    }
+    let kept = context.motion(&kept, &["O"], Run::step(1e-2))?;
+    let spins: Vec<Vector3<f64>> = kept.audits.iter().map(|a| a.momentum.angular).collect();
+    let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
+    let source = "exact: conservation";
+    for (what, worst) in [
+        ("energy", size(&drift(&kept))),
+        ("angular momentum", spins.iter().fold(0.0, spin)),
+    ] {
+        let what = format!("energy-momentum scheme, change of {what}");
+        context.compare(what, worst, 0.0, 1e-11, source);
+    }
+    let curves = steps.iter().zip(curves);
+    context.figure(
+        "Free body near its middle axis: energy error by steps h",
+        ["time t", "relative error of the energy"],
+        curves
+            .map(|(h, c)| Curve::new(format!("h = {h}"), c))
+            .collect(),
+    )
+}

@@ -1,0 +1,400 @@
+//! Spectra of schemes: the library's side of `pullback spectrum`.
+//!
+//! [`run`] measures them by the steps that runs make and puts the closed forms of theory beside them
+//! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] make them readable, and
+//! [`write()`] leaves them in a directory.
+
+#![allow(non_snake_case)]
+
+mod figures;
+
+pub use figures::figures;
+
+use crate::method::PREFIXES;
+use crate::output::{Directory, OutputError};
+use crate::studies::general;
+use pullback_integrators::dynamics::{DynamicsError, Scheme};
+use pullback_integrators::significant;
+use pullback_integrators::spectrum::{
+    self as integrator, Numbers, amplification, characteristic, closed_first_step, closed_form,
+    expansion, logarithmic,
+};
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Names of all files that are written.
+pub const FILES: [&str; 4] = [
+    "spectrum.json",
+    "spectrum.csv",
+    "spectrum.svg",
+    "overshoot.svg",
+];
+
+/// Schemes whose spectra are shown unless others are named.
+pub const SCHEMES: &str = "newmark,hht:-0.1,wbz:0.5,ga:0.5,bathe,radau,central-difference";
+
+/// Ω that can be asked for: what lies beyond has no digits left.
+const RANGE: [f64; 2] = [1e-12, 1e12];
+
+/// Why there are no spectra.
+#[derive(Debug, thiserror::Error)]
+pub enum SpectrumError {
+    /// A scheme or a place is refused.
+    #[error("{0}")]
+    Scheme(#[from] DynamicsError),
+    /// Ω from where to where makes no range.
+    #[error(
+        "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
+        significant(*from), significant(*to), RANGE[0], RANGE[1]
+    )]
+    Range {
+        /// Smallest.
+        from: f64,
+        /// Largest.
+        to: f64,
+    },
+    /// A formulation of rotations, which a vibration has none of.
+    #[error(
+        "scheme `{word}`: formulations of rotations make no difference to a linear vibration: leave the prefix \
+         out, `{scheme}`"
+    )]
+    Prefix {
+        /// What was asked for.
+        word: String,
+        /// The scheme without its prefix.
+        scheme: String,
+    },
+    /// A scheme that keeps energy by a projection.
+    #[error(
+        "scheme `{word}`: its projection is no linear map and gives back what the step takes, so that it has no \
+         spectrum; that of its step is the one of `{step}`"
+    )]
+    Projection {
+        /// What was asked for.
+        word: String,
+        /// The scheme without the projection.
+        step: String,
+    },
+    /// A general solver.
+    #[error(
+        "`{word}` is a general solver, which chooses its own steps: it has no spectrum over Ω = ω h"
+    )]
+    Solver {
+        /// What was asked for.
+        word: String,
+    },
+    /// A scheme twice.
+    #[error("scheme `{name}` is asked for twice: name it once")]
+    Twice {
+        /// Its name.
+        name: String,
+    },
+    /// Files cannot be written.
+    #[error("{0}")]
+    Output(#[from] OutputError),
+}
+
+/// The spectrum of a scheme.
+#[derive(Clone, Debug, Serialize)]
+pub struct Spectrum {
+    /// The word that makes the scheme.
+    pub scheme: String,
+    /// Its name.
+    pub name: &'static str,
+    /// Order of accuracy.
+    pub order: usize,
+    /// Largest Ω at which it is stable; null where it always is.
+    pub limit: Option<f64>,
+    /// Largest difference between the coefficients of the characteristic polynomials by steps and in
+    /// closed form, up to the limit; null where there is no closed form.
+    pub defect: Option<f64>,
+    /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω in theory; null
+    /// where there is no such formula.
+    pub expansion: Option<[f64; 2]>,
+    /// What it does at each Ω, ascending.
+    pub points: Vec<Point>,
+}
+
+/// What a scheme does to a vibration at one Ω; see [`Numbers`]. Beyond the limit of a scheme there is
+/// no vibration, and neither damping nor elongation.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Point {
+    /// Ω = ω h.
+    pub Omega: f64,
+    /// Spectral radius.
+    pub radius: f64,
+    /// Algorithmic damping ratio; null where no eigenvalue is complex.
+    pub damping: Option<f64>,
+    /// Period elongation; null where no eigenvalue is complex.
+    pub elongation: Option<f64>,
+    /// Spectral radius in closed form.
+    pub closed_radius: Option<f64>,
+    /// Algorithmic damping ratio in closed form.
+    pub closed_damping: Option<f64>,
+    /// Period elongation in closed form.
+    pub closed_elongation: Option<f64>,
+    /// σ Ω³, what the damping ratio tends to at small Ω.
+    pub expanded_damping: Option<f64>,
+    /// κ Ω², what the period elongation tends to at small Ω.
+    pub expanded_elongation: Option<f64>,
+    /// q₁/q₀ of the first step from rest.
+    pub rest_place: f64,
+    /// q̇₁/(ω q₀) of the first step from rest.
+    pub rest_velocity: f64,
+    /// q₁/q₀ of the first step from rest in closed form.
+    pub closed_rest_place: Option<f64>,
+    /// q̇₁/(ω q₀) of the first step from rest in closed form.
+    pub closed_rest_velocity: Option<f64>,
+    /// ω q₁/q̇₀ of the first step from q = 0.
+    pub origin_place: f64,
+    /// q̇₁/q̇₀ of the first step from q = 0.
+    pub origin_velocity: f64,
+    /// ω q₁/q̇₀ of the first step from q = 0 in closed form.
+    pub closed_origin_place: Option<f64>,
+    /// q̇₁/q̇₀ of the first step from q = 0 in closed form.
+    pub closed_origin_velocity: Option<f64>,
+}
+
+/// Measures the spectrum of a scheme at these Ω.
+///
+/// # Errors
+/// [`DynamicsError::Option`] for an Ω that is not positive and finite.
+pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
+    let limit = scheme.claims().limit;
+    let expansion = expansion(scheme);
+    let mut defect = closed_form(scheme, 1.0).map(|_| 0.0_f64);
+    let mut points = Vec::with_capacity(Omegas.len());
+    for &Omega in Omegas {
+        let measured = integrator::point(scheme, Omega)?;
+        let closed = closed_form(scheme, Omega);
+        if let (Some(closed), true) = (closed, limit.is_none_or(|limit| Omega <= limit)) {
+            let steps = characteristic(amplification(scheme, Omega)?);
+            let gaps = steps.iter().zip(closed).map(|(a, b)| (a - b).abs());
+            defect = defect.map(|d| gaps.fold(d, f64::max));
+        }
+        let vibrates = limit.is_none_or(|limit| Omega <= limit);
+        let known = |numbers: Numbers| match vibrates {
+            true => numbers,
+            false => Numbers {
+                damping: None,
+                elongation: None,
+                ..numbers
+            },
+        };
+        let closed = closed.map(|polynomial| known(Numbers::of(polynomial, Omega)));
+        let Numbers {
+            radius,
+            damping,
+            elongation,
+        } = known(measured.numbers);
+        let [rest_place, rest_velocity] = measured.first_step.from_rest;
+        let first = closed_first_step(scheme, Omega);
+        let [origin_place, origin_velocity] = measured.first_step.from_origin;
+        points.push(Point {
+            Omega,
+            radius,
+            damping,
+            elongation,
+            closed_radius: closed.map(|n| n.radius),
+            closed_damping: closed.and_then(|n| n.damping),
+            closed_elongation: closed.and_then(|n| n.elongation),
+            expanded_damping: expansion.map(|[_, sigma]| sigma * Omega.powi(3)),
+            expanded_elongation: expansion.map(|[kappa, _]| kappa * Omega.powi(2)),
+            rest_place,
+            rest_velocity,
+            closed_rest_place: first.map(|step| step.from_rest[0]),
+            closed_rest_velocity: first.map(|step| step.from_rest[1]),
+            origin_place,
+            origin_velocity,
+            closed_origin_place: first.map(|step| step.from_origin[0]),
+            closed_origin_velocity: first.map(|step| step.from_origin[1]),
+        });
+    }
+    Ok(Spectrum {
+        scheme: scheme.to_string(),
+        name: scheme.name,
+        order: scheme.order(),
+        limit,
+        defect,
+        expansion,
+        points,
+    })
+}
+
+/// Spectra of schemes by their words, on [`grid`].
+///
+/// # Errors
+/// [`SpectrumError`].
+pub fn all(
+    words: &[String],
+    [from, to]: [f64; 2],
+) -> Result<Vec<(Scheme, Spectrum)>, SpectrumError> {
+    if !(from >= RANGE[0] && to > from && to <= RANGE[1]) {
+        return Err(SpectrumError::Range { from, to });
+    }
+    let Omegas = grid(from, to, 161);
+    let schemes = words.iter().map(|word| asked(word));
+    let schemes = schemes.collect::<Result<Vec<_>, _>>()?;
+    for (k, scheme) in schemes.iter().enumerate() {
+        if schemes[..k].contains(scheme) {
+            let name = scheme.to_string();
+            return Err(SpectrumError::Twice { name });
+        }
+    }
+    let spectrum = |scheme: Scheme| Ok((scheme, run(&scheme, &Omegas)?));
+    schemes.into_iter().map(spectrum).collect()
+}
+
+/// The scheme of a word; words that only `compare` has a use for are refused with the reason.
+fn asked(word: &str) -> Result<Scheme, SpectrumError> {
+    let word = word.trim();
+    if word.starts_with(general::PREFIX) {
+        let word = word.to_owned();
+        return Err(SpectrumError::Solver { word });
+    }
+    match PREFIXES[1..].iter().find_map(|p| word.strip_prefix(p.word)) {
+        Some(scheme) => Err(SpectrumError::Prefix {
+            word: word.to_owned(),
+            scheme: scheme.to_owned(),
+        }),
+        None => plain(word.parse()?),
+    }
+}
+
+/// A scheme whose step is all that it does.
+fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
+    if !scheme.keeps_energy() {
+        return Ok(scheme);
+    }
+    let word = scheme.to_string();
+    let step = match word.split_once(':') {
+        Some((_, rho)) => format!("ga:{rho}"),
+        None => "newmark".to_owned(),
+    };
+    Err(SpectrumError::Projection { word, step })
+}
+
+/// The table for a terminal: each scheme at few Ω.
+///
+/// # Errors
+/// [`DynamicsError`], as [`run`].
+pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
+    let width = spectra.iter().map(|(_, s)| s.scheme.chars().count()).max();
+    let width = width.unwrap_or(0).max("scheme".len());
+    let mut out = format!(
+        "{:width$}  {:>8}  {:>11}  {:>11}  {:>11}  {:>10}  {:>12}\n",
+        "scheme", "Ω", "radius", "damping", "elongation", "|q₁/q₀|", "|q̇₁/(ω q₀)|"
+    );
+    let number = |x: Option<f64>| match x {
+        None => "-".to_owned(),
+        // Rounding errors have a sign, zero has none.
+        Some(x) if x.abs() < 5e-7 => format!("{:.6}", 0.0),
+        Some(x) => format!("{x:.6}"),
+    };
+    for (scheme, spectrum) in spectra {
+        let places = [TAU / 10.0, 1.0, 10.0, 100.0];
+        for p in run(scheme, &places)?.points {
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                out,
+                "{:width$}  {:>8.4}  {:>11.6}  {:>11}  {:>11}  {:>10.4}  {:>12.4}",
+                spectrum.scheme,
+                p.Omega,
+                p.radius,
+                number(p.damping),
+                number(p.elongation),
+                p.rest_place.abs(),
+                p.rest_velocity.abs()
+            );
+        }
+    }
+    out += "radius: largest |λ| of a step; damping: algorithmic damping ratio; elongation: of the \
+            period, T̄/T − 1;\nlast two: the first step from rest, exact motion stays below 1\n";
+    let defects = spectra.iter().filter_map(|(_, s)| s.defect);
+    if let Some(largest) = defects.fold(None, |m: Option<f64>, d| Some(m.map_or(d, |m| m.max(d)))) {
+        let _ = writeln!(
+            out,
+            "characteristic polynomials by steps and in closed form differ by at most {largest:.1e}"
+        );
+    }
+    Ok(out)
+}
+
+/// All numbers as comma-separated values: one line per scheme and Ω; empty where there is none.
+pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
+    let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
+                   closed_elongation,expanded_damping,expanded_elongation,rest_place,\
+                   rest_velocity,closed_rest_place,closed_rest_velocity,origin_place,\
+                   origin_velocity,closed_origin_place,closed_origin_velocity\n"
+        .to_owned();
+    // Zero has no sign.
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
+    for (_, spectrum) in spectra {
+        for p in &spectrum.points {
+            let numbers = [
+                Some(p.Omega),
+                Some(p.radius),
+                p.damping,
+                p.elongation,
+                p.closed_radius,
+                p.closed_damping,
+                p.closed_elongation,
+                p.expanded_damping,
+                p.expanded_elongation,
+                Some(p.rest_place),
+                Some(p.rest_velocity),
+                p.closed_rest_place,
+                p.closed_rest_velocity,
+                Some(p.origin_place),
+                Some(p.origin_velocity),
+                p.closed_origin_place,
+                p.closed_origin_velocity,
+            ];
+            let line = numbers.map(number).join(",");
+            let _ = writeln!(out, "{},{line}", spectrum.scheme);
+        }
+    }
+    out
+}
+
+/// Ω up to which vibrations are resolved, about π steps in a period.
+const RESOLVED: f64 = 2.0;
+
+/// Values of Ω for figures: logarithmic, with more of them where vibrations are resolved.
+pub fn grid(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let mut all = logarithmic(from, to, count);
+    let fine = (1..=40).map(|k| RESOLVED * f64::from(k) / 40.0);
+    all.extend(fine.filter(|Omega| (from..=to).contains(Omega)));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Writes the files of [`FILES`] into a directory; `command` is the command line that asks for it.
+///
+/// # Errors
+/// [`OutputError`].
+pub fn write(
+    spectra: &[(Scheme, Spectrum)],
+    command: Option<&str>,
+    directory: &Path,
+) -> Result<(), OutputError> {
+    let drawn = figures(spectra).map_err(|source| OutputError::Draw {
+        name: "the figures".to_owned(),
+        source,
+    })?;
+    let all: Vec<&Spectrum> = spectra.iter().map(|(_, s)| s).collect();
+    let value = serde_json::json!({ "command": command, "schemes": all });
+    let text = serde_json::to_string_pretty(&value).map_err(|source| OutputError::Encode {
+        name: FILES[0].to_owned(),
+        source,
+    })?;
+    let mut directory = Directory::open_for(directory, &FILES)?;
+    directory.write("spectrum.csv", &csv(spectra))?;
+    for (name, svg) in &drawn {
+        directory.write(name, svg)?;
+    }
+    directory.write(FILES[0], &(text + "\n"))
+}
