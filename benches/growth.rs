@@ -28,7 +28,7 @@ fn model(elements: usize, analysis: &str) -> String {
         [[joints]]
         name = "j"
         type = "revolute"
-        master = "g"
+        parent = "g"
         axis = [0, 1, 0]
         spring = {{ k = 100 }}
         [[lines]]

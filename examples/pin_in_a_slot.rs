@@ -3,7 +3,7 @@
 use pullback::prelude::*;
 use std::error::Error;
 
-/// A pin that slides along a slot of its master, up to its ends, and turns in it.
+/// A pin that slides along a slot of its parent, up to its ends, and turns in it.
 #[derive(Clone)]
 struct Slot {
     /// Along the slot: a unit vector of the reference configuration, global components.

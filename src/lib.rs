@@ -142,7 +142,7 @@ pub mod prelude {
     };
     pub use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
     pub use pullback_elements::time::{
-        Constant, Input, Proportional, Pulse, RunUp, Sine, Table, TimeFunction,
+        Constant, Input, Proportional, Pulse, Sine, SpinUp, Table, TimeFunction,
     };
     pub use pullback_integrators::dynamics::{
         DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,

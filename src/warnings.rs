@@ -30,7 +30,7 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
             "nothing moves: no load acts on anything free, nothing is driven, and all starts at \
-             rest. See `loads`, `driven` and `initial`",
+             rest. See `loads`, `prescribed` and `initial`",
         );
     }
     Some(if energy.defect() > 0.0 {
@@ -74,10 +74,10 @@ fn driven(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Optio
             .is_ok_and(|f| f.at(BEFORE_START)[order] != 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {
-        let driven = s.driven.as_ref();
+        let driven = s.prescribed.as_ref();
         driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
     });
-    let joints = (file.joints.iter()).filter(move |j| j.driven.as_ref().is_some_and(off));
+    let joints = (file.joints.iter()).filter(move |j| j.prescribed.as_ref().is_some_and(off));
     (supports.map(|s| (format!("support of {}", s.node), None)))
         .chain(joints.map(|j| (format!("joint {}", j.name), Some(j))))
 }
@@ -117,7 +117,7 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
         })
     };
     let carried = (file.joints.iter()).filter(|j| {
-        let free = j.rate.is_none() && j.driven.is_none() && has(true, model, j);
+        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, model, j);
         free && rests(j) && moves(&j.name)
     });
     let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();

@@ -169,7 +169,12 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::new`].
-    pub fn hat(start: f64, peak: f64, end: f64, value: f64) -> Result<Self, TimeFunctionError> {
+    pub fn triangle(
+        start: f64,
+        peak: f64,
+        end: f64,
+        value: f64,
+    ) -> Result<Self, TimeFunctionError> {
         Self::new(vec![[start, 0.0], [peak, value], [end, 0.0]])
     }
 }
@@ -231,18 +236,18 @@ impl TimeFunction for Pulse {
     }
 }
 
-/// A smooth run-up from rest to a constant rate within a duration T:
+/// A smooth spin-up from rest to a constant rate within a duration T:
 /// f = (rate/T) (t²/2 + (T/2π)² (cos(2πt/T) − 1)), then rate·(t − T/2).
 ///
 /// Rate and acceleration are continuous (Kane, Ryan & Banerjee 1987).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunUp {
+pub struct SpinUp {
     rate: f64,
     duration: f64,
 }
 
-impl RunUp {
-    /// A run-up to `rate` in `duration`.
+impl SpinUp {
+    /// A spin-up to `rate` in `duration`.
     ///
     /// # Errors
     /// [`TimeFunctionError`] for numbers that are not finite, or a duration that is not positive.
@@ -252,7 +257,7 @@ impl RunUp {
     }
 }
 
-impl TimeFunction for RunUp {
+impl TimeFunction for SpinUp {
     fn at(&self, t: f64) -> [f64; 3] {
         let (rate, T) = (self.rate, self.duration);
         if t <= 0.0 {
@@ -331,13 +336,13 @@ mod tests {
 
     #[test]
     fn a_hat_rises_peaks_and_falls() {
-        let hat = Table::hat(0.0, 0.5, 1.0, 40.0).unwrap();
-        assert_eq!(hat.at(-1.0), [0.0, 0.0, 0.0]);
-        assert_eq!(hat.at(0.25), [20.0, 80.0, 0.0]);
-        assert_eq!(hat.at(0.5), [40.0, -80.0, 0.0]);
-        assert_eq!(hat.at(0.75), [20.0, -80.0, 0.0]);
-        assert_eq!(hat.at(2.0), [0.0, 0.0, 0.0]);
-        assert_eq!(hat.kinks(), [0.0, 0.5, 1.0]);
+        let triangle = Table::triangle(0.0, 0.5, 1.0, 40.0).unwrap();
+        assert_eq!(triangle.at(-1.0), [0.0, 0.0, 0.0]);
+        assert_eq!(triangle.at(0.25), [20.0, 80.0, 0.0]);
+        assert_eq!(triangle.at(0.5), [40.0, -80.0, 0.0]);
+        assert_eq!(triangle.at(0.75), [20.0, -80.0, 0.0]);
+        assert_eq!(triangle.at(2.0), [0.0, 0.0, 0.0]);
+        assert_eq!(triangle.kinks(), [0.0, 0.5, 1.0]);
     }
 
     #[test]
@@ -350,7 +355,7 @@ mod tests {
 
     #[test]
     fn a_run_up_is_smooth_and_its_derivatives_are_its_own() {
-        let f = RunUp::new(6.0, 15.0).unwrap();
+        let f = SpinUp::new(6.0, 15.0).unwrap();
         for t in [15.0_f64.next_down(), 15.0] {
             let [x, v, a] = f.at(t);
             assert!((x - 45.0).abs() < 1e-12 && (v - 6.0).abs() < 1e-12 && a.abs() < 1e-12);
@@ -363,7 +368,7 @@ mod tests {
             }
         }
         assert_eq!(f.at(0.0), [0.0; 3]);
-        assert!(RunUp::new(6.0, 0.0).is_err());
+        assert!(SpinUp::new(6.0, 0.0).is_err());
     }
 
     #[test]

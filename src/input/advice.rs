@@ -20,12 +20,23 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("harmonic", "sine"),
     ("step", "pulse"),
     ("hinge", "revolute"),
-    ("pinned", "place"),
+    ("pinned", "position"),
     ("clamped", "all"),
     ("reaction", "reaction_force"),
     ("bending_moment", "M"),
     ("joint_angle", "joint_coordinate"),
     ("angle", "joint_coordinate"),
+];
+
+/// Words of earlier versions, and today's.
+pub(super) const RENAMED: &[(&str, &str)] = &[
+    ("master", "parent"),
+    ("driven", "prescribed"),
+    ("motor", "actuator"),
+    ("place", "position"),
+    ("centre", "center"),
+    ("hat", "triangle"),
+    ("run-up", "spin_up"),
 ];
 
 /// What a message of the parser alone does not tell.
@@ -53,6 +64,10 @@ fn explanation(message: &str) -> Option<String> {
 }
 
 fn suggestion(found: &str, known: &[String]) -> String {
+    let last = found.rsplit('.').next().unwrap_or(found);
+    if let Some((word, now)) = RENAMED.iter().find(|(word, _)| *word == last) {
+        return format!("`{word}` is now `{now}`");
+    }
     if let Some(key) = found.strip_suffix("_deg")
         && known.iter().any(|known| known == key)
     {
@@ -129,7 +144,7 @@ impl Problem {
             }
             Self::NoMaterial { .. } => "add material = { E = ..., nu = ..., rho = ... }",
             Self::ZeroLength { .. } => "move one of the nodes",
-            Self::UselessSupport { .. } => "add fix = \"all\" or driven = { rz = ... }",
+            Self::UselessSupport { .. } => "add fix = \"all\" or prescribed = { rz = ... }",
             Self::PrescribedTwice { .. } => "remove it from one of the supports",
             Self::PrescribedEvent { .. } => "choose a free coordinate, or stop at a load",
             Self::LoadKind { .. } => {
@@ -148,10 +163,10 @@ impl Problem {
             Self::InitialNode { .. } => "name the node",
             Self::InitialNothing => "add displacement, rotation, velocity or angular_velocity",
             Self::InitialHeld { .. } => "remove it, or free the node",
-            Self::InitialHung { .. } => "give it to the joint's master, or give the joint a `rate`",
+            Self::InitialHung { .. } => "give it to the joint's parent, or give the joint a `rate`",
             Self::Geared { .. } => "give it to the joint at the other end of the gear",
             Self::Column { .. } => "give the probe another name",
-            Self::Jump => "use a ramp, hat, table, sine or run-up",
+            Self::Jump => "use a ramp, triangle, table, sine or spin_up",
             Self::LoopRates { .. } => {
                 "give as many rates as the loops leave free, the others follow"
             }

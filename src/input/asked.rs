@@ -104,8 +104,8 @@ pub(super) fn satisfy(
         return Err(source.value(&parts(&first.at), problem));
     }
     // Like the maps of loops: what a drive moves has another velocity than the whole.
-    let driven = file.supports.iter().any(|s| s.driven.is_some())
-        || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.driven.is_some()));
+    let driven = file.supports.iter().any(|s| s.prescribed.is_some())
+        || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.prescribed.is_some()));
     if driven || asked.iter().any(|a| a.of_node) || !held.is_empty() {
         asked.retain(|a| a.of_node);
     }

@@ -218,9 +218,9 @@ pub(super) fn assemble(
         })
         .collect();
     geometry.links = (file.joints.iter())
-        .filter(|joint| joint.keys.contains_key("place"))
+        .filter(|joint| joint.keys.contains_key("position"))
         .filter_map(|joint| {
-            let ends = [joint.master.as_ref()?, &joint.name];
+            let ends = [joint.parent.as_ref()?, &joint.name];
             Some([nodes.get(ends[0])?, nodes.get(ends[1])?])
         })
         .collect();
@@ -372,10 +372,11 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
             let name = name.split(", ").next().unwrap_or_default().to_owned();
             let driven = |j: &super::file::Joint| {
                 let of = name.strip_prefix(&j.name);
-                of.is_some_and(|r| r.is_empty() || r.starts_with(' ')) && j.acts().driven.is_some()
+                of.is_some_and(|r| r.is_empty() || r.starts_with(' '))
+                    && j.acts().prescribed.is_some()
             };
             let path = match file.joints.iter().position(driven) {
-                Some(k) => Some(["joints".to_owned(), k.to_string(), "driven".to_owned()]),
+                Some(k) => Some(["joints".to_owned(), k.to_string(), "prescribed".to_owned()]),
                 None => (file.supports.iter().position(|s| s.node == name))
                     .map(|k| ["supports".to_owned(), k.to_string(), "node".to_owned()]),
             };

@@ -137,7 +137,7 @@ pub enum Problem {
     },
     #[error("joint \"{joint}\": {source}")]
     Joint { joint: String, source: BoxedError },
-    #[error("joint \"{joint}\" is driven, so {key} has no effect")]
+    #[error("joint \"{joint}\" is prescribed, so {key} has no effect")]
     DrivenJoint { joint: String, key: &'static str },
     #[error(
         "joint \"{joint}\" cannot slide along line \"{line}\": lines must have elements of order 1 \
@@ -187,7 +187,7 @@ pub enum Problem {
     Scheme { message: String },
     #[error("the history has another column \"{column}\"")]
     Column { column: String },
-    #[error("a driven coordinate cannot jump")]
+    #[error("a prescribed coordinate cannot jump")]
     Jump,
     #[error("{source}")]
     Time { source: TimeFunctionError },

@@ -13,7 +13,7 @@ use serde::Deserialize;
 #[derive(Deserialize, JsonSchema)]
 struct Offset {
     /// Place of the node that hangs on it, like that of a node.
-    place: [f64; 3],
+    position: [f64; 3],
 }
 
 /// Nothing is released: a frame at the same place.
@@ -23,7 +23,7 @@ struct Weld {}
 /// Releases the angle about an axis, any number of turns.
 #[derive(Deserialize, JsonSchema)]
 struct Revolute {
-    /// Axis in global components of the reference configuration; the master carries it.
+    /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
 }
 
@@ -42,7 +42,7 @@ struct Slide {
 /// Releases the angles about two crossed axes.
 #[derive(Deserialize, JsonSchema)]
 struct Universal {
-    /// Axis that the master carries, in global components of the reference configuration.
+    /// Axis that the parent carries, in global components of the reference configuration.
     axis: [f64; 3],
     /// Axis that the joint's own node carries.
     second_axis: [f64; 3],
@@ -51,7 +51,7 @@ struct Universal {
 /// Releases the tilt of two shafts that turn equally fast.
 #[derive(Deserialize, JsonSchema)]
 struct ConstantVelocity {
-    /// Shaft of the master, in global components of the reference configuration.
+    /// Shaft of the parent, in global components of the reference configuration.
     axis: [f64; 3],
     /// Shaft of the joint's own node.
     second_axis: [f64; 3],
@@ -60,21 +60,21 @@ struct ConstantVelocity {
 /// Releases way and angle along and about an axis.
 #[derive(Deserialize, JsonSchema)]
 struct Cylindrical {
-    /// Axis in global components of the reference configuration; the master carries it.
+    /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
 }
 
 /// Releases the way along an axis.
 #[derive(Deserialize, JsonSchema)]
 struct Prismatic {
-    /// Axis in global components of the reference configuration; the master carries it.
+    /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
 }
 
 /// Releases two ways in a plane, and the angle about its normal.
 #[derive(Deserialize, JsonSchema)]
 struct Planar {
-    /// Normal of the plane in global components of the reference configuration; the master carries
+    /// Normal of the plane in global components of the reference configuration; the parent carries
     /// it.
     axis: [f64; 3],
     /// Direction of the first way, of which the part in the plane counts.
@@ -84,7 +84,7 @@ struct Planar {
 /// Releases the angle of a screw, which moves along its axis as it turns.
 #[derive(Deserialize, JsonSchema)]
 struct Helical {
-    /// Axis in global components of the reference configuration; the master carries it.
+    /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
     /// Way along the axis in one turn.
     pitch: f64,
@@ -93,7 +93,7 @@ struct Helical {
 /// Releases the way along a curve, and all rotations.
 #[derive(Deserialize, JsonSchema)]
 struct OnCurve {
-    /// Points of the curve, like places of nodes; the master carries them.
+    /// Points of the curve, like places of nodes; the parent carries them.
     through: Vec<[f64; 3]>,
     /// Whether it goes on from the last point to the first.
     #[serde(default)]
@@ -107,8 +107,8 @@ struct OnCurve {
 #[derive(Deserialize, JsonSchema)]
 struct OnSurface {
     /// Where it starts, like the place of a node.
-    place: [f64; 3],
-    /// The surface, which the master carries.
+    position: [f64; 3],
+    /// The surface, which the parent carries.
     surface: Shape,
 }
 
@@ -124,14 +124,14 @@ enum Shape {
     /// A cylinder.
     Cylinder {
         /// A point of its axis.
-        centre: [f64; 3],
+        center: [f64; 3],
         /// Direction of its axis.
         axis: [f64; 3],
     },
     /// A sphere, of which the hemisphere around the start can be used.
     Sphere {
         /// Its centre.
-        centre: [f64; 3],
+        center: [f64; 3],
     },
 }
 
@@ -139,54 +139,54 @@ enum Shape {
 pub(super) fn add_to(registry: Registry) -> Registry {
     registry
         .joint("offset", |at, keys: Offset| {
-            offset(at.builder, at.name, at.master, keys.place)
+            offset(at.builder, at.name, at.parent, keys.position)
         })
-        .joint("weld", |at, _: Weld| weld(at.builder, at.name, at.master))
+        .joint("weld", |at, _: Weld| weld(at.builder, at.name, at.parent))
         .joint("revolute", |at, keys: Revolute| {
-            revolute(at.builder, at.name, at.master, keys.axis)
+            revolute(at.builder, at.name, at.parent, keys.axis)
         })
         .joint("spherical", |at, _: Spherical| {
-            spherical(at.builder, at.name, at.master)
+            spherical(at.builder, at.name, at.parent)
         })
         .joint_along("slide", |at, keys: Slide| {
             slide_on(at.builder, at.name, at.chain, keys.start, at.interpolation)
         })
         .joint("universal", |at, keys: Universal| {
             let axes = [keys.axis, keys.second_axis];
-            universal(at.builder, at.name, at.master, axes)
+            universal(at.builder, at.name, at.parent, axes)
         })
         .joint("constant-velocity", |at, keys: ConstantVelocity| {
             let axes = [keys.axis, keys.second_axis];
-            constant_velocity(at.builder, at.name, at.master, axes)
+            constant_velocity(at.builder, at.name, at.parent, axes)
         })
         .joint("cylindrical", |at, keys: Cylindrical| {
-            cylindrical(at.builder, at.name, at.master, keys.axis)
+            cylindrical(at.builder, at.name, at.parent, keys.axis)
         })
         .joint("prismatic", |at, keys: Prismatic| {
-            prismatic(at.builder, at.name, at.master, keys.axis)
+            prismatic(at.builder, at.name, at.parent, keys.axis)
         })
         .joint("planar", |at, keys: Planar| {
-            planar(at.builder, at.name, at.master, keys.axis, keys.second_axis)
+            planar(at.builder, at.name, at.parent, keys.axis, keys.second_axis)
         })
         .joint("helical", |at, keys: Helical| {
-            helical(at.builder, at.name, at.master, keys.axis, keys.pitch)
+            helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
         })
         .joint("on-curve", |at, keys: OnCurve| {
-            let origin = at.builder.place(at.master);
+            let origin = at.builder.place(at.parent);
             let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
             let points: Vec<_> = keys.through.iter().map(seen).collect();
             let curve = Spline::through(&points, keys.closed, keys.start)?;
-            Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.master, curve)?)
+            Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.parent, curve)?)
         })
         .joint("on-surface", |at, keys: OnSurface| {
-            let origin = at.builder.place(at.master);
+            let origin = at.builder.place(at.parent);
             let seen = |point: [f64; 3]| (Vector3::from(point) - origin).into();
-            let start = seen(keys.place);
+            let start = seen(keys.position);
             let surface = match keys.surface {
                 Shape::Plane { normal } => Quadric::plane(start, normal),
-                Shape::Cylinder { centre, axis } => Quadric::cylinder(start, seen(centre), axis),
-                Shape::Sphere { centre } => Quadric::sphere(start, seen(centre)),
+                Shape::Cylinder { center, axis } => Quadric::cylinder(start, seen(center), axis),
+                Shape::Sphere { center } => Quadric::sphere(start, seen(center)),
             }?;
-            Ok::<_, BoxedError>(on_surface(at.builder, at.name, at.master, surface)?)
+            Ok::<_, BoxedError>(on_surface(at.builder, at.name, at.parent, surface)?)
         })
 }

@@ -1,5 +1,6 @@
 //! Joints of the file.
 
+use super::advice::RENAMED;
 use super::assemble::Names;
 use super::file::{Acts, Joint, ModelFile};
 use super::loads::{drive, function};
@@ -13,7 +14,7 @@ use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 
 /// Keys of a joint that releases one coordinate.
-const ACTS: [&str; 5] = ["spring", "motor", "driven", "value", "rate"];
+const ACTS: [&str; 5] = ["spring", "actuator", "prescribed", "value", "rate"];
 
 /// A joint of the file, and where it stands.
 struct Entry<'a> {
@@ -30,17 +31,24 @@ impl Entry<'_> {
 
     /// A key that is needed and not there.
     fn missing(&self, key: impl Into<String>) -> InputError {
+        let key = key.into();
+        let earlier = RENAMED.iter().filter(|(_, now)| *now == key);
+        for (word, _) in earlier {
+            if self.joint.keys.contains_key(*word) {
+                return self.useless(&[word]);
+            }
+        }
         let problem = Problem::JointNeeds {
             joint: self.joint.name.clone(),
             kind: self.joint.kind.clone(),
-            key: key.into(),
+            key,
         };
         self.source.value(&self.path(&[]), problem)
     }
 
     /// A key (the last one of a path) that means nothing here.
     fn useless(&self, path: &[&str]) -> InputError {
-        let hangs = if self.made.along { "lines" } else { "master" };
+        let hangs = if self.made.along { "lines" } else { "parent" };
         let mut known = self.made.keys();
         let all = ["name", "type", hangs, "child", "closure", "penalty"];
         known.extend(all.map(str::to_owned));
@@ -91,7 +99,7 @@ impl Entry<'_> {
     }
 }
 
-/// Makes joint number `k` of the file, whose masters exist: the node that hangs on it and the nodes
+/// Makes joint number `k` of the file, whose parents exist: the node that hangs on it and the nodes
 /// of the single coordinates that it releases.
 pub(super) fn make(
     source: &Text<'_>,
@@ -118,13 +126,13 @@ pub(super) fn make(
         index,
     };
     let (chain, interpolation) = hangs_on(&entry, nodes, laid)?;
-    let Some(&master) = chain.first() else {
+    let Some(&parent) = chain.first() else {
         return Err(entry.missing("lines"));
     };
     let mut site = Site {
         builder,
         name: &joint.name,
-        master,
+        parent,
         chain: &chain,
         interpolation,
     };
@@ -144,16 +152,16 @@ fn hangs_on(
 ) -> Result<(Vec<NodeId>, Interpolation), InputError> {
     let Entry { joint, made, .. } = *entry;
     if made.along {
-        if joint.master.is_some() {
-            return Err(entry.useless(&["master"]));
+        if joint.parent.is_some() {
+            return Err(entry.useless(&["parent"]));
         }
         return chain(entry, laid);
     }
     if !joint.lines.is_empty() {
         return Err(entry.useless(&["lines"]));
     }
-    let master = (joint.master.as_ref()).ok_or_else(|| entry.missing("master"))?;
-    let node = nodes.find(entry.source, &entry.path(&["master"]), master)?;
+    let parent = (joint.parent.as_ref()).ok_or_else(|| entry.missing("parent"))?;
+    let node = nodes.find(entry.source, &entry.path(&["parent"]), parent)?;
     Ok((vec![node], Interpolation::default()))
 }
 
@@ -167,8 +175,8 @@ fn acts(
     let own = joint.acts();
     let given = [
         own.spring.is_some(),
-        own.motor.is_some(),
-        own.driven.is_some(),
+        own.actuator.is_some(),
+        own.prescribed.is_some(),
         own.value.is_some(),
         own.rate.is_some(),
     ];
@@ -231,7 +239,7 @@ fn chain(entry: &Entry<'_>, laid: &Laid) -> Result<(Vec<NodeId>, Interpolation),
     Ok((chain, interpolation.unwrap_or_default()))
 }
 
-/// Spring, motor and drive of the released coordinate `name`; `at` is where they stand.
+/// Spring, actuator and prescribed motion of the released coordinate `name`; `at` is where they stand.
 fn act(
     source: &Text<'_>,
     builder: &mut ModelBuilder,
@@ -247,10 +255,10 @@ fn act(
     if acts.rate.is_some() {
         builder.prefer(coordinate);
     }
-    if let Some(time) = &acts.driven {
+    if let Some(time) = &acts.prescribed {
         for (key, given) in [
             ("spring", acts.spring.is_some()),
-            ("motor", acts.motor.is_some()),
+            ("actuator", acts.actuator.is_some()),
             ("value", acts.value.is_some()),
             ("rate", acts.rate.is_some()),
         ] {
@@ -259,7 +267,7 @@ fn act(
                 return Err(source.key(&path(key), Problem::DrivenJoint { joint, key }));
             }
         }
-        let driven = drive(source, &path("driven"), time)?;
+        let driven = drive(source, &path("prescribed"), time)?;
         builder.prescribe_coordinate(coordinate, 0, driven);
     }
     if let Some(s) = acts.spring {
@@ -280,11 +288,11 @@ fn act(
             .element(format!("spring of {name}"), spring, &[coordinate])
             .map_err(|error| source.value(&path("spring"), Problem::Model(error)))?;
     }
-    if let Some(time) = &acts.motor {
-        let motor = CoordinateForce::boxed(function(source, &path("motor"), time)?);
+    if let Some(time) = &acts.actuator {
+        let actuator = CoordinateForce::boxed(function(source, &path("actuator"), time)?);
         builder
-            .element(format!("motor of {name}"), motor, &[coordinate])
-            .map_err(|error| source.value(&path("motor"), Problem::Model(error)))?;
+            .element(format!("actuator of {name}"), actuator, &[coordinate])
+            .map_err(|error| source.value(&path("actuator"), Problem::Model(error)))?;
     }
     Ok(())
 }

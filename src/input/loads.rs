@@ -27,12 +27,12 @@ pub(super) fn support(
         let path = |key: &'static str| ["supports", index.as_str(), key];
         let node = nodes.find(source, &path("node"), &support.node)?;
         let fixed = support.fix.as_ref().map_or(&[][..], |fix| fix.dofs());
-        let driven = support.driven.clone().unwrap_or_default();
+        let driven = support.prescribed.clone().unwrap_or_default();
         let fixed = fixed
             .iter()
             .map(|&dof| (dof, path("fix").to_vec(), Time::Constant(0.0)));
         let driven = driven.given().map(|(dof, time)| {
-            let path = [&path("driven")[..], &[dof.key()]].concat();
+            let path = [&path("prescribed")[..], &[dof.key()]].concat();
             (dof, path, time.clone())
         });
         let before = taken.len();
@@ -74,7 +74,7 @@ pub(super) fn support(
 fn turning(file: &ModelFile) -> HashSet<&String> {
     let lines = file.lines.iter().flat_map(|l| [&l.from, &l.to]);
     let joints = file.joints.iter();
-    let joints = joints.flat_map(|j| [&j.master, &j.child]).flatten();
+    let joints = joints.flat_map(|j| [&j.parent, &j.child]).flatten();
     let rigid = |b: &&Body| b.inertia.is_some() || b.center.is_some();
     let bodies = file.bodies.iter().filter(rigid).map(|b| &b.node);
     let bushings = file.springs.iter().filter(|s| s.bushing.is_some());

@@ -163,14 +163,14 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
     }
 }
 
-/// Whether a joint's masters are there.
+/// Whether a joint's parents are there.
 fn ready(joint: &Joint, nodes: &Names<NodeId>, laid: &Laid) -> bool {
     let line_ready = |name: &String| {
         // An unknown line is refused when the joint is made.
         let k = laid.names.get(name);
         k.is_none_or(|k| laid.lines[k].is_some())
     };
-    joint.lines.iter().all(line_ready) && joint.master.as_ref().is_none_or(|m| nodes.knows(m))
+    joint.lines.iter().all(line_ready) && joint.parent.as_ref().is_none_or(|m| nodes.knows(m))
 }
 
 /// Why no waiting part can be made: a node that does not exist, or parts that wait for each other.
@@ -190,8 +190,8 @@ fn stuck(
             }
             Part::Joint(k) => {
                 let joint = &file.joints[k];
-                if let Some(master) = &joint.master {
-                    wanted.push(("joints", k, "master", master));
+                if let Some(parent) = &joint.parent {
+                    wanted.push(("joints", k, "parent", parent));
                 }
             }
         }

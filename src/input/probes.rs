@@ -206,7 +206,7 @@ impl Quantity {
     pub fn axis(self) -> &'static str {
         match self {
             Self::displacement => "displacement d",
-            Self::position => "place",
+            Self::position => "position",
             Self::rotation => "rotation vector Ψ [rad]",
             Self::chart_rotation => "rotation vector Ψ in its chart [rad]",
             Self::velocity => "velocity",

@@ -20,15 +20,15 @@ pub struct Site<'a> {
     /// Name of the joint, and of the node that is to hang on it.
     pub name: &'a str,
     /// Node it hangs on; the first one of `chain`.
-    pub master: NodeId,
-    /// Nodes it hangs on: the master alone, or all along `lines`.
+    pub parent: NodeId,
+    /// Nodes it hangs on: the parent alone, or all along `lines`.
     pub chain: &'a [NodeId],
     /// How the beams along `lines` interpolate rotations between those nodes.
     pub interpolation: Interpolation,
 }
 
 impl Site<'_> {
-    /// Adds a joint at the place of the master: [`ModelBuilder::attach`].
+    /// Adds a joint at the place of the parent: [`ModelBuilder::attach`].
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -36,7 +36,7 @@ impl Site<'_> {
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.builder.attach(self.name, self.master, joint)
+        self.builder.attach(self.name, self.parent, joint)
     }
 }
 
@@ -60,7 +60,7 @@ impl Site<'_> {
 ///
 /// fn main() -> std::process::ExitCode {
 ///     let registry = Registry::standard().joint("screw", |at, keys: Screw| {
-///         helical(at.builder, at.name, at.master, keys.axis, keys.pitch)
+///         helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
 ///     });
 ///     pullback::cli::main(&registry)
 /// }
@@ -76,10 +76,10 @@ impl Registry {
         joint_types::add_to(Self::default())
     }
 
-    /// Adds a type of joint that hangs on one node, the `master`; one of the same name is replaced.
+    /// Adds a type of joint that hangs on one node, the `parent`; one of the same name is replaced.
     ///
     /// `make` is given the keys that the file has for it besides those of every joint (`name`,
-    /// `type`, `master`, and what acts on its coordinates). Their names, and what the JSON Schema
+    /// `type`, `parent`, and what acts on its coordinates). Their names, and what the JSON Schema
     /// says about them, are those of `K`, a struct; keys that it does not have are refused.
     /// Springs, motors, drives and probes act on the nodes that `make` tells to be released and
     /// that have one coordinate; their names begin with that of the joint and a blank, as
@@ -99,7 +99,7 @@ impl Registry {
     }
 
     /// As [`Registry::joint`], for a type of joint that runs along `lines` instead of hanging on a
-    /// `master`.
+    /// `parent`.
     #[must_use]
     pub fn joint_along<K, N, E>(
         self,
@@ -153,7 +153,7 @@ type Make = dyn Fn(&Map<String, Value>, &mut Site<'_>) -> Result<JointNodes, Ref
 
 /// A type of joint.
 pub(super) struct JointType {
-    /// Whether it runs along lines; it hangs on a master otherwise.
+    /// Whether it runs along lines; it hangs on a parent otherwise.
     pub along: bool,
     /// What the schema says about its own keys.
     pub schema: fn(&mut SchemaGenerator) -> Schema,

@@ -31,7 +31,7 @@ impl Registry {
 
 /// A joint of one type: the keys of every joint, and its own.
 fn alternative(joint: &Value, name: &str, made: &JointType, keys: &Value) -> Value {
-    let unused = if made.along { "master" } else { "lines" };
+    let unused = if made.along { "parent" } else { "lines" };
     let mut properties: Map<String, Value> = members(&joint["properties"]).collect();
     properties.remove(unused);
     properties.insert(
@@ -40,7 +40,7 @@ fn alternative(joint: &Value, name: &str, made: &JointType, keys: &Value) -> Val
     );
     properties.extend(members(&keys["properties"]));
     let needed = keys["required"].as_array().into_iter().flatten().cloned();
-    let hangs = if made.along { "lines" } else { "master" };
+    let hangs = if made.along { "lines" } else { "parent" };
     let mut required = vec![json!("name"), json!("type"), json!(hangs)];
     required.extend(needed);
     json!({

@@ -130,7 +130,7 @@ impl Watch {
                     "all loads act on coordinates that supports hold: nothing moves, and only \
                      reactions are computed. Load free nodes, or free these coordinates"
                 } else {
-                    "no load acts and nothing is driven: nothing moves. See `loads`, `driven`, and \
+                    "no load acts and nothing is driven: nothing moves. See `loads`, `prescribed`, and \
                      whether a `time` is zero over the whole range of the load parameter"
                 }
                 .to_owned()

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::{self, Formatter};
 
-/// A joint. It makes a node of its own name that hangs on the master: lines, bodies, loads and
+/// A joint. It makes a node of its own name that hangs on the parent: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Joint {
@@ -19,7 +19,7 @@ pub struct Joint {
     pub kind: String,
     /// Node it hangs on; for a slide give `lines` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub master: Option<String>,
+    pub parent: Option<String>,
     /// Node that is one with the node that hangs on the joint. A node that is still free hangs on
     /// the joint from now on. One that hangs on something else already, or is supported, closes a
     /// loop: the coordinates of the joints along it then follow from those that it leaves free.
@@ -46,12 +46,12 @@ pub struct Joint {
     /// Spring and damper on the released coordinate, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
-    /// Moment of a motor on the angle (force on the way) as a function of time.
+    /// Moment of an actuator on the angle (force along the displacement) as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub motor: Option<Time>,
+    pub actuator: Option<Time>,
     /// The angle or way itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub driven: Option<Time>,
+    pub prescribed: Option<Time>,
     /// Angle or way at the start (dynamics); what hangs on the joint moves along, but not nodes of
     /// their own. In a loop it is kept where the loop closes with it, and a first guess where not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -114,12 +114,12 @@ pub struct Acts {
     /// Spring and damper.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
-    /// Moment of a motor on an angle (force on a way) as a function of time.
+    /// Moment of an actuator on an angle (force along a displacement) as a function of time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub motor: Option<Time>,
+    pub actuator: Option<Time>,
     /// The coordinate itself as a function of time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub driven: Option<Time>,
+    pub prescribed: Option<Time>,
     /// Its value at the start (dynamics).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
@@ -133,8 +133,8 @@ impl Joint {
     pub fn acts(&self) -> Acts {
         Acts {
             spring: self.spring,
-            motor: self.motor.clone(),
-            driven: self.driven.clone(),
+            actuator: self.actuator.clone(),
+            prescribed: self.prescribed.clone(),
             value: self.value,
             rate: self.rate,
         }

@@ -46,20 +46,20 @@ impl DofName {
 pub struct Support {
     /// Name of the node.
     pub node: String,
-    /// Coordinates held at zero: a list of "x", "y", "z", "rx", "ry", "rz", or "all", or "place"
+    /// Coordinates held at zero: a list of "x", "y", "z", "rx", "ry", "rz", or "all", or "position"
     /// (x, y, z), or "rotation" (rx, ry, rz).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fix: Option<Fix>,
     /// Coordinates that follow a given function of the load parameter, or of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub driven: Option<Driven>,
+    pub prescribed: Option<Driven>,
 }
 
 /// Which coordinates are held.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
-    expecting = "expected \"all\", \"place\", \"rotation\", or a list of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\""
+    expecting = "expected \"all\", \"position\", \"rotation\", or a list of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\" (`place` is now `position`)"
 )]
 pub enum Fix {
     /// A named group.
@@ -75,7 +75,7 @@ pub enum Group {
     /// All six.
     All,
     /// The three displacements: a ball joint.
-    Place,
+    Position,
     /// The three rotations.
     Rotation,
 }
@@ -85,7 +85,7 @@ impl Fix {
     pub fn dofs(&self) -> &[DofName] {
         match self {
             Self::Group(Group::All) => &DofName::ALL,
-            Self::Group(Group::Place) => &DofName::ALL[..3],
+            Self::Group(Group::Position) => &DofName::ALL[..3],
             Self::Group(Group::Rotation) => &DofName::ALL[3..],
             Self::List(list) => list,
         }
@@ -93,7 +93,7 @@ impl Fix {
 }
 
 /// Coordinates of a node as functions of the load parameter, or of time. The rotation is a rotation
-/// vector: with one component driven and the other two fixed it is an angle, any number of turns.
+/// vector: with one component prescribed and the other two fixed it is an angle, any number of turns.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Driven {

@@ -25,7 +25,7 @@ pub use load::{DofName, Driven, Fix, Group, Load, Support};
 pub use probe::{Probe, Quantity};
 pub use scheme::Scheme;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
-pub use time::{Hat, Pulse, Ramp, RunUp, Sine, Time};
+pub use time::{Pulse, Ramp, Sine, SpinUp, Time, Triangle};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -63,7 +63,7 @@ pub struct ModelFile {
     /// Springs and dampers between nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<Spring>,
-    /// Supports: coordinates of nodes that are held or driven.
+    /// Supports: coordinates of nodes that are held or prescribed.
     #[serde(default)]
     pub supports: Vec<Support>,
     /// Loads on nodes and lines.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A function f(t) of the load parameter in statics, of time in dynamics: a factor for loads, the
-/// value itself for driven coordinates.
+/// value itself for prescribed coordinates.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Time {
@@ -17,12 +17,12 @@ pub enum Time {
     /// From 0 to a value and constant afterwards.
     Ramp(Ramp),
     /// From 0 up to a value and back to 0.
-    Hat(Hat),
+    Triangle(Triangle),
     /// A value from one time until another, 0 before and after.
     Pulse(Pulse),
-    /// A smooth run-up to a constant rate.
-    #[serde(rename = "run-up")]
-    RunUp(RunUp),
+    /// A smooth spin-up to a constant rate.
+    #[serde(rename = "spin_up")]
+    SpinUp(SpinUp),
     /// Straight lines between points [t, f], constant before the first and after the last.
     Table(Vec<[f64; 2]>),
     /// f(t) = offset + amplitude · sin(omega t + phase).
@@ -46,7 +46,7 @@ pub struct Ramp {
 /// From 0 at `start` up to `value` at `peak` and back to 0 at `end`.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Hat {
+pub struct Triangle {
     /// Where it begins to rise.
     #[serde(default)]
     pub start: f64,
@@ -77,7 +77,7 @@ pub struct Pulse {
 /// f = rate/T (t²/2 + (T/2π)² (cos(2πt/T) − 1)), then rate (t − T/2).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RunUp {
+pub struct SpinUp {
     /// Rate of change at the end.
     pub rate: f64,
     /// Time T that it takes.
@@ -111,9 +111,9 @@ impl Time {
             Self::Constant(value) => Box::new(Constant(*value)),
             Self::Proportional(slope) => Box::new(Proportional(*slope)),
             Self::Ramp(r) => Box::new(Table::ramp(r.start, r.end, r.value)?),
-            Self::Hat(h) => Box::new(Table::hat(h.start, h.peak, h.end, h.value)?),
+            Self::Triangle(h) => Box::new(Table::triangle(h.start, h.peak, h.end, h.value)?),
             Self::Pulse(p) => Box::new(function::Pulse::new(p.start, p.end, p.value)?),
-            Self::RunUp(r) => Box::new(function::RunUp::new(r.rate, r.duration)?),
+            Self::SpinUp(r) => Box::new(function::SpinUp::new(r.rate, r.duration)?),
             Self::Table(points) => Box::new(Table::new(points.clone())?),
             Self::Sine(s) => Box::new(SineFunction {
                 amplitude: s.amplitude,

@@ -75,7 +75,7 @@ enum Column {
 }
 
 const FIELDS: [&str; 6] = [
-    "place",
+    "position",
     "rotation",
     "velocity",
     "angular_velocity",
@@ -84,7 +84,7 @@ const FIELDS: [&str; 6] = [
 ];
 
 /// Reads exact values from a CSV file: a column `t`, `energy` if it is known, and columns
-/// `NODE.place.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
+/// `NODE.position.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
 /// `NODE.angular_velocity.x`, `NODE.acceleration.x`, `NODE.angular_acceleration.x`, the three components of each. Rows are needed at
 /// the times of the comparison; others may be there.
 ///

@@ -63,6 +63,7 @@ pub use exact::{Exact, read as read_exact};
 pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
 pub use perform::{compare, looked_at};
 pub use reference::Reference;
+pub(super) use run::side_by_side;
 pub use run::{LATE, Maker, Watch};
 pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::{summary, unknown};

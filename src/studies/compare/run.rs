@@ -332,7 +332,7 @@ pub(super) fn clock(
 
 /// Does `count` pieces of work on so many threads; results stand in the order of the pieces,
 /// whichever thread did which.
-pub(super) fn side_by_side<T: Send>(
+pub(in crate::studies) fn side_by_side<T: Send>(
     count: usize,
     threads: usize,
     work: &(dyn Fn(usize) -> T + Sync),

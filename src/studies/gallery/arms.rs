@@ -2,7 +2,7 @@
 
 use super::case::{Case, CaseError, Context};
 use super::motion::{History, Run, observed_order};
-use crate::input::{Driven, ModelFile, RunUp, Time};
+use crate::input::{Driven, ModelFile, SpinUp, Time};
 use crate::output::plot::Curve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
@@ -75,9 +75,9 @@ fn smooth(file: &ModelFile) -> ModelFile {
     let mut file = file.clone();
     let run_up = |rate| {
         let duration = 0.5;
-        Some(Time::RunUp(RunUp { rate, duration }))
+        Some(Time::SpinUp(SpinUp { rate, duration }))
     };
-    file.supports[0].driven = Some(Driven {
+    file.supports[0].prescribed = Some(Driven {
         z: run_up(6.0),
         rz: run_up(3.0),
         ..Driven::default()

@@ -237,7 +237,7 @@ fn energy(
         let axis = Vector3::new(0.8, -1.1, 0.9).normalize();
         file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
         let ramp = |part: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, turn * part]]));
-        file.supports[0].driven = Some(Driven {
+        file.supports[0].prescribed = Some(Driven {
             rx: ramp(axis.x),
             ry: ramp(axis.y),
             rz: ramp(axis.z),

@@ -3,7 +3,7 @@
 use super::case::{Case, CaseError, Context};
 use super::motion::{Run, richardson};
 use crate::output::plot::Curve;
-use pullback_elements::time::{RunUp, TimeFunction};
+use pullback_elements::time::{SpinUp, TimeFunction};
 
 /// D02: spin-up of a flexible arm.
 pub const SPIN_UP: Case = Case {
@@ -19,7 +19,7 @@ pub const FLYING: Case = Case {
 
 fn spin_up(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../../examples/models/spin_up.toml"))?;
-    let Ok(drive) = RunUp::new(6.0, 15.0) else {
+    let Ok(drive) = SpinUp::new(6.0, 15.0) else {
         return Err(context.setup("its drive is not usable"));
     };
     // Time, extension and deflection in axes that turn with the hub.

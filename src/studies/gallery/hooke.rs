@@ -4,7 +4,7 @@
 
 use super::case::{Case, CaseError, Context};
 use super::motion::{History, Run, richardson};
-use crate::input::{Analysis, DofName, Driven, Fix, ModelFile, RunUp, Scheme, Support, Time};
+use crate::input::{Analysis, DofName, Driven, Fix, ModelFile, Scheme, SpinUp, Support, Time};
 use crate::output::plot::Curve;
 use crate::probe::continue_rotation;
 use nalgebra::Vector3;
@@ -132,8 +132,8 @@ fn light(file: &ModelFile, degrees: f64) -> ModelFile {
                 .filter(|dof| *dof != DofName::RX)
                 .collect(),
         )),
-        driven: Some(Driven {
-            rx: Some(Time::RunUp(RunUp {
+        prescribed: Some(Driven {
+            rx: Some(Time::SpinUp(SpinUp {
                 rate: 1.0,
                 duration: RUN_UP as f64 * STEP,
             })),

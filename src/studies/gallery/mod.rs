@@ -24,7 +24,9 @@ pub use case::{Case, CaseError, Comparison, Context};
 pub use exact::exact;
 pub use models::{MODELS, model};
 
+use super::compare::side_by_side;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// All cases, in the order in which they run.
@@ -68,7 +70,7 @@ pub const CASES: &[Case] = &[
     mechanisms::HARDLY_MISALIGNED,
 ];
 
-/// Runs the cases of the given names (all when there are none) and returns one row per compared
+/// Runs the cases of the given names (all when there are none) side by side and returns one row per compared
 /// quantity. Plots go to `out` where it is given; `progress` hears the name of each case.
 ///
 /// # Errors
@@ -76,7 +78,7 @@ pub const CASES: &[Case] = &[
 pub fn run(
     names: &[String],
     out: Option<&Path>,
-    progress: &mut dyn FnMut(&str),
+    progress: &mut (dyn FnMut(&str) + Send),
 ) -> Result<Vec<Comparison>, CaseError> {
     // Cases are named like their model files, which have underscores.
     let names: Vec<String> = names.iter().map(|n| n.replace('_', "-")).collect();
@@ -86,16 +88,21 @@ pub fn run(
             known: CASES.iter().map(|c| c.name).collect::<Vec<_>>().join(", "),
         });
     }
-    let mut rows = Vec::new();
-    for case in CASES {
-        if !names.is_empty() && names.iter().all(|n| n != case.name) {
-            continue;
-        }
-        progress(case.name);
+    let chosen = |case: &&Case| names.is_empty() || names.iter().any(|n| n == case.name);
+    let cases: Vec<&Case> = CASES.iter().filter(chosen).collect();
+    let progress = Mutex::new(progress);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let ran = side_by_side(cases.len(), threads, &|k| {
+        let case = cases[k];
+        (progress.lock().unwrap_or_else(PoisonError::into_inner))(case.name);
         let mut context = Context::new(case.name, out);
         let start = Instant::now();
         (case.run)(&mut context)?;
-        rows.extend(context.finish(start.elapsed().as_secs_f64()));
+        Ok(context.finish(start.elapsed().as_secs_f64()))
+    });
+    let mut rows = Vec::new();
+    for case in ran {
+        rows.extend(case?);
     }
     Ok(rows)
 }

@@ -127,7 +127,7 @@ fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
     let turn = 4.0 * elliptic_K(2.0 * f64::sqrt(g_over_l) / omega) / omega;
     let mut file = file.clone();
     file.joints[0].rate = Some(omega);
-    (file.joints[1].keys).insert("place".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
+    (file.joints[1].keys).insert("position".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
     let run = |count: usize| {
         let run = Run::step(turn / count as f64).to(6.0 * turn);
         context.motion(&file, &["rod"], run)

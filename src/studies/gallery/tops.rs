@@ -180,7 +180,7 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
     pinned.nodes.insert("top".to_owned(), [0.0; 3]);
     pinned.nodes.remove("ground");
     pinned.supports[0].node = "top".to_owned();
-    pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Place));
+    pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &hung)] {
         let runs = [4e-4, 2e-4, 1e-4].map(|h| context.motion(file, &["top"], Run::step(h)));
         let [a, b, c] = runs;

@@ -20,7 +20,7 @@ fn boom(closure: &str) -> String {
     [
         GROUND,
         RUN,
-        &hinge("A", "ground", "driven = { constant = 2.5 }"),
+        &hinge("A", "ground", "prescribed = { constant = 2.5 }"),
         &arm("tip", "A", [1.0, 1.0, 0.0]),
         &joint("B", "revolute", "tip", "axis = [0.3, 0, 1]\nvalue = 0.3"),
         &arm("arm", "B", [0.5, 2.0, 0.0]),
@@ -76,8 +76,8 @@ fn a_value_below_a_loop_leaves_the_loop_where_the_map_has_it() {
     // corrections of the gap do not do.
     let turned = |closure: &str| {
         boom(closure)
-            .replace("driven = { constant = 2.5 }", "value = 0.144")
-            .replace("value = 0.3", "driven = { constant = 0.3 }")
+            .replace("prescribed = { constant = 2.5 }", "value = 0.144")
+            .replace("value = 0.3", "prescribed = { constant = 0.3 }")
     };
     let (by_map, _) = start(&turned(CLOSURES[0]));
     assert_eq!(by_map["A angle"][0], 0.144);
@@ -93,7 +93,7 @@ fn a_value_below_a_loop_leaves_the_loop_where_the_map_has_it() {
 
 #[test]
 fn rates_that_follow_from_a_drive_are_no_rates_at_rest() {
-    let driven = "driven = { proportional = 1 }";
+    let driven = "prescribed = { proportional = 1 }";
     let linkage = five_bar([driven, driven, CLOSURES[1]]) + &body("B");
     let (said, _) = rows("closures-rates", &linkage);
     assert!(said.contains("complete"), "{said}");

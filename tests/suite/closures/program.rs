@@ -172,8 +172,8 @@ fn nonsense_is_refused_where_it_stands() {
     );
     // What does not close names the joint and the gap.
     let apart = with("closure = \"multipliers\"").replacen(
-        "place = [1.2, 1.9, 0]",
-        "place = [1.2, 1.9, 0.3]",
+        "position = [1.2, 1.9, 0]",
+        "position = [1.2, 1.9, 0.3]",
         1,
     );
     check(&apart, "\"C\"", "the gap along e3", "");
@@ -246,19 +246,19 @@ free = [1.7, 0, 0]
 [[joints]]
 name = "A"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
 
 [[joints]]
 name = "arm"
 type = "offset"
-master = "A"
-place = [1, 0, 0]
+parent = "A"
+position = [1, 0, 0]
 
 [[joints]]
 name = "P"
 type = "revolute"
-master = "arm"
+parent = "arm"
 axis = [0, 0, 1]
 {closed}
 
@@ -295,10 +295,11 @@ node = "free"
 
 #[test]
 fn bodies_that_fly_are_linked() {
-    let tip = "[[joints]]\nname = \"tip\"\ntype = \"offset\"\nmaster = \"free\"\nplace = [1, 0, 0]";
+    let tip =
+        "[[joints]]\nname = \"tip\"\ntype = \"offset\"\nparent = \"free\"\nposition = [1, 0, 0]";
     let linked = format!("child = \"tip\"\nclosure = \"multipliers\"\n\n{tip}");
-    let tree = "\n[[joints]]\nname = \"rod\"\ntype = \"offset\"\nmaster = \"P\"\n\
-                place = [1.7, 0, 0]\nchild = \"free\"";
+    let tree = "\n[[joints]]\nname = \"rod\"\ntype = \"offset\"\nparent = \"P\"\n\
+                position = [1.7, 0, 0]\nchild = \"free\"";
     let end = |closed: &str, step: &str| {
         let text = FLYING.replace("{closed}", closed).replace("{step}", step);
         let out = directory("closures-flying");

@@ -238,7 +238,7 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
 
 #[test]
 fn a_driven_crank_moves_a_loop_of_one_freedom() {
-    let drive = "driven = { proportional = 1.2 }";
+    let drive = "prescribed = { proportional = 1.2 }";
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
         let text = [GROUND, RUN, &four_bar([drive, "", ""], closure)].concat();
         let (_, rows) = rows(&format!("start-driven-{k}"), &text);
@@ -272,7 +272,7 @@ fn a_driven_crank_moves_a_loop_of_one_freedom() {
 
 #[test]
 fn drives_that_contradict_each_other_are_named() {
-    let drive = "driven = { proportional = 1 }";
+    let drive = "prescribed = { proportional = 1 }";
     for (k, closure) in CLOSURES[..2].iter().enumerate() {
         let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
         let said = failure(&format!("start-two-{k}"), &text);
@@ -283,7 +283,7 @@ fn drives_that_contradict_each_other_are_named() {
         assert!(said.contains("drive no more than is free"), "{said}");
         assert!(!said.contains("singular"), "{said}");
         // At the start already.
-        let drive = "driven = { constant = 0.3 }";
+        let drive = "prescribed = { constant = 0.3 }";
         let text = [GROUND, RUN, &four_bar([drive, "", drive], closure)].concat();
         let said = refusal(&text).to_string();
         assert!(
@@ -302,7 +302,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
             "[nodes]\nground = [0, 0, 0]\np = [1.6, 0, 0]\n",
             "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n",
             "[[supports]]\nnode = \"p\"\nfix = \"all\"\n",
-            &hinge("A", "ground", "driven = { proportional = 1.2 }"),
+            &hinge("A", "ground", "prescribed = { proportional = 1.2 }"),
             &arm("crank tip", "A", [0.0, 1.0, 0.0]),
             &hinge("B", "crank tip", ""),
             &arm("coupler tip", "B", [1.2, 1.9, 0.0]),
@@ -322,7 +322,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
         }
     }
     // A rocker without mass hangs on a node that nothing else is fixed to.
-    let text = four_bar(["driven = { proportional = 1.2 }", "", ""], CLOSURES[0])
+    let text = four_bar(["prescribed = { proportional = 1.2 }", "", ""], CLOSURES[0])
         .replace(&body("D"), "")
         .replace(&arm("foot", "ground", [1.6, 0.0, 0.0]), "");
     let nodes = GROUND.replace("[[supports]]", "foot = [1.6, 0, 0]\n[[supports]]");
@@ -339,8 +339,8 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
 fn a_rate_in_a_loop_that_is_locked_is_told_so() {
     for closure in &CLOSURES[1..] {
         let text = [GROUND, RUN, &four_bar(["rate = 2.0", "", ""], closure)].concat();
-        let tilted = "master = \"foot\"\naxis = [0, 1e-5, 1]";
-        let text = text.replace("master = \"foot\"\naxis = [0, 0, 1]", tilted);
+        let tilted = "parent = \"foot\"\naxis = [0, 1e-5, 1]";
+        let text = text.replace("parent = \"foot\"\naxis = [0, 0, 1]", tilted);
         assert!(text.contains(tilted));
         check(
             &text,

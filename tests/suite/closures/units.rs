@@ -32,7 +32,7 @@ const OTHERS: [Units; 9] = [
 fn factor(key: &str, [L, M, T]: Units) -> f64 {
     let F = M * L / (T * T);
     match key {
-        "place" | "center" => L,
+        "position" | "center" => L,
         "mass" => M,
         "inertia" => M * L * L,
         "A_rho" => M / L,
@@ -198,38 +198,38 @@ ground = [0, 0, 0]
 [[joints]]
 name = "crank"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
 rate = 6
 [[joints]]
 name = "crank pin"
 type = "offset"
-master = "crank"
-place = [0.3, 0.4, 0]
+parent = "crank"
+position = [0.3, 0.4, 0]
 [[joints]]
 name = "rod"
 type = "revolute"
-master = "crank pin"
+parent = "crank pin"
 axis = [0, 0, 1]
 [[joints]]
 name = "rod end"
 type = "offset"
-master = "rod"
-place = [1.26, 0, 0]
+parent = "rod"
+position = [1.26, 0, 0]
 [[joints]]
 name = "guide"
 type = "offset"
-master = "ground"
-place = [1.26, 0, 0]
+parent = "ground"
+position = [1.26, 0, 0]
 [[joints]]
 name = "slider"
 type = "prismatic"
-master = "guide"
+parent = "guide"
 axis = [1, 0, 0]
 [[joints]]
 name = "wrist"
 type = "revolute"
-master = "slider"
+parent = "slider"
 axis = [0, 0, 1]
 child = "rod end"
 closure = "multipliers"
@@ -312,7 +312,7 @@ section = "s"
 [[joints]]
 name = "hinge"
 type = "revolute"
-master = "pin"
+parent = "pin"
 axis = [0, 0, 1]
 child = "end"
 closure = "multipliers"

@@ -16,7 +16,7 @@ tip = [1, 0, 0]
 [[joints]]
 name = "ball"
 type = "spherical"
-master = "ground"
+parent = "ground"
 [[lines]]
 name = "rod"
 from = "ball"

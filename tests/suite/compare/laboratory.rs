@@ -63,7 +63,7 @@ fn an_exact_solution_comes_from_a_file() {
         std::fs::write(&path, text).unwrap();
         read_exact(&path, &nodes, &times)
     };
-    let head = "t,rod.place.x,rod.place.y,rod.place.z";
+    let head = "t,rod.position.x,rod.position.y,rod.position.z";
     let exact = write(head, &times).unwrap();
     let asked = Options {
         exact: Some(exact),
@@ -77,17 +77,17 @@ fn an_exact_solution_comes_from_a_file() {
     }
     for (head, rows, said) in [
         (
-            "t,bob.place.x,rod.place.y,rod.place.z",
+            "t,bob.position.x,rod.position.y,rod.position.z",
             &times[..],
             "no node `bob`",
         ),
         (
-            "t,rod.place.x,rod.place.y,rod.height",
+            "t,rod.position.x,rod.position.y,rod.height",
             &times[..],
             "is none of t, energy",
         ),
         (
-            "x,rod.place.x,rod.place.y,rod.place.z",
+            "x,rod.position.x,rod.position.y,rod.position.z",
             &times[..],
             "`x` is none of t",
         ),

@@ -38,7 +38,7 @@ ground = [0, 0, 0]
 [[joints]]
 name = "slider"
 type = "prismatic"
-master = "ground"
+parent = "ground"
 axis = [1, 0, 0]
 spring = { k = 4 }
 value = 0.3

@@ -52,14 +52,14 @@ ground = [0, 0, 0]
 [[joints]]
 name = "base"
 type = "prismatic"
-master = "ground"
+parent = "ground"
 axis = [1, 0, 0]
-driven = {{ table = [[0, 0], [0.5, 0], [1.5, 1], [3, 1]] }}
+prescribed = {{ table = [[0, 0], [0.5, 0], [1.5, 1], [3, 1]] }}
 
 [[joints]]
 name = "j"
 type = "revolute"
-master = "base"
+parent = "base"
 axis = [0, -1, 0]
 
 [[bodies]]
@@ -96,20 +96,20 @@ ground = [0, 0, 0]
 [[joints]]
 name = "hub"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
-driven = { sine = { omega = 2 } }
+prescribed = { sine = { omega = 2 } }
 
 [[joints]]
 name = "a"
 type = "offset"
-master = "hub"
-place = [1, 0, 0]
+parent = "hub"
+position = [1, 0, 0]
 
 [[joints]]
 name = "j"
 type = "spherical"
-master = "a"
+parent = "a"
 
 [[bodies]]
 name = "b"
@@ -276,7 +276,7 @@ ground = [0, 0, 0]
 [[joints]]
 name = "j"
 type = "spherical"
-master = "ground"
+parent = "ground"
 
 [[bodies]]
 name = "b"

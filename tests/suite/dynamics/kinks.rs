@@ -27,9 +27,9 @@ inertia = [2, 2, 2]
 [[joints]]
 name = "hinge"
 type = "revolute"
-master = "A"
+parent = "A"
 axis = [0, 0, 1]
-driven = { table = [[0.5, 0], [1, 2]] }
+prescribed = { table = [[0.5, 0], [1, 2]] }
 
 [[bodies]]
 name = "rotor"
@@ -179,12 +179,12 @@ base = [0, 0, 0]
 [[supports]]
 node = "base"
 fix = ["y", "z", "rx", "ry", "rz"]
-driven = {{ x = {{ table = [[0.03, 0], [0.1, 0.07]] }} }}
+prescribed = {{ x = {{ table = [[0.03, 0], [0.1, 0.07]] }} }}
 
 [[joints]]
 name = "way"
 type = "prismatic"
-master = "base"
+parent = "base"
 axis = [1, 0, 0]
 spring = {{ k = 1e4, x0 = 0.1 }}
 
@@ -222,7 +222,7 @@ step = 0.01
 
 #[test]
 fn what_has_no_mass_leaves_alone_what_it_has_nothing_to_do_with() {
-    let hinge = "[[joints]]\nname = \"idle\"\ntype = \"revolute\"\nmaster = \"base\"\n\
+    let hinge = "[[joints]]\nname = \"idle\"\ntype = \"revolute\"\nparent = \"base\"\n\
                  axis = [0, 1, 0]\nspring = { k = 1 }\n";
     let (alone, beside) = (jerked(""), jerked(hinge));
     // k x0/m.

@@ -14,9 +14,9 @@ ground = [0, 0, 0]
 [[joints]]
 name = "motor"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
-driven = {angle}
+prescribed = {angle}
 
 [[bodies]]
 name = "arm"
@@ -61,7 +61,7 @@ node = "ground"
 #[test]
 fn a_model_of_which_everything_is_driven_gives_the_moments_of_its_drives() {
     let (rate, T) = (6.0, 0.5);
-    let angle = format!("{{ run-up = {{ rate = {rate}, duration = {T} }} }}");
+    let angle = format!("{{ spin_up = {{ rate = {rate}, duration = {T} }} }}");
     let analysis = "[analysis.dynamic]\nto = 0.4\nstep = 0.01";
     let out = directory("all-driven");
     let output = program(&[&write(&out, &driven_arm(analysis, &angle))]);

@@ -17,14 +17,14 @@ beside = [0.5, 0, 0]
 [[joints]]
 name = "pinion"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
 {}
 
 [[joints]]
 name = "wheel"
 type = "revolute"
-master = "beside"
+parent = "beside"
 axis = [0, 0, 1]
 {}
 
@@ -121,7 +121,7 @@ fn two_rotors_have_the_reduced_inertia() {
     let reduced = first + ratio * ratio * second;
     let rows = ran(
         "gear_motor",
-        &rotors(["motor = { constant = 0.5 }", ""], GEAR),
+        &rotors(["actuator = { constant = 0.5 }", ""], GEAR),
     );
     for row in &rows {
         let t = number(row, "t");
@@ -146,7 +146,7 @@ fn a_motor_and_a_spring_on_the_wheel_act_through_the_gear() {
     let reduced = second + first / (ratio * ratio);
     let (motor, k) = (0.5, 20.0_f64);
     let omega = (k / reduced).sqrt();
-    let acts = "motor = { constant = 0.5 }\nspring = { k = 20 }";
+    let acts = "actuator = { constant = 0.5 }\nspring = { k = 20 }";
     for row in ran("gear_spring", &rotors(["", acts], GEAR)) {
         let t = number(&row, "t");
         let angle = motor / k * (1.0 - (omega * t).cos());
@@ -168,8 +168,8 @@ fn a_rack_falls_and_spins_its_pinion() {
         "name = \"wheel\"\ntype = \"prismatic\"",
     )
     .replace(
-        "master = \"beside\"\naxis = [0, 0, 1]",
-        "master = \"beside\"\naxis = [0, 1, 0]",
+        "parent = \"beside\"\naxis = [0, 0, 1]",
+        "parent = \"beside\"\naxis = [0, 1, 0]",
     )
     .replace(
         "[analysis.dynamic]",

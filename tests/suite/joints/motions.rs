@@ -14,7 +14,7 @@ ground = [0, 0, 0]
 
 [[joints]]
 name = "joint"
-master = "ground"
+parent = "ground"
 {joint}
 
 [[bodies]]
@@ -105,7 +105,7 @@ fn a_nut_runs_down_its_screw() {
 
 #[test]
 fn a_cylindrical_joint_falls_and_spins_by_itself() {
-    let acts = "coordinates = { angle = { motor = { constant = 0.3 }, rate = 2.0 }, \
+    let acts = "coordinates = { angle = { actuator = { constant = 0.3 }, rate = 2.0 }, \
                 way = { spring = { k = 50.0 } } }";
     let text = model(
         &format!("type = \"cylindrical\"\naxis = [0, 0, 1]\n{acts}"),
@@ -146,7 +146,7 @@ fn a_puck_on_a_slope_flies_like_a_stone() {
 fn conical(joint: &str, bob: &str, seconds: f64) -> String {
     let rotation = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"bob\"\n";
     let offset =
-        "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0, 0, -1]";
+        "[[joints]]\nname = \"bob\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0, 0, -1]";
     model(joint, bob, rotation)
         .replace("to = 1.0", &format!("to = {seconds}"))
         .replace("step = 0.001", "step = 0.0005")
@@ -224,9 +224,9 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
 #[test]
 fn what_is_welded_to_an_arm_turns_with_it() {
     // On a hinge with a motor: (J + m r²) θ̈ = M, the parts of the body as far away as the weld.
-    let joint = "type = \"revolute\"\naxis = [0, 0, 1]\nmotor = { constant = 3.0 }\n\n[[joints]]\nname = \
-                 \"arm\"\ntype = \"offset\"\nmaster = \"joint\"\nplace = [0.5, 0, 0]\n\n[[joints]]\nname = \
-                 \"weld\"\ntype = \"weld\"\nmaster = \"arm\"";
+    let joint = "type = \"revolute\"\naxis = [0, 0, 1]\nactuator = { constant = 3.0 }\n\n[[joints]]\nname = \
+                 \"arm\"\ntype = \"offset\"\nparent = \"joint\"\nposition = [0.5, 0, 0]\n\n[[joints]]\nname = \
+                 \"weld\"\ntype = \"weld\"\nparent = \"arm\"";
     let turn = "[[probes]]\nname = \"turn\"\nquantity = \"rotation\"\nnode = \"weld\"\n";
     let text = model(joint, "inertia = [0.3, 0.4, 0.6]", turn)
         .replace("\nnode = \"joint\"", "\nnode = \"weld\"");
@@ -275,7 +275,7 @@ section = "shaft"
 [[joints]]
 name = "coupling"
 type = "constant-velocity"
-master = "middle"
+parent = "middle"
 axis = [1, 0, 0]
 second_axis = [{c}, {s}, 0]
 
@@ -289,11 +289,11 @@ section = "shaft"
 [[supports]]
 node = "A"
 fix = ["x", "y", "z", "ry", "rz"]
-driven = {{ rx = {{ proportional = 5.0 }} }}
+prescribed = {{ rx = {{ proportional = 5.0 }} }}
 
 [[supports]]
 node = "B"
-fix = "place"
+fix = "position"
 
 [output]
 figures = false

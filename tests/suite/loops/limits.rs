@@ -238,7 +238,7 @@ fn loops_of_any_size_are_the_same() {
 #[test]
 fn a_fast_drive_stays_on_its_branch() {
     for rate in [20, 70, 85, 145, 155] {
-        let drive = format!("driven = {{ proportional = {rate} }}");
+        let drive = format!("prescribed = {{ proportional = {rate} }}");
         let text = [
             GROUND,
             RUN,
@@ -256,7 +256,7 @@ fn a_fast_drive_stays_on_its_branch() {
 
 #[test]
 fn what_cannot_be_reached_names_the_drive() {
-    let far = four_bar(1.0, "", "", "driven = { proportional = 1 }");
+    let far = four_bar(1.0, "", "", "prescribed = { proportional = 1 }");
     let text = [GROUND, RUN, &far, &hinge("X", "ground", ""), &body("X")].concat();
     let said = failure("limits-reach", &text.replace("to = 1\n", "to = 9\n"));
     assert!(said.contains("D angle cannot get there"), "{said}");
@@ -264,7 +264,7 @@ fn what_cannot_be_reached_names_the_drive() {
     let text = [
         GROUND,
         RUN,
-        &hinge("A", "ground", "driven = { proportional = 1 }"),
+        &hinge("A", "ground", "prescribed = { proportional = 1 }"),
         &arm("a", "A", [0.5, 0.0, 0.0]),
         &joint("S1", "spherical", "a", ""),
         &arm("b", "S1", [1.5, 0.4, 0.9]),
@@ -278,7 +278,7 @@ fn what_cannot_be_reached_names_the_drive() {
     let said = failure("limits-spatial", &text.concat());
     assert!(said.contains("S2: A angle cannot get there"), "{said}");
     // Two drives that fit together at the start only.
-    let drive = "driven = { proportional = 1 }";
+    let drive = "prescribed = { proportional = 1 }";
     let text = [
         GROUND,
         RUN,
@@ -342,7 +342,7 @@ fn a_crank_held_at_zero_by_its_drive_carries_the_loop() {
     let text = [
         GROUND,
         "[analysis.static]\nsteps = 2\n[[loads]]\ngravity = [-9.81, 0, 0]\ntime = { constant = 1 }\n",
-        &four_bar(1.0, "driven = { constant = 0 }", "", ""),
+        &four_bar(1.0, "prescribed = { constant = 0 }", "", ""),
         &body("rocker tip"),
         "[[probes]]\nname = \"moment\"\nquantity = \"joint_moment\"\nnode = \"A\"\n",
     ];
@@ -394,7 +394,7 @@ fn what_is_wrong_with_a_loop_is_said_where_it_stands() {
         GROUND,
         RUN,
         &hinge("M", "ground", ""),
-        &hinge("N", "ground", "driven = { proportional = 1 }"),
+        &hinge("N", "ground", "prescribed = { proportional = 1 }"),
         &body("M"),
         &body("N"),
         "[[gears]]\njoints = [\"M\", \"N\"]\nratio = 2\n",

@@ -100,10 +100,10 @@ fn a_joint_is_asked_as_often_in_many_loops_as_in_few() {
 /// on a post there.
 fn boom(base: &str, closure: &str) -> String {
     let joint = |name: &str, kind: &str, master: &str, more: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
     };
     let link = |name: &str, master: &str, place: [f64; 3]| {
-        joint(name, "offset", master, &format!("place = {place:?}"))
+        joint(name, "offset", master, &format!("position = {place:?}"))
     };
     let body = |node: &str| {
         format!(
@@ -189,12 +189,12 @@ fn a_loop_may_stand_on_a_frame_that_another_loop_moves() {
 fn a_loop_that_is_locked_is_left_alone() {
     // Two parallel hinges at a distance, and a body that has nothing to do with them.
     let text = "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
-        [[joints]]\nname = \"A\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
-        [[joints]]\nname = \"a\"\ntype = \"offset\"\nmaster = \"A\"\nplace = [2, 0, 1.5]\n\
-        [[joints]]\nname = \"foot\"\ntype = \"offset\"\nmaster = \"ground\"\nplace = [2, 0, 1.5]\n\
-        [[joints]]\nname = \"C\"\ntype = \"revolute\"\nmaster = \"a\"\naxis = [0, 1, 0]\n\
+        [[joints]]\nname = \"A\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n\
+        [[joints]]\nname = \"a\"\ntype = \"offset\"\nparent = \"A\"\nposition = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"foot\"\ntype = \"offset\"\nparent = \"ground\"\nposition = [2, 0, 1.5]\n\
+        [[joints]]\nname = \"C\"\ntype = \"revolute\"\nparent = \"a\"\naxis = [0, 1, 0]\n\
         child = \"foot\"\n\
-        [[joints]]\nname = \"E\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 1, 0]\n\
+        [[joints]]\nname = \"E\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 1, 0]\n\
         [[bodies]]\nname = \"x\"\nnode = \"E\"\nmass = 1\ninertia = [1, 1, 1]\n\
         [[initial]]\nvelocity = [0, 0, 0]\n[analysis.dynamic]\nto = 0.02\nstep = 0.01\n\
         [output]\nparaview_every = 0\nfigures = false\n";

@@ -21,7 +21,7 @@ fn with(changes: &[(&str, &str)]) -> String {
 #[test]
 fn a_rate_where_the_drive_leaves_no_freedom_is_refused() {
     let driven = with(&[
-        ("rate = ", "driven = { proportional = 4.5 } # "),
+        ("rate = ", "prescribed = { proportional = 4.5 } # "),
         ("name = \"D\"\n", "name = \"D\"\nrate = 1\n"),
     ]);
     let said = refusal(&driven).to_string();
@@ -127,7 +127,7 @@ fn a_resumed_loop_gives_the_same_bits() {
 #[test]
 fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
     // A coupler that ends beside the plane of the others.
-    let text = with(&[("place = [1.2, 1.9, 0]", "place = [1.2, 1.9, 0.3]")]);
+    let text = with(&[("position = [1.2, 1.9, 0]", "position = [1.2, 1.9, 0.3]")]);
     let said = refusal(&text).to_string();
     assert!(
         said.contains("gap along e3 at joint C") && said.contains("e-1"),
@@ -164,8 +164,8 @@ fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
             "ground = [0, 0, 0]\nfree = [1.6, 0, 0]",
         ),
         (
-            "name = \"D\"\ntype = \"revolute\"\nmaster = \"foot\"",
-            "name = \"D\"\ntype = \"revolute\"\nmaster = \"free\"",
+            "name = \"D\"\ntype = \"revolute\"\nparent = \"foot\"",
+            "name = \"D\"\ntype = \"revolute\"\nparent = \"free\"",
         ),
     ]);
     let said = refusal(&text).to_string();
@@ -176,10 +176,10 @@ fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
 fn a_singular_start_is_named() {
     // A parallelogram drawn flat.
     let text = with(&[
-        ("place = [0, 1, 0]", "place = [1, 0, 0]"),
-        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
-        ("place = [1.6, 0, 0]", "place = [2, 0, 0]"),
-        ("place = [1.2, 1.9, 0]", "place = [3, 0, 0]"),
+        ("position = [0, 1, 0]", "position = [1, 0, 0]"),
+        ("position = [1.2, 1.9, 0]", "position = [3, 0, 0]"),
+        ("position = [1.6, 0, 0]", "position = [2, 0, 0]"),
+        ("position = [1.2, 1.9, 0]", "position = [3, 0, 0]"),
     ]);
     let said = refusal(&text).to_string();
     assert!(said.contains("singular"), "{said}");
@@ -191,21 +191,21 @@ fn a_singular_start_is_named() {
 #[test]
 fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
     let joint = |name: &str, kind: &str, master: &str, more: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
     };
     let hinge = "axis = [0, 0, 1]";
     let text = [
         "[nodes]\nground = [0, 0, 0]\n".to_owned(),
         joint("crank", "revolute", "ground", hinge),
-        joint("pin", "offset", "crank", "place = [0.4, 0, 0]"),
+        joint("pin", "offset", "crank", "position = [0.4, 0, 0]"),
         joint("rod", "revolute", "pin", hinge),
-        joint("end", "offset", "rod", "place = [1.4, 0, 0]"),
-        joint("guide", "offset", "ground", "place = [1.4, 0, 0]"),
+        joint("end", "offset", "rod", "position = [1.4, 0, 0]"),
+        joint("guide", "offset", "ground", "position = [1.4, 0, 0]"),
         joint(
             "slider",
             "prismatic",
             "guide",
-            "axis = [1, 0, 0]\ndriven = { sine = { amplitude = -0.1, omega = 3 } }",
+            "axis = [1, 0, 0]\nprescribed = { sine = { amplitude = -0.1, omega = 3 } }",
         ),
         joint(
             "wrist",
@@ -277,12 +277,12 @@ fn a_linkage_that_cannot_move_is_warned_of() {
         ("to = 4", "to = 0.01"),
         ("rate = 4.5\n", ""),
         (
-            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 0, 1]",
-            "name = \"B\"\ntype = \"revolute\"\nmaster = \"crank tip\"\naxis = [0, 1, 0]",
+            "name = \"B\"\ntype = \"revolute\"\nparent = \"crank tip\"\naxis = [0, 0, 1]",
+            "name = \"B\"\ntype = \"revolute\"\nparent = \"crank tip\"\naxis = [0, 1, 0]",
         ),
         (
             "[[supports]]",
-            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\n\
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 0, 1]\n\n\
              [[bodies]]\nname = \"bob\"\nnode = \"P\"\nmass = 1\ncenter = [1, 0, 0]\ninertia = [1, 1, 1]\n\n\
              [[supports]]",
         ),
@@ -304,7 +304,7 @@ fn coordinates_without_mass_are_warned_of() {
         ("to = 4", "to = 0.01"),
         (
             "[[supports]]",
-            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n\
+            "[[joints]]\nname = \"P\"\ntype = \"revolute\"\nparent = \"ground\"\naxis = [0, 0, 1]\n\
              spring = { k = 1 }\n\n[[supports]]",
         ),
     ]);
@@ -338,15 +338,19 @@ fn no_moment_passes_a_ball_in_a_loop() {
         };
         [
             "[nodes]\nground = [0, 0, 0]\n".to_owned(),
-            joint("A", "revolute", "master = \"ground\"\naxis = [0, 1, 0]"),
-            joint("link 1", "offset", "master = \"A\"\nplace = [1, 0, 1]"),
-            joint("S", "spherical", "master = \"link 1\""),
-            joint("link 2", "offset", "master = \"S\"\nplace = [2, 0, 0]"),
-            joint("foot", "offset", "master = \"ground\"\nplace = [2, 0, 0]"),
+            joint("A", "revolute", "parent = \"ground\"\naxis = [0, 1, 0]"),
+            joint("link 1", "offset", "parent = \"A\"\nposition = [1, 0, 1]"),
+            joint("S", "spherical", "parent = \"link 1\""),
+            joint("link 2", "offset", "parent = \"S\"\nposition = [2, 0, 0]"),
+            joint(
+                "foot",
+                "offset",
+                "parent = \"ground\"\nposition = [2, 0, 0]",
+            ),
             joint(
                 "C",
                 "spherical",
-                &format!("master = \"link 2\"\nchild = \"foot\"\n{closure}"),
+                &format!("parent = \"link 2\"\nchild = \"foot\"\n{closure}"),
             ),
             "[[bodies]]\nname = \"b\"\nnode = \"S\"\nmass = 1\ncenter = [0.5, 0, -0.5]\n\
              inertia = [0.1, 0.1, 0.1]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
@@ -363,7 +367,7 @@ fn no_moment_passes_a_ball_in_a_loop() {
     let held = "node = \"ground\"\nfix = \"all\"";
     // A ground that moves, hardly, is a parameter of the loop's map.
     let moving = "node = \"ground\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-        driven = { x = { proportional = 1e-12 } }";
+        prescribed = { x = { proportional = 1e-12 } }";
     for (name, closure, support) in [
         ("map", "", held),
         ("moving", "", moving),

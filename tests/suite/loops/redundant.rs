@@ -68,7 +68,7 @@ fn the_ground_bears_a_linkage_in_every_row() {
 
 #[test]
 fn a_point_of_a_rolling_wheel_stays_on_its_diameter() {
-    let driven = format!("driven = {{ proportional = {} }}", -FRAC_PI_2);
+    let driven = format!("prescribed = {{ proportional = {} }}", -FRAC_PI_2);
     for (closure, close) in CLOSURES.into_iter().zip([1e-12, 1e-9, 1e-5]) {
         for (name, carrier) in [
             ("driven", driven.as_str()),

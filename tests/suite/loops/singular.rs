@@ -9,14 +9,14 @@ use std::f64::consts::PI;
 fn parallelogram(crank: &str, to: f64) -> String {
     let hinge = |name: &str, master: &str, more: &str| {
         format!(
-            "[[joints]]\nname = \"{name}\"\ntype = \"revolute\"\nmaster = \"{master}\"\n\
+            "[[joints]]\nname = \"{name}\"\ntype = \"revolute\"\nparent = \"{master}\"\n\
              axis = [0, 0, 1]\n{more}\n"
         )
     };
     let arm = |name: &str, master: &str, place: [i32; 3]| {
         format!(
-            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nmaster = \"{master}\"\n\
-             place = {place:?}\n"
+            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nparent = \"{master}\"\n\
+             position = {place:?}\n"
         )
     };
     let body = |node: &str| {
@@ -78,7 +78,7 @@ const MULTIPLIERS: &str = "`closure = \"multipliers\"` goes through";
 /// Two parallelograms in a row on three cranks (IFToMM's A02): both are flat at once.
 fn two_in_a_row(closure: &str, analysis: &str) -> String {
     let joint = |name: String, kind: &str, master: String, more: String| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
     };
     let axis = "axis = [0, 0, 1]\n";
     let body = |node: String| {
@@ -89,7 +89,7 @@ fn two_in_a_row(closure: &str, analysis: &str) -> String {
     let mut text =
         "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned();
     for k in 0..3 {
-        let place = |y: i32| format!("place = [{}, {y}, 0]", 2 * k);
+        let place = |y: i32| format!("position = [{}, {y}, 0]", 2 * k);
         let rate = if k == 0 { "rate = 6" } else { "" };
         text += &joint(format!("pin {k}"), "offset", "ground".to_owned(), place(0));
         let hinge = format!("{axis}{rate}");
@@ -162,7 +162,7 @@ fn a_free_parallelogram_ends_at_its_flat_position() {
 #[test]
 fn a_driven_one_is_not_said_to_be_at_the_end_of_its_reach() {
     for (k, rate) in [1.0, 0.5 * PI, 2.0].into_iter().enumerate() {
-        let crank = format!("driven = {{ proportional = {rate} }}");
+        let crank = format!("prescribed = {{ proportional = {rate} }}");
         run(&format!("loops_singular_driven_{k}"), &crank, rate, 2.0);
     }
 }

@@ -9,7 +9,7 @@ fn arm(name: &str, turns: &str, more: &str, analysis: &str) -> (Vec<[f64; 2]>, S
     let text = format!(
         "[nodes]\nground = [0, 0, 0]\n\n\
          [[joints]]\nname = \"arm\"\ntype = \"revolute\"\naxis = [0, 1, 0]\n{turns}\n\n\
-         [[joints]]\nname = \"end\"\ntype = \"offset\"\nmaster = \"arm\"\nplace = [1, 0, 0]\n\n\
+         [[joints]]\nname = \"end\"\ntype = \"offset\"\nparent = \"arm\"\nposition = [1, 0, 0]\n\n\
          [[bodies]]\nname = \"mass\"\nnode = \"end\"\nmass = 1\n\n\
          [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n{more}\n\n\
          [analysis.dynamic]\n{analysis}\n\n[output]\nfigures = false\nparaview_every = 0\n\n\
@@ -34,7 +34,7 @@ const GRAVITY: &str = "[[loads]]\ngravity = [0, 0, -9.81]";
 #[test]
 fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
     // A scheme that keeps the energy has no defect at steps of a twentieth of the period.
-    let master = "master = \"ground\"";
+    let master = "parent = \"ground\"";
     let (rows, said) = arm(
         "kept",
         master,
@@ -54,7 +54,7 @@ fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
 fn a_model_that_is_unstable_itself_is_told_so() {
     // x = 0.01 cosh(√1000 t) is beyond the largest number before t = 23, and its energy before 12.
     let text = "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"slide\"\ntype = \"prismatic\"\n\
-                master = \"ground\"\naxis = [1, 0, 0]\nspring = { k = -1000 }\nvalue = 0.01\n\n\
+                parent = \"ground\"\naxis = [1, 0, 0]\nspring = { k = -1000 }\nvalue = 0.01\n\n\
                 [[bodies]]\nname = \"mass\"\nnode = \"slide\"\nmass = 1\n\n\
                 [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
                 [analysis.dynamic]\nto = 100\nstep = 0.01\n\n[output]\nfigures = false\nparaview_every = 0\n";
@@ -69,7 +69,7 @@ fn a_model_that_is_unstable_itself_is_told_so() {
 #[test]
 fn a_small_motor_drives_a_fast_rotor() {
     // One radian per second more after one second, beside a centrifugal force of 1e10.
-    let turns = "master = \"ground\"\nrate = 1e5\nmotor = { constant = 1 }";
+    let turns = "parent = \"ground\"\nrate = 1e5\nactuator = { constant = 1 }";
     let (rows, _) = arm("rotor", turns, "", "to = 1\nstep = 0.01");
     let [rate, _] = rows[rows.len() - 1];
     assert!((rate - 100_001.0).abs() < 1e-6, "{rate}");
@@ -78,9 +78,9 @@ fn a_small_motor_drives_a_fast_rotor() {
 #[test]
 fn a_motion_with_hardly_any_energy_is_not_unstable() {
     // A slider pushes the pivot across the arm: this turns about its mass, which hardly moves at first.
-    let slider = "[[joints]]\nname = \"slider\"\ntype = \"prismatic\"\nmaster = \"ground\"\n\
-                  axis = [0, 0, 1]\ndriven = { run-up = { rate = 1, duration = 0.5 } }";
-    let (rows, said) = arm("push", "master = \"slider\"", slider, "to = 1\nstep = 0.01");
+    let slider = "[[joints]]\nname = \"slider\"\ntype = \"prismatic\"\nparent = \"ground\"\n\
+                  axis = [0, 0, 1]\nprescribed = { spin_up = { rate = 1, duration = 0.5 } }";
+    let (rows, said) = arm("push", "parent = \"slider\"", slider, "to = 1\nstep = 0.01");
     assert_eq!(rows.len(), 101, "{said}");
 }
 
@@ -108,7 +108,7 @@ fn work_is_exact_of_waves_that_steps_do_not_resolve() {
         mass = { A_rho = 1, J = [1, 1, 1] }\n\n[nodes]\nleft = [0, 0, 0]\nright = [1, 0, 0]\n\n\
         [[lines]]\nname = \"bar\"\nfrom = \"left\"\nto = \"right\"\nelements = 10\nsection = \"bar\"\n\n\
         [[supports]]\nnode = \"left\"\nfix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-        driven = { x = { proportional = 1 } }\n\n\
+        prescribed = { x = { proportional = 1 } }\n\n\
         [analysis.dynamic]\nto = 0.05\nstep = 1e-4\nscheme = \"newmark\"\n";
     let (defect, said, _) = defect("bar", &[bar, PLAIN].concat());
     assert!(defect < 1e-9, "{defect:e}");
@@ -119,8 +119,8 @@ fn work_is_exact_of_waves_that_steps_do_not_resolve() {
 #[test]
 fn a_dashpot_that_steps_do_not_resolve_moves_along_with_a_jerk() {
     let dashpot = "[nodes]\nbase = [0, 0, 0]\n\n[[supports]]\nnode = \"base\"\n\
-        fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\ndriven = { x = { table = [[0, 0], [1, 1], [2, 1]] } }\n\n\
-        [[joints]]\nname = \"slide\"\ntype = \"prismatic\"\nmaster = \"base\"\naxis = [1, 0, 0]\n\
+        fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]\nprescribed = { x = { table = [[0, 0], [1, 1], [2, 1]] } }\n\n\
+        [[joints]]\nname = \"slide\"\ntype = \"prismatic\"\nparent = \"base\"\naxis = [1, 0, 0]\n\
         spring = { k = 100, c = 1e5 }\nvalue = 0.1\n\n[[bodies]]\nname = \"mass\"\nnode = \"slide\"\nmass = 1\n\n\
         [[probes]]\nname = \"s\"\nquantity = \"joint_coordinate\"\njoint = \"slide\"\n\n\
         [analysis.dynamic]\nto = 3\nstep = 0.01\n";
@@ -149,7 +149,7 @@ fn a_damped_strip_that_is_jerked_is_no_false_alarm() {
         [nodes]\nL = [-0.25, 0, 0]\nR = [0.25, 0, 0]\n\n\
         [[lines]]\nname = \"strip\"\nfrom = \"L\"\nto = \"R\"\nelements = 20\nsection = \"strip\"\nsecond_axis = [0, 1, 0]\n\n\
         [[supports]]\nnode = \"L\"\nfix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n\n\
-        [[supports]]\nnode = \"R\"\nfix = [\"y\", \"z\", \"rx\", \"rz\"]\ndriven = { x = { table = [[0, 0], [0.2, 0.001]] } }\n\n\
+        [[supports]]\nnode = \"R\"\nfix = [\"y\", \"z\", \"rx\", \"rz\"]\nprescribed = { x = { table = [[0, 0], [0.2, 0.001]] } }\n\n\
         [[loads]]\nnode = \"strip/9\"\nforce = [0, 0, 0.05]\n\n\
         [analysis.dynamic]\nto = 0.3\nstep = 0.0005\nscheme = { generalised-alpha = 0.5 }\n\n\
         [output]\nfigures = false\nparaview_every = 0\n";
@@ -163,7 +163,7 @@ fn a_damped_blade_that_turns_from_the_start_keeps_its_balance() {
     // Its first element is sheared at once, and stiffness-proportional damping resists in a thousandth of a step.
     let model = pullback::studies::gallery::model(Path::new("spin_up")).unwrap();
     let text = model
-        .replace("run-up = { rate = 6, duration = 15 }", "proportional = 1")
+        .replace("spin_up = { rate = 6, duration = 15 }", "proportional = 1")
         .replace("[nodes]", "damping = { stiffness = 1e-3 }\n\n[nodes]")
         .replace("to = 20", "to = 2");
     assert!(text.contains("proportional = 1") && text.contains("to = 2\n"));

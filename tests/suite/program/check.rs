@@ -184,7 +184,7 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
     for start in ["closed = true", "start = 1.0198039027185569"] {
         let model = format!(
             "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on-curve\"\n\
-             master = \"ground\"\n{start}\n\
+             parent = \"ground\"\n{start}\n\
              through = [[-1, 0, 0.2], [0, 0, 0], [1, 0.3, 0], [2, 0, 0.1], [3, 0.5, 0]]\n\n\
              [[bodies]]\nname = \"b\"\nnode = \"p\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\n\
              [[supports]]\nnode = \"ground\"\nfix = \"all\"\n\n\
@@ -202,7 +202,7 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
 /// which coordinates are free: only with what is out of balance it is the power that stays.
 #[test]
 fn a_driven_joint_of_a_loop_may_have_other_coordinates_beside_it() {
-    let driven = "driven = { sine = { amplitude = 0.5, omega = 3 } }";
+    let driven = "prescribed = { sine = { amplitude = 0.5, omega = 3 } }";
     let model = [
         &*five_bar([driven, "", ""]),
         &body("B"),
@@ -224,14 +224,14 @@ fn a_redundant_rigid_link_by_a_penalty_is_no_error() {
     let link = r#"[[joints]]
 name = "link"
 type = "offset"
-master = "B"
-place = [0.5, 1.5, 0]
+parent = "B"
+position = [0.5, 1.5, 0]
 
 [[joints]]
 name = "again"
 type = "offset"
-master = "link"
-place = [1.2, 1.9, 0]
+parent = "link"
+position = [1.2, 1.9, 0]
 child = "coupler tip"
 closure = "penalty"
 penalty = 1e9
@@ -260,16 +260,16 @@ fn ring(bars: u32) -> String {
         };
         let middle = [0.5 * (x + next_x), 0.5 * (y + next_y)];
         text += &format!(
-            "[[joints]]\nname = \"j{k}\"\ntype = \"spherical\"\nmaster = \"{master}\"\n\
-             [[joints]]\nname = \"o{k}\"\ntype = \"offset\"\nmaster = \"j{k}\"\n\
-             place = [{next_x:?}, {next_y:?}, 0]\n\
+            "[[joints]]\nname = \"j{k}\"\ntype = \"spherical\"\nparent = \"{master}\"\n\
+             [[joints]]\nname = \"o{k}\"\ntype = \"offset\"\nparent = \"j{k}\"\n\
+             position = [{next_x:?}, {next_y:?}, 0]\n\
              [[bodies]]\nname = \"b{k}\"\nnode = \"j{k}\"\nmass = 1\n\
              center = [{:?}, {:?}, 0]\ninertia = [0.1, 0.2, 0.15]\n",
             middle[0], middle[1],
         );
         (x, y, master) = (next_x, next_y, format!("o{k}"));
     }
-    text + "[[joints]]\nname = \"close\"\ntype = \"spherical\"\nchild = \"ground\"\nmaster = \""
+    text + "[[joints]]\nname = \"close\"\ntype = \"spherical\"\nchild = \"ground\"\nparent = \""
         + &master
         + "\"\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
            [[loads]]\ngravity = [0, -9.81, -2]\n[analysis.dynamic]\nto = 1\nstep = 0.002\n"
@@ -318,7 +318,7 @@ fn a_bar_that_may_spin_between_two_balls_is_right() {
 /// Stephenson's linkage: a driven four-bar, and a second loop on its coupler, each closed in its own way.
 #[test]
 fn loops_that_are_closed_in_two_ways_are_checked_where_they_can_be() {
-    let driven = "driven = { sine = { amplitude = 0.35, omega = 3 } }";
+    let driven = "prescribed = { sine = { amplitude = 0.35, omega = 3 } }";
     let linkage = |first: &str, second: &str| {
         [
             GROUND,
@@ -396,14 +396,14 @@ o = [0, 0, 0]
 [[joints]]
 name = "far"
 type = "on-surface"
-master = "o"
-place = [71.3891907758585, 0, 1]
-surface = { sphere = { centre = [0, 0, 0] } }
+parent = "o"
+position = [71.3891907758585, 0, 1]
+surface = { sphere = { center = [0, 0, 0] } }
 [[joints]]
 name = "plane"
 type = "on-surface"
-master = "o"
-place = [0, 1, 1]
+parent = "o"
+position = [0, 1, 1]
 surface = { plane = { normal = [0, 1, 1] } }
 [[bodies]]
 name = "b2"
@@ -417,8 +417,8 @@ mass = 1
 inertia = [0.1, 0.2, 0.25]
 [[supports]]
 node = "o"
-fix = "place"
-driven = { rz = { run-up = { rate = 3, duration = 0.02 } } }
+fix = "position"
+prescribed = { rz = { spin_up = { rate = 3, duration = 0.02 } } }
 [[supports]]
 node = "o"
 fix = ["rx", "ry"]
@@ -438,44 +438,44 @@ const FAST: &str = r#"
 [[joints]]
 name = "A"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
 spring = { k = 30 }
 [[joints]]
 name = "ct"
 type = "offset"
-master = "A"
-place = [0, 1, 0]
+parent = "A"
+position = [0, 1, 0]
 [[joints]]
 name = "B"
 type = "revolute"
-master = "ct"
+parent = "ct"
 axis = [0, 0, 1]
 [[joints]]
 name = "kt"
 type = "offset"
-master = "B"
-place = [1.2, 1.9, 0]
+parent = "B"
+position = [1.2, 1.9, 0]
 [[joints]]
 name = "foot"
 type = "offset"
-master = "ground"
-place = [1.6, 0, 0]
+parent = "ground"
+position = [1.6, 0, 0]
 [[joints]]
 name = "D"
 type = "revolute"
-master = "foot"
+parent = "foot"
 axis = [0, 0, 1]
-driven = { sine = { omega = 1e8 } }
+prescribed = { sine = { omega = 1e8 } }
 [[joints]]
 name = "rt"
 type = "offset"
-master = "D"
-place = [1.2, 1.9, 0]
+parent = "D"
+position = [1.2, 1.9, 0]
 [[joints]]
 name = "C"
 type = "revolute"
-master = "kt"
+parent = "kt"
 axis = [0, 0, 1]
 child = "rt"
 [[bodies]]

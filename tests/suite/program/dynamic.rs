@@ -136,7 +136,7 @@ fn springs_motors_and_drives_act_on_released_coordinates() {
         text.replace("to = 10\nstep = 0.01", "to = 2\nstep = 0.002")
     };
     // J = m L² = 1: θ̈ = 1.5, θ = ¾ t².
-    let rows = history(&ran(&directory, &model("motor = { constant = 1.5 }")));
+    let rows = history(&ran(&directory, &model("actuator = { constant = 1.5 }")));
     for row in &rows {
         let t = number(row, "t");
         assert!((number(row, "angle") - 0.75 * t * t).abs() < 1e-9);
@@ -156,7 +156,7 @@ fn springs_motors_and_drives_act_on_released_coordinates() {
         let t = number(row, "t");
         assert!((number(row, "angle") - 0.3 * t * (-3.0 * t).exp()).abs() < 2e-6);
     }
-    let drive = "driven = { sine = { amplitude = 2.0, omega = 3.0 } }";
+    let drive = "prescribed = { sine = { amplitude = 2.0, omega = 3.0 } }";
     let rows = history(&ran(&directory, &model(drive)));
     for row in &rows {
         let t = number(row, "t");
@@ -257,7 +257,7 @@ tip = [1, 0, 0]
 [[joints]]
 name = "pivot"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0, 1]
 
 [[lines]]
@@ -291,7 +291,7 @@ joint = "pivot"
     let driven = rod
         .replace(
             "axis = [0, 0, 1]",
-            "axis = [0, 0, 1]\ndriven = { constant = 0.1 }",
+            "axis = [0, 0, 1]\nprescribed = { constant = 0.1 }",
         )
         .replace(
             "[[initial]]\nline = \"rod\"\nangular_velocity = [0, 0, 2]\n",
@@ -320,9 +320,9 @@ fix = "all"
 [[joints]]
 name = "motor"
 type = "revolute"
-master = "root"
+parent = "root"
 axis = [0, 0, 1]
-driven = { sine = { amplitude = 1.2, omega = 3 } }
+prescribed = { sine = { amplitude = 1.2, omega = 3 } }
 
 [[bodies]]
 name = "arm"

@@ -39,15 +39,15 @@ elsewhere = [5, 0, 0]
 [[joints]]
 name = "hinge"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 0.6, 0.8]
-driven = { sine = { amplitude = 4, omega = 3 } }
+prescribed = { sine = { amplitude = 4, omega = 3 } }
 
 [[joints]]
 name = "arm"
 type = "offset"
-master = "hinge"
-place = [0.5, -0.3, 0.7]
+parent = "hinge"
+position = [0.5, -0.3, 0.7]
 
 [[bodies]]
 name = "bob"

@@ -31,7 +31,7 @@ section = "link"
 [[joints]]
 name = "ball"
 type = "spherical"
-master = "middle"
+parent = "middle"
 
 [[lines]]
 name = "second"
@@ -43,7 +43,7 @@ section = "link"
 [[joints]]
 name = "pin"
 type = "revolute"
-master = "tip"
+parent = "tip"
 axis = [0, 1, 0]
 spring = { k = 3.0, c = 0.1 }
 
@@ -57,7 +57,7 @@ center = [0.1, 0, 0]
 [[supports]]
 node = "hub"
 fix = ["x", "y", "z", "rx", "ry"]
-driven = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }
+prescribed = { rz = { table = [[0, 0], [0.4, 8], [2, 20]] } }
 
 [[loads]]
 gravity = [0, 0, -9.81]

@@ -323,7 +323,7 @@ fn results_that_cannot_be_written_are_an_error() {
 fn nobody_has_to_listen() {
     // A joint is a note on standard output, and that nothing moves a warning on standard error.
     let directory = directory("program_closed");
-    let joint = "\n[[joints]]\nname = \"pin\"\ntype = \"revolute\"\nmaster = \"B\"\naxis = [0, 0, 1]\n\
+    let joint = "\n[[joints]]\nname = \"pin\"\ntype = \"revolute\"\nparent = \"B\"\naxis = [0, 0, 1]\n\
                  spring = { k = 1 }\n";
     let model = write(&directory, &(with("3.141592653589793", "0") + joint));
     let run = |file: &Path| {
@@ -439,7 +439,7 @@ fn many(count: usize) -> String {
             [[joints]]
             name = "j{k}"
             type = "revolute"
-            master = "b{k}"
+            parent = "b{k}"
             axis = [0, 0, 1]
             value = 0.1
             [[bodies]]

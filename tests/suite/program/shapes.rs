@@ -24,7 +24,7 @@ ground = [0.5, 0.25, -1]
 
 [[joints]]
 name = "bead"
-master = "ground"
+parent = "ground"
 {joint}
 
 [[bodies]]
@@ -101,8 +101,8 @@ fn a_bead_on_a_ring_is_at_the_bottom_after_a_quarter_of_its_period() {
 #[test]
 fn a_point_on_a_cylinder_falls_and_goes_round() {
     // About the vertical axis through (1, 2): radius 2, one radian per second.
-    let joint = "type = \"on-surface\"\nplace = [3, 2, 5]\n\
-                 surface = { cylinder = { centre = [1, 2, 0], axis = [0, 0, 7] } }\n\
+    let joint = "type = \"on-surface\"\nposition = [3, 2, 5]\n\
+                 surface = { cylinder = { center = [1, 2, 0], axis = [0, 0, 7] } }\n\
                  coordinates = { \"parameter 1\" = { rate = 1.0 } }";
     for [t, x, y, z] in run("cylinder", joint, 10.0, [2.0, 0.1]) {
         let gap = [
@@ -121,7 +121,7 @@ fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
     let place = [r * angle.sin(), 0.0, -r * angle.cos()];
     let omega = (9.81 / (r * angle.cos())).sqrt();
     let joint = format!(
-        "type = \"on-surface\"\nplace = {place:?}\nsurface = {{ sphere = {{ centre = [0, 0, 0] }} }}\n\
+        "type = \"on-surface\"\nposition = {place:?}\nsurface = {{ sphere = {{ center = [0, 0, 0] }} }}\n\
          coordinates = {{ \"parameter 2\" = {{ rate = {:?} }} }}",
         omega * angle.sin()
     );
@@ -138,7 +138,7 @@ fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
 #[test]
 fn a_point_on_a_plane_slides_down_it() {
     // A slope of 45°: half of gravity along x.
-    let joint = "type = \"on-surface\"\nplace = [0, 0, 1]\n\
+    let joint = "type = \"on-surface\"\nposition = [0, 0, 1]\n\
                  surface = { plane = { normal = [1, 0, 1] } }";
     for [t, x, y, z] in run("plane", joint, 10.0, [1.0, 0.1]) {
         let way = 2.5 * t * t;
@@ -173,14 +173,14 @@ fn curves_and_surfaces_that_are_none_are_refused() {
     let twice = "through = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]";
     refuse(&on_curve(twice), named, "point 3 of its curve");
     let on_surface =
-        |surface: &str| format!("type = \"on-surface\"\nplace = [0, 0, 1]\nsurface = {surface}");
+        |surface: &str| format!("type = \"on-surface\"\nposition = [0, 0, 1]\nsurface = {surface}");
     refuse(
-        &on_surface("{ sphere = { centre = [0, 0, 1] } }"),
+        &on_surface("{ sphere = { center = [0, 0, 1] } }"),
         named,
         "has no direction",
     );
     refuse(
-        &on_surface("{ cylinder = { centre = [0, 0, 5], axis = [0, 0, 1] } }"),
+        &on_surface("{ cylinder = { center = [0, 0, 5], axis = [0, 0, 1] } }"),
         named,
         "has no direction",
     );

@@ -81,7 +81,7 @@ fn fastest(interpolation: &str, step: f64) -> f64 {
 [[joints]]
 name = "pivot"
 type = "revolute"
-master = "root"
+parent = "root"
 axis = [1, 0, 0]
 
 [[supports]]

@@ -10,6 +10,60 @@ fn the_model_itself_is_accepted() {
 }
 
 #[test]
+fn words_of_earlier_versions_are_refused_with_those_of_today() {
+    let joint = |keys: &str| {
+        let joint = "[[joints]]\nname = \"J\"\n";
+        MODEL.replace("[[supports]]", &format!("{joint}{keys}\n[[supports]]"))
+    };
+    let hinge = |keys: &str| joint(&format!("type = \"revolute\"\naxis = [0, 0, 1]\n{keys}"));
+    for (text, word, now) in [
+        (hinge("master = \"A\""), "master", "parent"),
+        (
+            hinge("parent = \"A\"\ndriven = { constant = 1 }"),
+            "driven",
+            "prescribed",
+        ),
+        (
+            hinge("parent = \"A\"\nmotor = { constant = 1 }"),
+            "motor",
+            "actuator",
+        ),
+        (
+            hinge("parent = \"A\"\nactuator = { hat = { peak = 1, end = 2 } }"),
+            "hat",
+            "triangle",
+        ),
+        (
+            hinge("parent = \"A\"\nprescribed = { run-up = { rate = 1, duration = 2 } }"),
+            "run-up",
+            "spin_up",
+        ),
+        (
+            joint("type = \"offset\"\nparent = \"A\"\nplace = [1, 0, 0]"),
+            "place",
+            "position",
+        ),
+        (
+            joint(
+                "type = \"on-surface\"\nparent = \"A\"\nposition = [1, 0, 0]\n\
+                 surface = { sphere = { centre = [0, 0, 0] } }",
+            ),
+            "centre",
+            "center",
+        ),
+        (
+            MODEL.replace("fix = \"all\"", "fix = \"place\""),
+            "place",
+            "position",
+        ),
+    ] {
+        let error = assemble_text("model.toml", &text).err().unwrap();
+        let said = error.report(false);
+        assert!(said.contains(&format!("`{word}` is now `{now}`")), "{said}");
+    }
+}
+
+#[test]
 fn unknown_keys_and_words_get_a_suggestion() {
     check(
         &with("elements = 8", "elemnets = 8"),
@@ -94,7 +148,7 @@ fn wrong_forms_are_refused_where_they_stand() {
     check(
         &with("fix = \"all\"", "fix = \"al\""),
         "\"al\"",
-        "expected \"all\", \"place\", \"rotation\"",
+        "expected \"all\", \"position\", \"rotation\"",
         "",
     );
     check(

@@ -26,7 +26,7 @@ const HELD: &str = "[[supports]]\nnode = \"ground\"\nfix = \"all\"\n";
 
 fn joint(kind: &str, more: &str) -> String {
     format!(
-        "[[joints]]\nname = \"J\"\ntype = \"{kind}\"\nmaster = \"ground\"\naxis = [0, 0, 1]\n{more}\n"
+        "[[joints]]\nname = \"J\"\ntype = \"{kind}\"\nparent = \"ground\"\naxis = [0, 0, 1]\n{more}\n"
     )
 }
 
@@ -40,7 +40,7 @@ const LINE: &str = "[sections.s]\nstiffness = { EA = 1e3, GA = [1e3, 1e3], GJ = 
 #[test]
 fn what_hangs_on_a_base_that_is_driven_from_the_start_moves_along() {
     let base = "[[supports]]\nnode = \"ground\"\nfix = [\"x\", \"y\", \"rx\", \"ry\", \"rz\"]\n\
-                driven = { z = { sine = { amplitude = 0.1, omega = 2 } } }\n";
+                prescribed = { z = { sine = { amplitude = 0.1, omega = 2 } } }\n";
     let sprung = joint("prismatic", "spring = { k = 4 }");
     let lost = "[[bodies]]\nname = \"t\"\nnode = \"tip\"\nmass = 1\ninertia = [1, 1, 1]\n";
     let [notes, _] = said("carried", &[base, &sprung, BODY, lost].concat());
@@ -74,11 +74,11 @@ fn a_line_does_not_start_with_the_rate_of_its_joint() {
 fn what_ball_joints_hold_starts_with_the_value_above_them() {
     let offset = |name: &str, parent: &str, position: [f64; 3]| {
         format!(
-            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nmaster = \"{parent}\"\nplace = {position:?}\n"
+            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nparent = \"{parent}\"\nposition = {position:?}\n"
         )
     };
     let ball = |name: &str, parent: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"spherical\"\nmaster = \"{parent}\"\n")
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"spherical\"\nparent = \"{parent}\"\n")
     };
     let drawn = [[2.0, 0.0, 0.0], [3.0, 1.0, 0.5]];
     let chain = |value: f64, scheme: &str, more: &str| {
@@ -208,7 +208,7 @@ fn an_angle_that_steps_do_not_resolve_is_named() {
     let passing = |rate: f64, step: f64| {
         format!(
             "[nodes]\nground = [0, 0, 0]\n{HELD}[[joints]]\nname = \"cross\"\ntype = \"universal\"\n\
-             master = \"ground\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = {{ \
+             parent = \"ground\"\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\ncoordinates = {{ \
              \"angle 1\" = {{ rate = {rate} }}, \"angle 2\" = {{ value = 1.2, rate = 2 }} }}\n\
              [[bodies]]\nname = \"bob\"\nnode = \"cross\"\nmass = 1\ncenter = [0, 0, -1]\n\
              [analysis.dynamic]\nto = 0.4\nstep = {step}\n[output]\nfigures = false\n\

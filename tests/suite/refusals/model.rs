@@ -188,7 +188,7 @@ fn supports_must_hold_the_structure_once() {
     // The library's message says itself what would be right.
     let fixed = "fix = \"all\"";
     for (text, motion) in [
-        (with(fixed, "fix = \"place\""), "rotation about"),
+        (with(fixed, "fix = \"position\""), "rotation about"),
         (
             with(fixed, "fix = [\"y\", \"z\", \"rx\", \"ry\", \"rz\"]"),
             "translation along (1",
@@ -209,7 +209,7 @@ fn supports_must_hold_the_structure_once() {
     );
     let driven = with(
         "fix = \"all\"",
-        "fix = \"all\"\ndriven = { rz = { constant = 1 } }",
+        "fix = \"all\"\nprescribed = { rz = { constant = 1 } }",
     );
     check(
         &driven,

@@ -17,7 +17,7 @@ C = [0, 1, 0]
 [[joints]]
 name = "hinge"
 type = "revolute"
-master = "A"
+parent = "A"
 axis = [0, 1, 0]
 
 [[lines]]
@@ -36,13 +36,13 @@ start = 0.25
 [[joints]]
 name = "ball"
 type = "spherical"
-master = "B"
+parent = "B"
 
 [[joints]]
 name = "hand"
 type = "offset"
-master = "ball"
-place = [1.5, 0, 0]
+parent = "ball"
+position = [1.5, 0, 0]
 
 [[bodies]]
 name = "bob"
@@ -114,15 +114,15 @@ fn joints() {
             "",
         ),
         (
-            with("place = [1.5, 0, 0]\n", ""),
+            with("position = [1.5, 0, 0]\n", ""),
             "[[joints]]",
-            "needs place",
+            "needs position",
             "",
         ),
         (
-            with("master = \"B\"\n", ""),
+            with("parent = \"B\"\n", ""),
             "[[joints]]",
-            "needs master",
+            "needs parent",
             "",
         ),
         (
@@ -138,13 +138,13 @@ fn joints() {
             "",
         ),
         (
-            with("master = \"B\"", "master = \"Q\""),
+            with("parent = \"B\"", "parent = \"Q\""),
             "\"Q\"",
             "no node named \"Q\"",
             "here are",
         ),
         (
-            with("master = \"B\"", "master = \"hand\""),
+            with("parent = \"B\"", "parent = \"hand\""),
             "\"",
             "wait for each other",
             "start at a node",
@@ -172,7 +172,7 @@ fn joints() {
         (
             with(
                 "axis = [0, 1, 0]",
-                "axis = [0, 1, 0]\ndriven = { proportional = 1 }\nspring = { k = 1 }",
+                "axis = [0, 1, 0]\nprescribed = { proportional = 1 }\nspring = { k = 1 }",
             ),
             "spring",
             "hinge",
@@ -181,7 +181,7 @@ fn joints() {
         (
             with(
                 "axis = [0, 1, 0]",
-                "axis = [0, 1, 0]\ndriven = { pulse = { end = 1 } }",
+                "axis = [0, 1, 0]\nprescribed = { pulse = { end = 1 } }",
             ),
             "{ pulse",
             "jump",
@@ -455,7 +455,7 @@ fn forms_that_the_parser_knows_by_other_words() {
     let motor = |form: &str| {
         with(
             "axis = [0, 1, 0]",
-            &format!("axis = [0, 1, 0]\nmotor = {form}"),
+            &format!("axis = [0, 1, 0]\nactuator = {form}"),
         )
     };
     let cases = [

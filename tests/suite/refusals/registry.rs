@@ -74,10 +74,10 @@ ground = [0, 0, 0]
 [[joints]]
 name = "table"
 type = "bench"
-master = "ground"
+parent = "ground"
 first = [1, 0, 0]
 second = [0, 1, 0]
-coordinates = { left = { spring = { k = 50 }, value = 0.2 }, right = { driven = { proportional = 2 } }, turn = { motor = { constant = 0.3 }, rate = 1 } }
+coordinates = { left = { spring = { k = 50 }, value = 0.2 }, right = { prescribed = { proportional = 2 } }, turn = { actuator = { constant = 0.3 }, rate = 1 } }
 
 [[bodies]]
 name = "body"
@@ -204,19 +204,19 @@ ground = [0, 0, 0]
 [[joints]]
 name = "pivot"
 type = "revolute"
-master = "ground"
+parent = "ground"
 axis = [0, 1, 0]
 
 [[joints]]
 name = "arm"
 type = "offset"
-master = "pivot"
-place = [1, 0, 0]
+parent = "pivot"
+position = [1, 0, 0]
 
 [[joints]]
 name = "wrong"
 type = "pin"
-master = "arm"
+parent = "arm"
 
 [[bodies]]
 name = "body"
@@ -344,10 +344,10 @@ fn what_is_wrong_with_its_keys_is_pointed_at() {
             "did you mean `left`",
         ),
         (
-            "master = \"ground\"\n",
+            "parent = \"ground\"\n",
             "",
             "[[joints]]",
-            "needs master",
+            "needs parent",
             "",
         ),
     ];
@@ -384,9 +384,9 @@ fn the_schema_has_its_keys() {
     );
     assert_eq!(
         bench["required"],
-        serde_json::json!(["name", "type", "master", "first", "second"])
+        serde_json::json!(["name", "type", "parent", "first", "second"])
     );
     assert_eq!(bench["additionalProperties"], false);
     let bead = of("bead");
-    assert!(bead["properties"]["lines"].is_object() && bead["properties"]["master"].is_null());
+    assert!(bead["properties"]["lines"].is_object() && bead["properties"]["parent"].is_null());
 }

@@ -25,7 +25,7 @@ ground = [0, 0, 0]
 [[joints]]
 name = "table"
 type = "pair"
-master = "ground"
+parent = "ground"
 
 [[bodies]]
 name = "body"
@@ -52,8 +52,8 @@ fn a_node_of_two_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, _: Empty| {
         let ways = format!("{} ways", at.name);
         let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
-        let place = at.builder.place(at.master).into();
-        let all = [at.master, ways];
+        let place = at.builder.place(at.parent).into();
+        let all = [at.parent, ways];
         let frame = at.builder.hang(at.name, place, Pair, &all)?;
         let released = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, released })

@@ -69,7 +69,7 @@ fn a_mechanism_is_told_at_once_and_first() {
         [[joints]]
         name = "hinge"
         type = "revolute"
-        master = "B"
+        parent = "B"
         axis = [0, 0, 1]
         [[bodies]]
         name = "flag"

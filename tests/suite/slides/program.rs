@@ -124,7 +124,7 @@ name = "p"
 type = "slide"
 lines = ["rod"]
 start = 0.2
-driven = { sine = { amplitude = 0.7, omega = 4, phase = -1.5707963267948966, offset = 0.7 } }
+prescribed = { sine = { amplitude = 0.7, omega = 4, phase = -1.5707963267948966, offset = 0.7 } }
 
 [[bodies]]
 name = "b"
@@ -135,7 +135,7 @@ inertia = [0.1, 0.1, 0.1]
 [[supports]]
 node = "ground"
 fix = ["x", "y", "z", "rx", "ry"]
-driven = { rz = { proportional = 2 } }
+prescribed = { rz = { proportional = 2 } }
 
 [[initial]]
 line = "rod"

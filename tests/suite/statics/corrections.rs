@@ -83,7 +83,7 @@ fn lever(stiff: f64, k3: f64, [F, P]: [f64; 2]) -> String {
          EI = [{stiff}, {stiff}] }}\n\
          [nodes]\nroot = [0, 0, 0]\ntip = [1, 0, 0]\n\
          [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
-         [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nmaster = \"root\"\n\
+         [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nparent = \"root\"\n\
          axis = [0, 0, 1]\nspring = {{ k = 1, k3 = {k3:e} }}\n\
          [[lines]]\nname = \"lever\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 1\n\
          section = \"s\"\n\
@@ -154,8 +154,8 @@ fn truss(k: f64, h: f64, P: f64) -> String {
         "[nodes]\nA = [-1, 0, 0]\nB = [1, 0, 0]\nT = [0, {h}, 0]\n\
          [[springs]]\nname = \"s1\"\nnodes = [\"A\", \"T\"]\nstiffness = {k}\n\
          [[springs]]\nname = \"s2\"\nnodes = [\"T\", \"B\"]\nstiffness = {k}\n\
-         [[supports]]\nnode = \"A\"\nfix = \"place\"\n\
-         [[supports]]\nnode = \"B\"\nfix = \"place\"\n\
+         [[supports]]\nnode = \"A\"\nfix = \"position\"\n\
+         [[supports]]\nnode = \"B\"\nfix = \"position\"\n\
          [[supports]]\nnode = \"T\"\nfix = [\"z\"]\n\
          [[loads]]\nnode = \"T\"\nforce = [0, {}, 0]\n",
         -P

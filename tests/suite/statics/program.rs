@@ -172,7 +172,7 @@ fn a_balance_that_ends_at_rounding_errors_is_warned_of() {
         format!(
             "[sections.s]\nstiffness = {{ EA = {EA:e}, GA = [{EA:e}, {EA:e}], GJ = 1e6, EI = [1e6, 1e6] }}\n\
              [nodes]\nroot = [0, 0, 0]\ntip = [5, 0, 0]\n\
-             [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nmaster = \"root\"\naxis = [0, 0, 1]\n\
+             [[joints]]\nname = \"hinge\"\ntype = \"revolute\"\nparent = \"root\"\naxis = [0, 0, 1]\n\
              spring = {{ k = 1e-3 }}\n\
              [[lines]]\nname = \"beam\"\nfrom = \"hinge\"\nto = \"tip\"\nelements = 4\nsection = \"s\"\n\
              [[supports]]\nnode = \"root\"\nfix = \"all\"\n\
@@ -320,10 +320,10 @@ fn a_truss_of_springs_snaps_through_and_is_drawn() {
         stiffness = 1
         [[supports]]
         node = "A"
-        fix = "place"
+        fix = "position"
         [[supports]]
         node = "B"
-        fix = "place"
+        fix = "position"
         [[supports]]
         node = "T"
         fix = ["z"]

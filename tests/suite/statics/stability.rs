@@ -118,7 +118,7 @@ fn multipliers_do_not_count() {
         [[joints]]
         name = "hinge"
         type = "revolute"
-        master = "G"
+        parent = "G"
         axis = [0, 0, 1]
         child = "A"
         closure = "multipliers"

@@ -18,7 +18,7 @@ pub const CLOSURES: [&str; 3] = [
 ];
 
 pub fn joint(name: &str, kind: &str, master: &str, more: &str) -> String {
-    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nmaster = \"{master}\"\n{more}\n")
+    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
 }
 
 pub fn hinge(name: &str, master: &str, more: &str) -> String {
@@ -31,7 +31,7 @@ pub fn hinge(name: &str, master: &str, more: &str) -> String {
 }
 
 pub fn arm(name: &str, master: &str, place: [f64; 3]) -> String {
-    joint(name, "offset", master, &format!("place = {place:?}"))
+    joint(name, "offset", master, &format!("position = {place:?}"))
 }
 
 pub fn body(node: &str) -> String {

@@ -14,7 +14,7 @@ top = [0, 0, 0]
 [[joints]]
 name = "ball"
 type = "spherical"
-master = "ground"
+parent = "ground"
 child = "top"
 closure = "multipliers"
 [[bodies]]
