@@ -22,7 +22,12 @@ impl Joint<8> for Slot {
     }
 
     fn released(&self) -> &'static [Released] {
-        const { &[Released::way("way"), Released::angle("angle")] }
+        const {
+            &[
+                Released::displacement("displacement"),
+                Released::angle("angle"),
+            ]
+        }
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {

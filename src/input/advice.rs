@@ -37,6 +37,9 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("centre", "center"),
     ("hat", "triangle"),
     ("run-up", "spin_up"),
+    ("way", "displacement"),
+    ("way 1", "displacement 1"),
+    ("way 2", "displacement 2"),
 ];
 
 /// What a message of the parser alone does not tell.

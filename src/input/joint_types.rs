@@ -31,7 +31,7 @@ struct Revolute {
 #[derive(Deserialize, JsonSchema)]
 struct Spherical {}
 
-/// Releases the place along lines.
+/// Releases the arc length along lines.
 #[derive(Deserialize, JsonSchema)]
 struct Slide {
     /// Where it starts: arc length from the beginning of the first line.
@@ -57,14 +57,14 @@ struct ConstantVelocity {
     second_axis: [f64; 3],
 }
 
-/// Releases way and angle along and about an axis.
+/// Releases displacement and angle along and about an axis.
 #[derive(Deserialize, JsonSchema)]
 struct Cylindrical {
     /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
 }
 
-/// Releases the way along an axis.
+/// Releases the displacement along an axis.
 #[derive(Deserialize, JsonSchema)]
 struct Prismatic {
     /// Axis in global components of the reference configuration; the parent carries it.
@@ -77,7 +77,7 @@ struct Planar {
     /// Normal of the plane in global components of the reference configuration; the parent carries
     /// it.
     axis: [f64; 3],
-    /// Direction of the first way, of which the part in the plane counts.
+    /// Direction of the first displacement, of which the part in the plane counts.
     second_axis: [f64; 3],
 }
 
@@ -90,7 +90,7 @@ struct Helical {
     pitch: f64,
 }
 
-/// Releases the way along a curve, and all rotations.
+/// Releases the arc length along a curve, and all rotations.
 #[derive(Deserialize, JsonSchema)]
 struct OnCurve {
     /// Points of the curve, like places of nodes; the parent carries them.

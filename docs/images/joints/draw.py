@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the pictures of the joints: `python3 draw.py` writes one SVG for each beside this file.
 
-Blue is the master and what it carries, orange is the frame that hangs on the joint; axes are dash-dotted,
+Blue is the parent and what it carries, orange is the frame that hangs on the joint; axes are dash-dotted,
 and what the joint releases is green with its name.
 """
 
@@ -145,9 +145,9 @@ def offset():
     p.rod((-1.3, 0, -0.2), (1.3, 0, 0.5), 0.07, ("#e8e8e8", INK))
     p.box((-1.5, 0, -0.25), (0.4, 0.35, 0.35), BLUE)
     p.box((1.5, 0, 0.55), (0.4, 0.35, 0.35), ORANGE)
-    p.label("master", (-1.5, 0, -0.25), 0, 44, BLUE[1])
-    p.label("place", (1.5, 0, 0.55), 0, -32, ORANGE[1])
-    p.write("offset", "Rigid link: a frame fixed to its master at another place")
+    p.label("parent", (-1.5, 0, -0.25), 0, 44, BLUE[1])
+    p.label("position", (1.5, 0, 0.55), 0, -32, ORANGE[1])
+    p.write("offset", "Rigid link: a frame fixed to its parent at another position")
 
 
 def weld():
@@ -157,7 +157,7 @@ def weld():
     seam = [(0, 0.5, 0.45), (0, -0.5, 0.45), (0, -0.5, -0.45)]
     p.line(seam, INK, 6)
     p.label("nothing released", O, 0, 66, INK)
-    p.write("weld", "Weld: a frame at the place of its master")
+    p.write("weld", "Weld: a frame at the position of its parent")
 
 
 def revolute():
@@ -251,10 +251,10 @@ def cylindrical():
     p.rod((-0.55, 0, 0), (0.55, 0, 0), 0.42, ORANGE)
     p.rod((0.55, 0, 0), (2.0, 0, 0), 0.2, BLUE)
     p.arrow([(-0.7, 0, 0.95), (0.9, 0, 0.95)])
-    p.label("way", (0.1, 0, 0.95), 0, -8)
+    p.label("displacement", (0.1, 0, 0.95), 30, -16)
     p.arrow(circle((1.25, 0, 0), X, 0.52, 2.2, 6.2))
     p.label("angle", (1.25, 0, -0.5), 12, 26)
-    p.write("cylindrical", "Cylindrical joint: a way along an axis and an angle about it")
+    p.write("cylindrical", "Cylindrical joint: a displacement along an axis and an angle about it")
 
 
 def prismatic():
@@ -264,8 +264,8 @@ def prismatic():
     p.box((0, 0, 0), (0.55, 0.42, 0.42), ORANGE)
     p.box((1.3, 0, 0), (0.75, 0.2, 0.2), BLUE)
     p.arrow([(-0.7, 0, 0.95), (0.9, 0, 0.95)])
-    p.label("way", (0.1, 0, 0.95), 0, -8)
-    p.write("prismatic", "Prismatic joint: a way along an axis")
+    p.label("displacement", (0.1, 0, 0.95), 30, -16)
+    p.write("prismatic", "Prismatic joint: a displacement along an axis")
 
 
 def planar():
@@ -276,11 +276,11 @@ def planar():
     p.box((0, 0, 0.2), (0.38, 0.28, 0.2), ORANGE)
     p.axis((0, 0, 0.4), (0, 0, 1.7))
     p.arrow(circle((0, 0, 1.15), Z, 0.35, 2.6, 6.8))
-    p.label("way 1", (1.5, 0, 0), 6, 24)
-    p.label("way 2", (0, 1.3, 0), 30, 0)
+    p.label("displacement 1", (1.5, 0, 0), 18, 28)
+    p.label("displacement 2", (0, 1.3, 0), 38, -16)
     p.label("angle", (0, 0, 1.15), -42, 4)
     p.label("normal", (0, 0, 1.7), 28, 8, INK)
-    p.write("planar", "Planar joint: two ways in a plane, an angle about its normal")
+    p.write("planar", "Planar joint: two displacements in a plane, an angle about its normal")
 
 
 def helical():
@@ -366,8 +366,8 @@ def slide():
     e = unit(add(at(0.05), at(-0.05), -1.0))
     p.rod(add(at(0), e, -0.4), add(at(0), e, 0.4), 0.26, ORANGE)
     p.arrow([add(at(-0.2 + 1.3 * k / 12), (0, 0, 0.5)) for k in range(13)])
-    p.label("way", add(at(0.5), (0, 0, 0.5)), 0, -10)
-    p.write("slide", "Slide: the way along a chain of beam elements")
+    p.label("arc_length", add(at(0.5), (0, 0, 0.5)), 0, -10)
+    p.write("slide", "Slide: the arc length along a chain of beam elements")
 
 
 def wheel(p, centre, r, teeth, colour, phase=0.0, thick=0.25):
@@ -394,7 +394,7 @@ def gear():
     wheel(p, b, 0.6, 12, ORANGE, tau / 24 * 1.3)
     p.arrow(arc_y(a, 0.7, 0.7, 2.3))
     p.arrow(arc_y(b, 0.36, 2.6, 0.6))
-    p.label("master's angle", a, -10, 66)
+    p.label("parent's angle", a, -10, 66)
     p.label("angle", b, 12, 54)
     p.write("gear", "Gear: an angle in a fixed ratio to another")
 
@@ -413,10 +413,10 @@ def rack():
     p.face(shape, ORANGE)
     wheel(p, (0, 0, 0.06), r, teeth, BLUE, -tau / 4 + tau / teeth * 0.85)
     p.arrow(arc_y((0, 0, 0.06), 0.55, 2.4, 0.7))
-    p.label("master's angle", (0, 0, 1.1), -76, 8)
+    p.label("parent's angle", (0, 0, 1.1), -76, 8)
     p.arrow([(0.3, 0, -1.45), (-1.0, 0, -1.45)])
-    p.label("way", (-0.4, 0, -1.45), -8, 18)
-    p.write("rack", "Rack and pinion: a way in proportion to an angle")
+    p.label("displacement", (-0.4, 0, -1.45), -8, 18)
+    p.write("rack", "Rack and pinion: a displacement in proportion to an angle")
 
 
 for draw in (offset, weld, revolute, spherical, universal, constant_velocity, cylindrical, prismatic,

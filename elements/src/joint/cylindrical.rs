@@ -1,4 +1,4 @@
-//! The cylindrical joint: a way along an axis and a turn about it.
+//! The cylindrical joint: a displacement along an axis and a turn about it.
 
 use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
-/// d_s = d_m + R_m u e, R_s = R_m R(φ e): masters (frame, way u, angle φ).
+/// d_s = d_m + R_m u e, R_s = R_m R(φ e): masters (frame, displacement u, angle φ).
 ///
 #[doc = include_str!("../../../docs/images/joints/cylindrical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,13 +31,18 @@ impl Joint<8> for Cylindrical {
     }
 
     fn released(&self) -> &'static [Released] {
-        const { &[Released::way("way"), Released::angle("angle")] }
+        const {
+            &[
+                Released::displacement("displacement"),
+                Released::angle("angle"),
+            ]
+        }
     }
 }
 
 /// Adds a frame node `name` at the place of `master` that slides along and turns about `axis`
 /// (global components of the reference configuration, carried by the master), and the nodes
-/// `name way` and `name angle`.
+/// `name displacement` and `name angle`.
 ///
 /// # Errors
 /// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].

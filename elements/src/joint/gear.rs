@@ -46,7 +46,7 @@ pub fn gear(b: &mut ModelBuilder, coordinates: [NodeId; 2], ratio: f64) -> Resul
     })
 }
 
-/// Couples a way to an angle, u = `radius` θ: a rack on a pinion; with a negative radius the rack lies
+/// Couples a displacement to an angle, u = `radius` θ: a rack on a pinion; with a negative radius the rack lies
 /// on the other side.
 ///
 #[doc = include_str!("../../../docs/images/joints/rack.svg")]
@@ -56,10 +56,10 @@ pub fn gear(b: &mut ModelBuilder, coordinates: [NodeId; 2], ratio: f64) -> Resul
 pub fn rack(
     b: &mut ModelBuilder,
     angle: NodeId,
-    way: NodeId,
+    displacement: NodeId,
     radius: f64,
 ) -> Result<(), ModelError> {
-    gear(b, [angle, way], radius)
+    gear(b, [angle, displacement], radius)
 }
 
 fn couple(b: &mut ModelBuilder, [first, second]: [NodeId; 2], ratio: f64) -> Result<(), GearError> {

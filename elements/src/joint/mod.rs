@@ -12,8 +12,8 @@
 //! | [`Slide`] | the place on a chain of beam elements | \[M04\] 4.1.3, (198) |
 //! | [`Universal`] | two angles, about crossed axes | Shabana 2013, 3.3 |
 //! | [`ConstantVelocity`] | two components of a rotation vector across the shaft | Myszka & Murray 2010 |
-//! | [`Cylindrical`] | way and angle along and about one axis | Shabana 2013, 3.3 |
-//! | [`Prismatic`] | the way along an axis | Shabana 2013, 3.3 |
+//! | [`Cylindrical`] | displacement and angle along and about one axis | Shabana 2013, 3.3 |
+//! | [`Prismatic`] | the displacement along an axis | Shabana 2013, 3.3 |
 //! | [`Planar`] | two ways in a plane, the angle about its normal | Shabana 2013, 3.3 |
 //! | [`Helical`] | the angle of a screw | Shabana 2013, 3.3 |
 //! | [`OnCurve`] | the parameter of a space curve ([`Spline`], or any [`Curve`]), and all rotations | |
@@ -152,7 +152,7 @@ impl Released {
     }
 
     /// A length of a name.
-    pub const fn way(name: &'static str) -> Self {
+    pub const fn displacement(name: &'static str) -> Self {
         Self::Coordinate(name, Kind::Length)
     }
 

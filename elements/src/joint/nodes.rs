@@ -31,8 +31,8 @@ pub struct RevoluteNodes {
 pub struct SlideNodes {
     /// The frame that runs along the chain.
     pub frame: NodeId,
-    /// Its way along the chain in the reference configuration: the released coordinate.
-    pub way: NodeId,
+    /// Arc length along the chain in the reference configuration: the released coordinate.
+    pub arc_length: NodeId,
 }
 
 impl From<NodeId> for JointNodes {
@@ -58,7 +58,7 @@ impl From<SphericalNodes> for JointNodes {
 
 impl From<SlideNodes> for JointNodes {
     fn from(made: SlideNodes) -> Self {
-        let (frame, released) = (made.frame, vec![made.way]);
+        let (frame, released) = (made.frame, vec![made.arc_length]);
         Self { frame, released }
     }
 }
@@ -142,7 +142,7 @@ impl ModelBuilder {
 }
 
 /// Adds a frame node `name` that slides along the two-node beam elements between `chain`'s nodes,
-/// starting at arc length `origin` of the chain, and the node `name way` of its coordinate. The
+/// starting at arc length `origin` of the chain, and the node `name arc_length` of its coordinate. The
 /// elements interpolate total rotation vectors; [`slide_on`] is for others.
 ///
 /// # Errors
@@ -176,9 +176,9 @@ pub fn slide_on(
     })?;
     let place = along.start().into();
     let joint = Slide::new(along, interpolation);
-    let way = b.coordinates(format!("{name} way"), &[Kind::Length])?;
-    let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], way]).collect();
+    let arc_length = b.coordinates(format!("{name} arc_length"), &[Kind::Length])?;
+    let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
     let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
     let frame = b.mapped_node_along(name, place, joint.boxed(), &segments)?;
-    Ok(SlideNodes { frame, way })
+    Ok(SlideNodes { frame, arc_length })
 }

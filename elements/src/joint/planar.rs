@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
-/// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): masters (frame, way u, way v, angle φ).
+/// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): masters (frame, displacements u, v, angle φ).
 ///
 #[doc = include_str!("../../../docs/images/joints/planar.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Planar {
 }
 
 impl Planar {
-    /// The joint in the plane with a normal, its first way along the part of `first` in that
+    /// The joint in the plane with a normal, its first displacement along the part of `first` in that
     /// plane; an error for axes without a direction or along each other.
     pub fn new(normal: [f64; 3], first: [f64; 3]) -> Result<Self, AxisError> {
         let (normal, first) = (direction(normal)?, direction(first)?);
@@ -41,8 +41,8 @@ impl Joint<9> for Planar {
     fn released(&self) -> &'static [Released] {
         const {
             &[
-                Released::way("way 1"),
-                Released::way("way 2"),
+                Released::displacement("displacement 1"),
+                Released::displacement("displacement 2"),
                 Released::angle("angle"),
             ]
         }
@@ -50,9 +50,9 @@ impl Joint<9> for Planar {
 }
 
 /// Adds a frame node `name` at the place of `master` that slides in the plane with `normal` and
-/// turns about it. The first way goes along `first`, of which the part in the plane counts (both
+/// turns about it. The first displacement is along `first`, of which the part in the plane counts (both
 /// in global components of the reference configuration, carried by the master). The nodes of the
-/// coordinates are `name way 1`, `name way 2` and `name angle`.
+/// coordinates are `name displacement 1`, `name displacement 2` and `name angle`.
 ///
 /// # Errors
 /// [`ModelError::Axis`] for axes without a direction, `AxisError::Parallel` in it for a first

@@ -1,11 +1,11 @@
-//! The prismatic joint: a way along an axis, no turn.
+//! The prismatic joint: a displacement along an axis, no turn.
 
 use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 
-/// d_s = d_m + R_m u e, R_s = R_m: masters (frame, way u).
+/// d_s = d_m + R_m u e, R_s = R_m: masters (frame, displacement u).
 ///
 #[doc = include_str!("../../../docs/images/joints/prismatic.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +28,12 @@ impl Joint<7> for Prismatic {
     }
 
     fn released(&self) -> &'static [Released] {
-        const { &[Released::way("way")] }
+        const { &[Released::displacement("displacement")] }
     }
 }
 
 /// Adds a frame node `name` at the place of `master` that slides along `axis` (global components
-/// of the reference configuration, carried by the master), and the node `name way`.
+/// of the reference configuration, carried by the master), and the node `name displacement`.
 ///
 /// # Errors
 /// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].

@@ -49,14 +49,14 @@ pub struct Joint {
     /// Moment of an actuator on the angle (force along the displacement) as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actuator: Option<Time>,
-    /// The angle or way itself as a function of time.
+    /// The angle or displacement itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Time>,
-    /// Angle or way at the start (dynamics); what hangs on the joint moves along, but not nodes of
+    /// Angle or displacement at the start (dynamics); what hangs on the joint moves along, but not nodes of
     /// their own. In a loop it is kept where the loop closes with it, and a first guess where not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Rate of the angle or way at the start (dynamics); the rates of a loop's other joints follow.
+    /// Rate of the angle or displacement at the start (dynamics); the rates of a loop's other joints follow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
     /// What acts on the coordinates of a joint that releases several, by their names.
@@ -103,7 +103,7 @@ pub struct Gear {
     /// The two joints; of one that releases several coordinates name one, as in `"hub angle 2"`.
     pub joints: [String; 2],
     /// Second coordinate over first one: -z1/z2 for gears with z1 and z2 teeth, the radius of the
-    /// pinion (or less it) for the way of a rack over its angle.
+    /// pinion (or less it) for the displacement of a rack over its angle.
     pub ratio: f64,
 }
 

@@ -48,7 +48,7 @@ pub enum Quantity {
     acceleration,
     /// Rate of the angular velocity of a node, global components.
     angular_acceleration,
-    /// Angle that a revolute joint has released (radians, any number of turns), or way of a slide.
+    /// Angle that a revolute joint has released (radians, any number of turns), or arc length of a slide.
     joint_coordinate,
     /// Its rate.
     joint_rate,

@@ -119,7 +119,8 @@ fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
         ..CoordinateLaw::default()
     };
     let spring = CoordinateSpring::new(law).unwrap();
-    b.element("ring spring", spring, &[ring.way]).unwrap();
+    b.element("ring spring", spring, &[ring.arc_length])
+        .unwrap();
     let motor = CoordinateForce::new(Constant(5.0));
     b.element("motor", motor, &[hinge.angle]).unwrap();
     for dof in [Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY] {
@@ -131,7 +132,7 @@ fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
         false => b.support(base, &[Dof::RZ]),
     }
     let q = circle(&mut b);
-    (b.build().unwrap(), [ring.way, q])
+    (b.build().unwrap(), [ring.arc_length, q])
 }
 
 /// Allocations of a run of so many steps, what it did, and how often the ring came to another

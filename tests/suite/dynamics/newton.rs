@@ -60,7 +60,12 @@ impl Joint<8> for PinInSlot {
     }
 
     fn released(&self) -> &'static [Released] {
-        const { &[Released::way("way"), Released::angle("angle")] }
+        const {
+            &[
+                Released::displacement("displacement"),
+                Released::angle("angle"),
+            ]
+        }
     }
 }
 
@@ -74,7 +79,7 @@ impl Joint<7> for PointOnCurve {
     }
 
     fn released(&self) -> &'static [Released] {
-        const { &[Released::way("way")] }
+        const { &[Released::displacement("displacement")] }
     }
 }
 

@@ -106,35 +106,37 @@ fn a_nut_runs_down_its_screw() {
 #[test]
 fn a_cylindrical_joint_falls_and_spins_by_itself() {
     let acts = "coordinates = { angle = { actuator = { constant = 0.3 }, rate = 2.0 }, \
-                way = { spring = { k = 50.0 } } }";
+                displacement = { spring = { k = 50.0 } } }";
     let text = model(
         &format!("type = \"cylindrical\"\naxis = [0, 0, 1]\n{acts}"),
         "inertia = [1, 1, 0.6]",
-        &(coordinate("joint way") + &coordinate("joint angle")),
+        &(coordinate("joint displacement") + &coordinate("joint angle")),
     );
     for row in ran("joint_cylindrical", &text) {
         let t = number(&row, "t");
         assert!((number(&row, "joint angle") - (2.0 * t + 0.25 * t * t)).abs() < 1e-9);
         // u = −m g/k (1 − cos ω t), ω² = 25.
         let way = -2.0 * G / 50.0 * (1.0 - (5.0 * t).cos());
-        assert!((number(&row, "joint way") - way).abs() < 1e-5);
+        assert!((number(&row, "joint displacement") - way).abs() < 1e-5);
     }
 }
 
 #[test]
 fn a_puck_on_a_slope_flies_like_a_stone() {
     // The plane with the normal (0, −1, 1)/√2: half of gravity's square along the slope.
-    let acts = "coordinates = { \"way 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
+    let acts = "coordinates = { \"displacement 1\" = { rate = 3.0 }, angle = { rate = 4.0 } }";
     let text = model(
         &format!("type = \"planar\"\naxis = [0, -1, 1]\nsecond_axis = [1, 0, 0]\n{acts}"),
         "inertia = [1, 2, 2]",
-        &(coordinate("joint way 1") + &coordinate("joint way 2") + &coordinate("joint angle")),
+        &(coordinate("joint displacement 1")
+            + &coordinate("joint displacement 2")
+            + &coordinate("joint angle")),
     );
     let down = -G / 2.0_f64.sqrt();
     for row in ran("joint_planar", &text) {
         let t = number(&row, "t");
-        assert!((number(&row, "joint way 1") - 3.0 * t).abs() < 1e-9);
-        assert!((number(&row, "joint way 2") - 0.5 * down * t * t).abs() < 1e-9);
+        assert!((number(&row, "joint displacement 1") - 3.0 * t).abs() < 1e-9);
+        assert!((number(&row, "joint displacement 2") - 0.5 * down * t * t).abs() < 1e-9);
         assert!((number(&row, "joint angle") - 4.0 * t).abs() < 1e-9);
         assert!((number(&row, "place.x") - 3.0 * t).abs() < 1e-9);
         let below = 0.5 * down * t * t / 2.0_f64.sqrt();

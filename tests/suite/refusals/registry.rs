@@ -42,8 +42,8 @@ impl Joint<9> for Bench {
     fn released(&self) -> &'static [Released] {
         const {
             &[
-                Released::way("left"),
-                Released::way("right"),
+                Released::displacement("left"),
+                Released::displacement("right"),
                 Released::angle("turn"),
             ]
         }

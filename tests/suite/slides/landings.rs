@@ -20,7 +20,7 @@ fn errors(
     let progress = observed(&mut model, [&[], &[v]], &options, &mut |model, step| {
         let t = step.progress.state.t;
         let exact = track.exact(s, v, t);
-        let found = model.coordinate(beads[0].way, 0).unwrap();
+        let found = model.coordinate(beads[0].arc_length, 0).unwrap();
         worst[0] = worst[0].max((s + found[0] - exact[0]).abs());
         worst[1] = worst[1].max((found[1] - exact[1]).abs());
         let place = model.node_state(beads[0].frame).place - track.velocity * t;
@@ -87,7 +87,7 @@ fn a_bead_that_starts_on_a_corner_moves_either_way_or_rests() {
             [&[], &[]],
             &tight(Scheme::default(), 0.5, h),
             &mut |m, _| {
-                worst = worst.max(m.coordinate(beads[0].way, 0).unwrap()[0].abs());
+                worst = worst.max(m.coordinate(beads[0].arc_length, 0).unwrap()[0].abs());
             },
         );
         // A step of its weight at most, again and again.

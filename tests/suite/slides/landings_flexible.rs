@@ -89,7 +89,7 @@ impl Chain {
                 v[unknown] = *w;
             }
         }
-        self.model.set(&mut v, self.bead.way, 0, 5.0);
+        self.model.set(&mut v, self.bead.arc_length, 0, 5.0);
         v
     }
 
@@ -101,7 +101,7 @@ impl Chain {
             [place.x, place.y, place.z]
         });
         let mut all: Vec<f64> = places.collect();
-        all.extend(&self.model.coordinate(self.bead.way, 0).unwrap()[..2]);
+        all.extend(&self.model.coordinate(self.bead.arc_length, 0).unwrap()[..2]);
         all
     }
 }

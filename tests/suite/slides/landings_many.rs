@@ -22,12 +22,12 @@ fn worst(
 ) -> (f64, Progress) {
     let mut v = vec![0.0; beads.len()];
     for (bead, (_, start)) in beads.iter().zip(ways) {
-        model.set(&mut v, bead.way, 0, start[1]);
+        model.set(&mut v, bead.arc_length, 0, start[1]);
     }
     let mut worst = 0.0_f64;
     let progress = observed(model, [&[], &v], options, &mut |model, step| {
         for (bead, (track, [s, v])) in beads.iter().zip(ways) {
-            let found = model.coordinate(bead.way, 0).unwrap();
+            let found = model.coordinate(bead.arc_length, 0).unwrap();
             let exact = track.exact(*s, *v, step.progress.state.t);
             let error = Vector2::new(s + found[0], found[1]) - exact;
             worst = worst.max(error.amax());
@@ -121,7 +121,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     let run = observed(&mut model, [&[], &[11.0]], &options, &mut |model, step| {
         let s = model.node_state(bead.frame);
         energies.push(0.5 * s.velocity.norm_squared() + G * s.place.z);
-        last = model.coordinate(bead.way, 0).unwrap()[0];
+        last = model.coordinate(bead.arc_length, 0).unwrap()[0];
         let exact = track.exact(0.0, 11.0, step.progress.state.t);
         assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
     });
@@ -169,8 +169,12 @@ fn spring(sides: usize) -> (Model, SlideNodes) {
         k: 1.3 * 4.0,
         ..CoordinateLaw::default()
     };
-    b.element("spring", CoordinateSpring::new(law).unwrap(), &[bead.way])
-        .unwrap();
+    b.element(
+        "spring",
+        CoordinateSpring::new(law).unwrap(),
+        &[bead.arc_length],
+    )
+    .unwrap();
     (b.build().unwrap(), bead)
 }
 

@@ -73,7 +73,7 @@ fn a_mass_on_an_incline_accelerates_uniformly_over_several_elements() {
         observed(&mut model, [&[], &v], &options, &mut |model, step| {
             let t = step.progress.state.t;
             let way = [0.4 * t + 0.3 * G * t * t, 0.4 + 0.6 * G * t];
-            let found = model.coordinate(bead.way, 0).unwrap();
+            let found = model.coordinate(bead.arc_length, 0).unwrap();
             assert!((found[0] - way[0]).abs() < 1e-12, "{found:?} at {t}");
             assert!((found[1] - way[1]).abs() < 1e-11, "{found:?} at {t}");
             let s = model.node_state(bead.frame);
@@ -93,7 +93,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     let mut b = ModelBuilder::new();
     let bead = bead(&mut b, &incline(), 7, 1.4);
     let drive = sine(1.1, 2.5, 0.0);
-    b.prescribe_coordinate(bead.way, 0, Box::new(drive));
+    b.prescribe_coordinate(bead.arc_length, 0, Box::new(drive));
     // Something must be unknown.
     let free = b.node("free", [0.0; 3]).unwrap();
     heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);

@@ -59,14 +59,14 @@ joint!(
     Twins,
     8,
     |q| (along(q[7]), about(q[6]).1),
-    &[Released::angle("a"), Released::way("a")]
+    &[Released::angle("a"), Released::displacement("a")]
 );
 joint!(Long, 7, |q| long(q[6]), &[Released::angle("a")]);
 joint!(
     Idle,
     8,
     |q| about(q[6]),
-    &[Released::angle("a"), Released::way("b")]
+    &[Released::angle("a"), Released::displacement("b")]
 );
 joint!(
     Turning,
@@ -78,7 +78,7 @@ joint!(
     Root,
     7,
     |q| (along((q[6] * q[6]).sqrt()) + Vector3::z() * q[6], still()),
-    &[Released::way("w")]
+    &[Released::displacement("w")]
 );
 
 const RELEASED: &str = "released coordinates";
