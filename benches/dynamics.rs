@@ -121,8 +121,8 @@ fn beam_with_inertia(c: &mut Criterion) {
         ("the same, damped", sections[2].1, Interpolation::Geodesic),
     ];
     for (name, section, interpolation) in total.into_iter().chain(geodesic) {
-        let places = [Vector3::zeros(), Vector3::x()];
-        let beam = interpolation.beam(&places, &|_| Matrix3::identity(), &section);
+        let positions = [Vector3::zeros(), Vector3::x()];
+        let beam = interpolation.beam(&positions, &|_| Matrix3::identity(), &section);
         let beam = beam.expect("a valid beam");
         for (ask, what) in asks {
             let mut measured = evaluation(&*beam, ask);

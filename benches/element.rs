@@ -19,12 +19,12 @@ const LIMIT: f64 = 4.0;
 
 /// A straight beam element of the given number of nodes along e1, and a bent state of it.
 fn beam(nodes: usize, interpolation: Interpolation) -> (Box<dyn Element>, Vec<f64>) {
-    let places: Vec<Vector3<f64>> = (0..nodes)
+    let positions: Vec<Vector3<f64>> = (0..nodes)
         .map(|k| Vector3::x() * k as f64 / (nodes - 1) as f64)
         .collect();
     let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0]).expect("a valid section");
     let beam = interpolation
-        .beam(&places, &|_| Matrix3::identity(), &section)
+        .beam(&positions, &|_| Matrix3::identity(), &section)
         .expect("a valid beam");
     let x = (0..6 * nodes).map(|i| 0.1 * (i as f64).sin()).collect();
     (beam, x)

@@ -117,13 +117,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{:14} {:22} {:>9} {:>11} {:>7}",
         "", "", "hand/ns", "energy/ns", "ratio"
     );
-    let places = [Vector3::zeros(), Vector3::new(0.8, 0.5, -0.3)];
-    let along = (places[1] - places[0]).normalize();
+    let positions = [Vector3::zeros(), Vector3::new(0.8, 0.5, -0.3)];
+    let along = (positions[1] - positions[0]).normalize();
     let frame = pullback::elements::model::frame_along(&along, None);
     let section = Section::diagonal(1e4, [4e3, 4e3], 2.0, [3.0, 4.0])?
         .with_mass(2.0, Matrix3::from_diagonal(&[3.0, 1.0, 2.0].into()));
-    let hand = Beam::<2>::new(&places, &|_| frame, &section)?;
-    let energy = strain_beam(Reissner, &places, &frame, &section)?;
+    let hand = Beam::<2>::new(&positions, &|_| frame, &section)?;
+    let energy = strain_beam(Reissner, &positions, &frame, &section)?;
     compare("Reissner beam", &energy, &hand, &ALL, 45.0);
     let hand = RigidBody::new(2.0, Matrix3::identity(), Vector3::new(0.1, 0.2, 0.3))?;
     let body = FrameInertia {
@@ -131,10 +131,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         drag: 0.0,
     };
     compare("rigid body", &body.into_element(), &hand, &ALL[2..], 60.0);
-    let hand = AxialSpring::new(&places, 3.0, 0.7)?;
+    let hand = AxialSpring::new(&positions, 3.0, 0.7)?;
     let spring = PolynomialSpring {
-        places,
-        rest_length: (places[1] - places[0]).norm(),
+        positions,
+        rest_length: (positions[1] - positions[0]).norm(),
         k: [3.0],
         c: 0.7,
     };
@@ -147,7 +147,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let [at_rest, moving] = {
         let element = Gravity {
-            place: places[1],
+            position: positions[1],
             center: Vector3::zeros(),
             mu: 3.0,
             mass: 2.0,
@@ -162,9 +162,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         )
     };
     let one = Matrix6::identity();
-    let hand = Bushing::new(&places, &Matrix3::identity(), &(one * 3.0), &(one * 0.7))?;
+    let hand = Bushing::new(&positions, &Matrix3::identity(), &(one * 3.0), &(one * 0.7))?;
     let joint = ElasticJoint {
-        u0: places[1] - places[0],
+        u0: positions[1] - positions[0],
         K: one * 3.0,
         D: one * 0.7,
     };

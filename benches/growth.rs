@@ -16,7 +16,7 @@ const ANALYSES: [(&str, &str); 2] = [
     ("dynamics", "dynamic = { to = 5e-4, step = 1e-4 }"),
 ];
 
-/// A rod that hangs on a hinge, under its weight.
+/// A rod that is attached to a hinge, under its weight.
 fn model(elements: usize, analysis: &str) -> String {
     format!(
         r#"

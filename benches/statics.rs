@@ -16,8 +16,8 @@ fn rollup(elements: usize) -> Model {
     let root = builder.node("root", [0.0; 3]).expect("a new name");
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).expect("a new name");
     let axis = Straight {
-        from: builder.place(root),
-        to: builder.place(tip),
+        from: builder.position(root),
+        to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -31,7 +31,7 @@ fn rollup(elements: usize) -> Model {
         .expect("a straight line");
     builder.support(root, &Dof::ALL);
     let moment = NodalLoad::new(
-        Which::SpatialMoment,
+        LoadKind::SpatialMoment,
         [0.0, 0.0, 8.0 * PI],
         Proportional(1.0),
     );

@@ -20,7 +20,7 @@ fn main() -> Result<(), Failure> {
     let tip = model.node("tip", arc.at(1.0).0.into())?;
     model.line("arc", &arc, [root, tip], &line)?;
     model.support(root, &Dof::ALL);
-    let force = NodalLoad::new(Which::DeadForce, [0.0, 0.0, 600.0], Proportional(1.0));
+    let force = NodalLoad::new(LoadKind::DeadForce, [0.0, 0.0, 600.0], Proportional(1.0));
     model.element("tip force", force, &[tip])?;
     let mut model = model.build()?;
 

@@ -18,7 +18,7 @@ impl Joint<7> for Screw {
         let (axis, angle) = (Vector3::from(self.axis), q[6]);
         let way = axis.map(S::constant) * (angle * (self.pitch / TAU));
         let turn = Quaternion::about(&axis, angle);
-        Pose::of(q, 0).moved(&way).turned(&turn)
+        Pose::of(q, 0).translated(&way).rotated(&turn)
     }
 
     fn released(&self) -> &'static [Released] {
@@ -49,7 +49,7 @@ fn model(push: f64) -> Result<Model, Box<dyn Error>> {
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     builder.element("mass", mass, &[bob])?;
     builder.element("weight", weight, &[bob])?;
-    let push = NodalLoad::new(Which::DeadForce, [push, 0.0, 0.0], Proportional(1.0));
+    let push = NodalLoad::new(LoadKind::DeadForce, [push, 0.0, 0.0], Proportional(1.0));
     builder.element("push", push, &[nut])?;
     Ok(builder.build()?)
 }
@@ -75,7 +75,7 @@ fn at_rest() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Time in which it falls from the amplitude to the lowest place, a quarter of the period of
+/// Time in which it falls from the amplitude to the lowest position, a quarter of the period of
 /// (m l² + m p²/4π²) φ̈ = −m g l sin φ: a complete elliptic integral, by the arithmetic-geometric
 /// mean.
 fn quarter() -> f64 {
@@ -100,7 +100,7 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
         errors.push(progress.state.q[0].abs());
     }
     let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
-    println!("in motion: {errors:?} from the lowest place, orders {orders:.3?}");
+    println!("in motion: {errors:?} from the lowest position, orders {orders:.3?}");
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.05));
     assert!(errors[2] < 1e-4);
     Ok(())

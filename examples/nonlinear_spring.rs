@@ -40,7 +40,7 @@ fn model(force: f64) -> Result<Model, Box<dyn std::error::Error>> {
     };
     builder.element("spring", spring.into_element(), &[wall, slider])?;
     builder.element("mass", PointMass::new(MASS)?, &[slider])?;
-    let pull = NodalLoad::new(Which::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
+    let pull = NodalLoad::new(LoadKind::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
     builder.element("pull", pull, &[slider])?;
     Ok(builder.build()?)
 }

@@ -10,24 +10,19 @@ struct Slot {
     along: Vector3<f64>,
     /// Along the pin, likewise.
     pin: Vector3<f64>,
-    /// Way from the middle to either end.
+    /// Distance from the middle to either end.
     end: f64,
 }
 
 impl Joint<8> for Slot {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         Pose::of(q, 0)
-            .moved(&(self.along.map(S::constant) * q[6]))
-            .turned(&Quaternion::about(&self.pin, q[7]))
+            .translated(&(self.along.map(S::constant) * q[6]))
+            .rotated(&Quaternion::about(&self.pin, q[7]))
     }
 
     fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::displacement("displacement"),
-                Released::angle("angle"),
-            ]
-        }
+        const { &[Released::displacement("along"), Released::angle("angle")] }
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
@@ -58,7 +53,7 @@ fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Model, Box<dyn
     };
     let JointNodes { frame, released } = builder.attach("pin", ground, slot)?;
     let [way, angle] = released[..] else {
-        return Err("the slot releases a way and an angle".into());
+        return Err("the slot releases a displacement and an angle".into());
     };
     let bob = offset(&mut builder, "bob", frame, [0.0, 0.0, -LENGTH])?;
     let mass = PointMass::new(BOB)?;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// A point on a cycloid that is wound around an upright cylinder; it does not turn.
 #[derive(Clone)]
 struct Wound {
-    /// Radius of the wheel that draws the cycloid: the lowest place has the parameter 0.
+    /// Radius of the wheel that draws the cycloid: the lowest position has the parameter 0.
     wheel: f64,
     /// Radius of the cylinder.
     cylinder: f64,
@@ -18,8 +18,8 @@ impl Joint<7> for Wound {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         let (s, p) = (q[6], self.wheel / self.cylinder);
         let (around, up) = ((s + s.sin()) * p, (-s.cos() + 1.0) * p);
-        let place = Vector3::new(around.cos() - 1.0, around.sin(), up).map(|x| x * self.cylinder);
-        Pose::of(q, 0).moved(&place)
+        let seen = Vector3::new(around.cos() - 1.0, around.sin(), up).map(|x| x * self.cylinder);
+        Pose::of(q, 0).translated(&seen)
     }
 
     fn released(&self) -> &'static [Released] {
@@ -72,7 +72,7 @@ fn at_rest() -> Result<(), Box<dyn Error>> {
 }
 
 /// The cycloid is Huygens' tautochrone, also when it is wound: the way along it from the lowest
-/// place, 4 a sin(s/2), swings with ω = ½ √(g/a) from any height.
+/// position, 4 a sin(s/2), swings with ω = ½ √(g/a) from any height.
 fn in_motion() -> Result<(), Box<dyn Error>> {
     let quarter = PI * (WHEEL / G).sqrt();
     for amplitude in [0.3, 1.5, 2.8] {
@@ -86,7 +86,7 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
             })?;
             errors.push(progress.state.q[0].abs());
         }
-        println!("from {amplitude}: {errors:?} from the lowest place");
+        println!("from {amplitude}: {errors:?} from the lowest position");
         for pair in errors.windows(2) {
             let order = (pair[0] / pair[1]).log2();
             assert!((order - 2.0).abs() < 0.1, "order {order}");

@@ -44,11 +44,11 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
     for (k, name) in ["first", "second"].into_iter().enumerate() {
-        let (mut axis, mut place) = ([0.0; 3], [0.0; 3]);
-        (axis[k], place[k]) = (1.0, trammel().start[k]);
+        let (mut axis, mut position) = ([0.0; 3], [0.0; 3]);
+        (axis[k], position[k]) = (1.0, trammel().start[k]);
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let way = builder.mapped_coordinates(format!("{name} way"), &[Kind::Length], pick, &[x])?;
-        let slider = builder.hang(name, place, Prismatic::new(axis)?, &[ground, way])?;
+        let slider = builder.hang(name, position, Prismatic::new(axis)?, &[ground, way])?;
         let mass = PointMass::new(MASS)?;
         let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));
         builder.element(format!("mass of {name}"), mass, &[slider])?;

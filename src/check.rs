@@ -188,11 +188,13 @@ struct Line<'a> {
 
 fn lines(report: &Report, all: bool) -> String {
     let mut lines: Vec<Line<'_>> = Vec::new();
-    let mut places = HashMap::new();
+    let mut positions = HashMap::new();
     for row in report.rows() {
         let law = if all { row.law.as_str() } else { "" };
         let family = family(&row.component);
-        let k = *places.entry((family.clone(), law)).or_insert(lines.len());
+        let k = *positions
+            .entry((family.clone(), law))
+            .or_insert(lines.len());
         if k == lines.len() {
             lines.push(Line {
                 family,

@@ -7,7 +7,7 @@
 //! - **Frames.** All vectors are in components of one fixed frame (e1, e2, e3), also the rotation
 //!   vector Ψ at every node. The section axes (E₁, E₂, E₃), E₁ along the beam, serve only for
 //!   section laws, strains Γ, K and resultants N, M.
-//! - **Coordinates.** A frame node has six, in this order: displacement d from its reference place
+//! - **Coordinates.** A frame node has six, in this order: displacement d from its reference position
 //!   (x, y, z), then rotation vector Ψ from its reference orientation (rx, ry, rz) in radians. Ψ
 //!   lives in a chart and is replaced by its complement when it has grown beyond π.
 //! - **Residual.** r = f_ext − f_int − f_acc, and K = −∂r/∂q, C = −∂r/∂q̇, M = −∂r/∂q̈. Newton's
@@ -27,8 +27,8 @@
 //! let root = builder.node("root", [0.0; 3])?;
 //! let tip = builder.node("tip", [length, 0.0, 0.0])?;
 //! let axis = Straight {
-//!     from: builder.place(root),
-//!     to: builder.place(tip),
+//!     from: builder.position(root),
+//!     to: builder.position(tip),
 //!     second: None,
 //!     twist: 0.0,
 //! };
@@ -36,7 +36,7 @@
 //! let line = Line { elements: 10, order: 1, section };
 //! builder.line("beam", &axis, [root, tip], &line)?;
 //! builder.support(root, &Dof::ALL);
-//! let load = NodalLoad::new(Which::SpatialMoment, [0.0, 0.0, moment], Proportional(1.0));
+//! let load = NodalLoad::new(LoadKind::SpatialMoment, [0.0, 0.0, moment], Proportional(1.0));
 //! builder.element("tip moment", load, &[tip])?;
 //! let mut model = builder.build()?;
 //!
@@ -135,7 +135,7 @@ pub mod prelude {
         gear, helical, offset, on_curve, on_surface, planar, prismatic, rack, revolute, slide,
         spherical, universal, weld,
     };
-    pub use pullback_elements::load::{CoordinateForce, LineLoad, NodalLoad, Which};
+    pub use pullback_elements::load::{CoordinateForce, LineLoad, LoadKind, NodalLoad};
     pub use pullback_elements::model::{
         Arc, Audit, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState,
         RigidMotion, Straight,

@@ -133,7 +133,7 @@ impl Method {
         }
     }
 
-    /// The orders of places, velocities and accelerations in this formulation where multipliers hold
+    /// The orders of positions, velocities and accelerations in this formulation where multipliers hold
     /// equations.
     pub fn orders_with_multipliers(&self) -> [usize; 3] {
         let most = self.order();

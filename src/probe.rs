@@ -226,7 +226,7 @@ impl Probe {
                     own.map_or_else(|_| Vector3::zeros(), |k| part(&all[k]))
                 };
                 match self.quantity {
-                    Quantity::position => state.place,
+                    Quantity::position => state.position,
                     Quantity::chart_rotation => state.psi,
                     Quantity::rotation => {
                         self.continued = continue_rotation(&self.continued, &state.psi);

@@ -1,4 +1,4 @@
-//! Running the analysis of a job: the one place that calls the solvers.
+//! Running the analysis of a job: the one position that calls the solvers.
 
 use crate::input::Plan;
 use pullback_elements::model::Model;

@@ -180,7 +180,7 @@ pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
     model.locked().into_iter().map(|(joint, x, equations)| {
         format!(
             "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
-             {x} coordinates free. If it should, see whether axes and places are given with all \
+             {x} coordinates free. If it should, see whether axes and positions are given with all \
              their digits; if not, weld it"
         )
     })

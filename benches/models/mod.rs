@@ -22,8 +22,8 @@ fn line(
     section: Section,
 ) -> LineNodes {
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -35,7 +35,7 @@ fn line(
     b.line(name, &axis, ends, &line).expect("a straight line")
 }
 
-fn load(b: &mut ModelBuilder, name: &str, which: Which, value: [f64; 3], node: NodeId) {
+fn load(b: &mut ModelBuilder, name: &str, which: LoadKind, value: [f64; 3], node: NodeId) {
     let load = NodalLoad::new(which, value, Constant(1.0));
     b.element(name, load, &[node]).expect("one node");
 }
@@ -48,11 +48,11 @@ pub fn flying(elements: usize) -> Model {
     let ends = [[6.0, 0.0, 0.0], [0.0, 0.0, 8.0]];
     let (mut b, line) = beam(elements, ends, section);
     let lower = line.nodes[0];
-    load(&mut b, "force", Which::DeadForce, [8.0, 0.0, 0.0], lower);
+    load(&mut b, "force", LoadKind::DeadForce, [8.0, 0.0, 0.0], lower);
     load(
         &mut b,
         "moment",
-        Which::SpatialMoment,
+        LoadKind::SpatialMoment,
         [0.0, 80.0, 0.0],
         lower,
     );
@@ -71,9 +71,9 @@ pub fn falling(elements: usize) -> Model {
     b.support(line.nodes[0], &Dof::ALL);
     let weight = [0.0, 0.0, -9.81 * section.inertia.mass];
     for (k, nodes) in line.nodes.windows(2).enumerate() {
-        let places = [b.place(nodes[0]), b.place(nodes[1])];
-        let load = LineLoad::new(&places, weight, false, Box::new(Constant(1.0)));
-        let load = load.expect("two places");
+        let positions = [b.position(nodes[0]), b.position(nodes[1])];
+        let load = LineLoad::new(&positions, weight, false, Box::new(Constant(1.0)));
+        let load = load.expect("two positions");
         b.element(format!("weight {k}"), load, nodes)
             .expect("two nodes");
     }

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::system::Weights;
 
 /// Time, coordinates, velocities and accelerations of an element: those of its nodes, one after
-/// the other. A frame node has six, (d, Ψ): displacement from its reference place and rotation
+/// the other. A frame node has six, (d, Ψ): displacement from its reference position and rotation
 /// vector from its reference orientation, both in global components.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
@@ -89,13 +89,13 @@ pub trait Combined {
 /// Rotations beyond this angle are refused: T is singular at 2π, T⁻¹ unbounded.
 pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 
-/// Forces at one place of an element, for output.
+/// Forces at one position of an element, for output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionState {
-    /// Place of the cross-section's centre in the reference configuration, global components.
+    /// Position of the cross-section's centre in the reference configuration, global components.
     pub reference: Vector3<f64>,
-    /// Current place, global components.
-    pub place: Vector3<f64>,
+    /// Current position, global components.
+    pub position: Vector3<f64>,
     /// Current orientation R(Ψ)R₀: section axes e₁, e₂, e₃ as columns, global components.
     pub frame: Matrix3<f64>,
     /// Strains Γ (elongation and two shears), components in the section axes.
@@ -186,7 +186,7 @@ pub trait Element: Send + Sync {
         !self.is_load()
     }
 
-    /// Whether rotations of its nodes matter to it; one that takes their places alone says no, and
+    /// Whether rotations of its nodes matter to it; one that takes their positions alone says no, and
     /// leaves them free to turn against each other as often as they like.
     fn sees_rotations(&self) -> bool {
         true

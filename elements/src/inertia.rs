@@ -23,7 +23,7 @@ use pullback_manifold::system::Weights;
 pub struct Inertia {
     /// Mass m (Aρ of a section).
     pub mass: f64,
-    /// First moment S = m c, c the place of the mass centre.
+    /// First moment S = m c, c the position of the mass centre.
     pub S: Vector3<f64>,
     /// Moments of inertia J about the origin, 3×3, symmetric.
     pub J: Matrix3<f64>,

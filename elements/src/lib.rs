@@ -12,7 +12,7 @@
 //!   assembles them into a [`System`](pullback_manifold::system::System).
 //!
 //! # Conventions
-//! A frame node has the coordinates (d, Ψ): displacement from its reference place and rotation
+//! A frame node has the coordinates (d, Ψ): displacement from its reference position and rotation
 //! vector from its reference orientation, in global components e1, e2, e3. The residual is
 //! r = f_ext − f_int − f_acc, tangents are its negative derivatives, matrices stand column by
 //! column. Cross-sections have axes E₁ (along the beam), E₂, E₃; stress resultants N, M and strains

@@ -36,10 +36,10 @@ pub enum Cause {
     TooManyIterations,
     /// The estimate of the local error asks for steps below the smallest.
     Inaccurate,
-    /// A place on the path lies within the step, but cannot be found in it.
+    /// A position on the path lies within the step, but cannot be found in it.
     Unlocated {
-        /// Which, in words.
-        place: String,
+        /// LoadKind, in words.
+        position: String,
     },
 }
 
@@ -96,7 +96,7 @@ pub(crate) enum Failure {
 }
 
 /// What an iteration left behind when it failed.
-pub(crate) struct Wreck<'a> {
+pub(crate) struct FailureContext<'a> {
     pub failure: Failure,
     pub r: &'a [f64],
     pub S: &'a [f64],
@@ -107,21 +107,21 @@ impl FailedStep {
     /// Names what failed. `steps` and `rejected` are those before this attempt.
     pub(crate) fn new<Y: System + ?Sized>(
         system: &Y,
-        wreck: Wreck<'_>,
+        context: FailureContext<'_>,
         along: Along,
         [from, to]: [f64; 2],
         steps: usize,
         rejected: usize,
         spent: Spent,
     ) -> Self {
-        let cause = match wreck.failure {
+        let cause = match context.failure {
             Failure::System(error) => Cause::System(error),
             Failure::Diverged => Cause::Diverged,
             Failure::OffPath => Cause::OffPath,
             Failure::TooManyIterations => Cause::TooManyIterations,
             Failure::Inaccurate => Cause::Inaccurate,
             Failure::Unlocated(event) => Cause::Unlocated {
-                place: match event {
+                position: match event {
                     Event::TurningPoint => "a turning point".to_owned(),
                     Event::Load(load) => format!("load parameter {load}"),
                     Event::Coordinate { unknown, value } => {
@@ -131,11 +131,11 @@ impl FailedStep {
             },
             Failure::Linear(error) => Cause::Linear {
                 error,
-                mechanism: mechanism(system, wreck.S),
+                mechanism: mechanism(system, context.S),
             },
         };
         let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
-        for (i, r) in wreck.r.iter().enumerate() {
+        for (i, r) in context.r.iter().enumerate() {
             let entry = &mut worst[system.kind(i).index()];
             if entry.is_none_or(|(_, largest)| r.abs() > largest) {
                 *entry = Some((i, r.abs()));
@@ -146,7 +146,7 @@ impl FailedStep {
             along,
             from,
             to,
-            history: wreck.history.to_vec(),
+            history: context.history.to_vec(),
             worst: Kind::ALL
                 .into_iter()
                 .filter_map(|kind| {
@@ -294,9 +294,9 @@ impl fmt::Display for FailedStep {
             Cause::Inaccurate => f.write_str(
                 "the estimate of the local error asks for steps below min_step; raise the tolerance",
             )?,
-            Cause::Unlocated { place } => write!(
+            Cause::Unlocated { position } => write!(
                 f,
-                "the path passes {place} in this step, but no equilibrium is found there: it may \
+                "the path passes {position} in this step, but no equilibrium is found there: it may \
                  jump or branch, and then an imperfection makes it smooth; or displacements are too \
                  small beside the loads, and then a larger load_scale makes steps follow them"
             )?,

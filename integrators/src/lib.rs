@@ -15,10 +15,10 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod check;
+mod convergence;
 pub mod dynamics;
 mod failure;
 pub mod linear_solver;
-mod outlook;
 mod rounding;
 pub mod spectrum;
 pub mod statics;

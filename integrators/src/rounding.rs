@@ -4,7 +4,7 @@ use pullback_manifold::system::{Kind, System};
 
 /// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
-/// place makes it as large as it likes. Gaps of multipliers have no spring in them: what the
+/// position makes it as large as it likes. Gaps of multipliers have no spring in them: what the
 /// prediction leaves of one is a fair measure. Nothing is asked for below `least`.
 pub(crate) fn allowed(
     measures: [f64; 3],
@@ -94,7 +94,7 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
 /// multipliers count as `multiplier`.
 ///
 /// Coordinates count with their [`System::magnitude`] and with `least` of them at least: a small
-/// displacement is the difference of places that are not small.
+/// displacement is the difference of positions that are not small.
 #[allow(non_snake_case)]
 fn find_rounding<Y: System + ?Sized>(
     system: &Y,

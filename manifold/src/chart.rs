@@ -1,7 +1,7 @@
 //! Charts: coordinates of a configuration manifold, where they are valid, and how to change them.
 //!
 //! Leaves: [`Euclidean`] space, the [`Circle`] with an unbounded angle, rotations by
-//! [`RotationVector`], and [`Product`]s such as [`Frame`], a place and an orientation.
+//! [`RotationVector`], and [`Product`]s such as [`Frame`], a position and an orientation.
 
 #![allow(non_snake_case)]
 
@@ -266,5 +266,5 @@ impl<M: Map<D, D>, const D: usize> Map<D, D> for Either<M> {
     }
 }
 
-/// A place and an orientation, E³ × SO(3): the coordinates (d, Ψ) of a node.
+/// A position and an orientation, E³ × SO(3): the coordinates (d, Ψ) of a node.
 pub type Frame = Product<Euclidean, RotationVector, 3, 3>;

@@ -94,7 +94,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         CHART_EDGE
     }
 
-    /// Changes the charts in which φ gives its values (the sheet of a logarithm, the segment of a
+    /// Changes the charts in which φ gives its values (the branch of a logarithm, the segment of a
     /// curve) where another one is better at q. Called at converged states only: within a step φ
     /// stays one smooth function. Nothing to do by default.
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
@@ -102,7 +102,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         ChartChanges::default()
     }
 
-    /// Whether a frame that hangs on the map moves with a rigid motion of all frames that the map
+    /// Whether a frame that is attached to the map moves with a rigid motion of all frames that the map
     /// reads: true for joints between bodies, and by default; false for what is tied to space.
     fn is_objective(&self) -> bool {
         true
@@ -170,7 +170,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         let _ = segment;
     }
 
-    /// Which of several sets of masters φ reads at present, for a map that travels along a chain of
+    /// Which of several sets of parents φ reads at present, for a map that travels along a chain of
     /// elements; 0 for every other map.
     fn segment(&self) -> usize {
         0

@@ -439,7 +439,7 @@ pub trait System {
         format!("coordinate {i}")
     }
 
-    /// Size of the numbers that coordinate `i` is added to, such as a place in space: the rounding
+    /// Size of the numbers that coordinate `i` is added to, such as a position in space: the rounding
     /// errors of the sum are theirs. The scale of its kind by default.
     fn magnitude(&self, i: usize) -> f64 {
         self.scales().coordinate[self.kind(i).index()]

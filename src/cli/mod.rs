@@ -249,7 +249,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
     }
 }
 
-/// Prints a refusal with the place in the file.
+/// Prints a refusal with the position in the file.
 fn complain(error: &InputError) {
     tell(error.report(io::stderr().is_terminal()));
 }

@@ -16,7 +16,7 @@ pub(super) struct Arguments {
     /// all there are.
     #[arg(long, value_delimiter = ',', default_value = spectrum::SCHEMES)]
     schemes: Vec<String>,
-    /// Smallest Ω of the files that --out asks for; the table has places of its own.
+    /// Smallest Ω of the files that --out asks for; the table has positions of its own.
     #[arg(long, default_value_t = FROM, allow_hyphen_values = true)]
     from: f64,
     /// Largest Ω of the files.
@@ -37,7 +37,7 @@ pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
         }
         if asked.out.is_none() && [asked.from, asked.to] != [FROM, TO] {
             tell(
-                "note: --from and --to are for files, which --out asks for; the table has places of its own",
+                "note: --from and --to are for files, which --out asks for; the table has positions of its own",
             );
         }
         Ok(table)

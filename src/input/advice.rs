@@ -45,7 +45,7 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
 /// What a message of the parser alone does not tell.
 fn explanation(message: &str) -> Option<String> {
     let told = if message.contains("an array of length 3") {
-        "three numbers in brackets are expected, such as [X, Y, Z] of a place or [Fx, Fy, Fz] of a \
+        "three numbers in brackets are expected, such as [X, Y, Z] of a position or [Fx, Fy, Fz] of a \
          force; decimals stand after a point"
     } else if message.contains("an array of length 2") {
         "two numbers in brackets are expected, such as GA = [GA2, GA3] of a section or [t, value] of \
@@ -132,7 +132,7 @@ impl Problem {
             }
             Self::Empty => "describe at least [nodes] and [[lines]], [[bodies]] or [[springs]]",
             Self::Number { .. } => "numbers must be finite and below 1e100; choose other units",
-            Self::Missing { what: "nodes" } => "add [nodes] with places such as A = [0, 0, 0]",
+            Self::Missing { what: "nodes" } => "add [nodes] with positions such as A = [0, 0, 0]",
             Self::Missing { .. } => "add at least one of [[lines]], [[bodies]], [[springs]]",
             Self::Duplicate { .. } => "give each its own name",
             Self::Name { what: "title", .. } => {
@@ -175,7 +175,7 @@ impl Problem {
             }
             Self::LoopLocked { .. } => {
                 "remove it; if it should move, release something along the loop, or see whether axes \
-                 and places are given with all their digits"
+                 and positions are given with all their digits"
             }
             Self::LoopMotion { .. } => {
                 "give a joint of the loop a `rate`, or the velocities to nodes or lines outside it"

@@ -42,7 +42,7 @@ impl Asked {
     }
 }
 
-/// The unknowns of a node's place (first), of its rotation (second), or both.
+/// The unknowns of a node's position (first), of its rotation (second), or both.
 pub(super) fn unknowns(
     model: &Model,
     node: NodeId,

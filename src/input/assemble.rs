@@ -51,7 +51,7 @@ pub struct Geometry {
 pub struct BodyGeometry {
     /// Node that moves with it.
     pub node: NodeId,
-    /// Place of its centre of mass as seen from the node, in the reference configuration.
+    /// Position of its centre of mass as seen from the node, in the reference configuration.
     pub center: Vector3<f64>,
 }
 
@@ -333,23 +333,23 @@ fn add_nodes(
     file: &ModelFile,
 ) -> Result<Names<NodeId>, InputError> {
     let mut order: Vec<(&String, &[f64; 3])> = file.nodes.iter().collect();
-    order.sort_by_key(|(name, _)| source.places.key(&["nodes", name]).map(|s| s.start));
+    order.sort_by_key(|(name, _)| source.positions.key(&["nodes", name]).map(|s| s.start));
     let mut nodes = Names::new("node");
-    for (name, &place) in order {
+    for (name, &position) in order {
         let path = ["nodes", name.as_str()];
         if !usable_name(name) {
             let (what, name) = ("node", name.clone());
             return Err(source.key(&path, Problem::Name { what, name }));
         }
         let id = builder
-            .node(name.clone(), place)
+            .node(name.clone(), position)
             .map_err(|error| source.value(&path, Problem::Model(error)))?;
         nodes.add(name.clone(), id);
     }
     Ok(nodes)
 }
 
-/// The place of a problem that only the whole model shows: the node, or the line it lies in.
+/// The position of a problem that only the whole model shows: the node, or the line it lies in.
 pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
     let node = match &error {
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),

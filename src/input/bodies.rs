@@ -78,7 +78,7 @@ pub(super) fn springs(
             nodes.find(source, &path, &spring.nodes[0])?,
             nodes.find(source, &path, &spring.nodes[1])?,
         ];
-        let places = ends.map(|n| builder.place(n));
+        let positions = ends.map(|n| builder.position(n));
         let refuse = |error: SpringError| {
             let problem = Problem::Spring {
                 spring: format!("\"{}\"", spring.name),
@@ -100,7 +100,7 @@ pub(super) fn springs(
             Some(b) => {
                 let damping = b.damping.map_or_else(Matrix6::zeros, matrix);
                 let bushing = Bushing::new(
-                    &places,
+                    &positions,
                     &Matrix3::identity(),
                     &matrix(b.stiffness),
                     &damping,
@@ -109,7 +109,7 @@ pub(super) fn springs(
                 builder.element(name, bushing, &ends)
             }
             None => {
-                let axial = axial_spring(spring, &places).map_err(refuse)?;
+                let axial = axial_spring(spring, &positions).map_err(refuse)?;
                 builder.element(name, axial, &ends)
             }
         };
@@ -118,12 +118,15 @@ pub(super) fn springs(
     Ok(())
 }
 
-fn axial_spring(spring: &Spring, places: &[Vector3<f64>; 2]) -> Result<AxialSpring, SpringError> {
+fn axial_spring(
+    spring: &Spring,
+    positions: &[Vector3<f64>; 2],
+) -> Result<AxialSpring, SpringError> {
     let (k, c) = (
         spring.stiffness.unwrap_or(0.0),
         spring.damping.unwrap_or(0.0),
     );
-    let made = AxialSpring::new(places, k, c)?;
+    let made = AxialSpring::new(positions, k, c)?;
     match spring.rest_length {
         Some(length) => made.with_rest_length(length),
         None => Ok(made),

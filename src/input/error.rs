@@ -161,9 +161,9 @@ pub enum Problem {
     InitialNothing,
     #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
     Geared { joint: String, key: &'static str },
-    #[error("the node \"{node}\" hangs on a joint and has no {key} of its own")]
+    #[error("the node \"{node}\" is attached to a joint and has no {key} of its own")]
     InitialHung { node: String, key: &'static str },
-    #[error("node \"{node}\" is held there or hangs on a joint: its {key} cannot be chosen")]
+    #[error("node \"{node}\" is held there or is attached to a joint: its {key} cannot be chosen")]
     InitialHeld { node: String, key: &'static str },
     #[error(
         "the initial rates of {of} contradict each other: their loops leave a difference of {left:.3e}"
@@ -211,7 +211,7 @@ pub enum Problem {
         key: &'static str,
         needs: &'static str,
     },
-    #[error("node \"{node}\" hangs on no joint")]
+    #[error("node \"{node}\" is attached to no joint")]
     NoJoint { node: String },
     #[error("the probe \"{probe}\" records {quantity}, which is zero in statics")]
     DynamicProbe {
@@ -254,7 +254,7 @@ impl InputError {
         }
     }
 
-    /// A problem at a place of the text.
+    /// A problem at a position of the text.
     pub fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
         // A span over many lines (a whole table) would print them all: its first line will do.
         let span = span.map(|s| {
@@ -274,7 +274,7 @@ impl InputError {
         }
     }
 
-    /// Line and column of the place, from 1.
+    /// Line and column of the position, from 1.
     pub fn line_column(&self) -> Option<(usize, usize)> {
         let start = self.span.as_ref()?.start;
         let before = self.source.as_ref()?.1.get(..start)?;
@@ -283,7 +283,7 @@ impl InputError {
         Some((line, column))
     }
 
-    /// The refusal with its place in the file and advice, for a terminal.
+    /// The refusal with its position in the file and advice, for a terminal.
     pub fn report(&self, color: bool) -> String {
         let message = self.to_string();
         let mut report = Group::with_title(Level::ERROR.primary_title(&message));

@@ -33,7 +33,7 @@ pub(super) fn start(
 ) -> Result<Start, InputError> {
     let n = model.pattern().dim();
     let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; n]);
-    // All places come before all velocities, whatever their order in the file.
+    // All positions come before all velocities, whatever their order in the file.
     let (mut chosen, mut placed) = (Vec::new(), Vec::new());
     let known = Names::lines(file);
     for (k, initial) in file.initial.iter().enumerate() {
@@ -47,7 +47,7 @@ pub(super) fn start(
         };
         if let Some(node) = node {
             hangs(source, &path, model, node, initial)?;
-            place(source, &path, model, node, initial, &mut q)?;
+            position(source, &path, model, node, initial, &mut q)?;
             let of = [initial.displacement.is_some(), initial.rotation.is_some()];
             placed.extend(asked::unknowns(model, node, of));
         }
@@ -98,7 +98,7 @@ pub(super) fn start(
             omega,
             about: match (initial.about, here) {
                 (Some(about), _) => about.into(),
-                (None, Some([place, _])) => place,
+                (None, Some([position, _])) => position,
                 (None, None) => Vector3::zeros(),
             },
         };
@@ -202,7 +202,7 @@ fn check<'a>(
     whole: &[&str],
     initial: &Initial,
 ) -> Result<(), InputError> {
-    let place = [
+    let position = [
         ("displacement", initial.displacement.is_some()),
         ("rotation", initial.rotation.is_some()),
         (
@@ -210,7 +210,7 @@ fn check<'a>(
             initial.body_angular_velocity.is_some(),
         ),
     ];
-    for (key, given) in place {
+    for (key, given) in position {
         if given && initial.node.is_none() {
             return Err(source.key(&path(key), Problem::InitialNode { key }));
         }
@@ -228,7 +228,7 @@ fn check<'a>(
         let (first, second) = ("angular_velocity", "body_angular_velocity");
         return Err(source.key(&path(second), Problem::InitialTwice { first, second }));
     }
-    let says = place.iter().any(|p| p.1)
+    let says = position.iter().any(|p| p.1)
         || initial.velocity.is_some()
         || initial.angular_velocity.is_some();
     if !says {
@@ -237,7 +237,7 @@ fn check<'a>(
     Ok(())
 }
 
-/// Refuses what a node that hangs on a joint cannot have of its own.
+/// Refuses what a node that is attached to a joint cannot have of its own.
 fn hangs<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
@@ -267,7 +267,7 @@ fn hangs<'a>(
     Ok(())
 }
 
-/// Place and rotation vector of a node at coordinates.
+/// Position and rotation vector of a node at coordinates.
 fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
     let free = model.free_rotation_of(node);
     let first = if free == node { 3 } else { 0 };
@@ -324,7 +324,7 @@ fn folded(psi: [f64; 3]) -> [f64; 3] {
 }
 
 /// Initial displacement and rotation of a node.
-fn place<'a>(
+fn position<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
     model: &Model,

@@ -9,14 +9,14 @@ use pullback_elements::joint::{
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Nothing is released: a rigid link to a node at another place.
+/// Nothing is released: a rigid link to a node at another position.
 #[derive(Deserialize, JsonSchema)]
 struct Offset {
-    /// Place of the node that hangs on it, like that of a node.
+    /// Position of the node that is attached to it, like that of a node.
     position: [f64; 3],
 }
 
-/// Nothing is released: a frame at the same place.
+/// Nothing is released: a frame at the same position.
 #[derive(Deserialize, JsonSchema)]
 struct Weld {}
 
@@ -93,7 +93,7 @@ struct Helical {
 /// Releases the arc length along a curve, and all rotations.
 #[derive(Deserialize, JsonSchema)]
 struct OnCurve {
-    /// Points of the curve, like places of nodes; the parent carries them.
+    /// Points of the curve, like positions of nodes; the parent carries them.
     through: Vec<[f64; 3]>,
     /// Whether it goes on from the last point to the first.
     #[serde(default)]
@@ -106,13 +106,13 @@ struct OnCurve {
 /// Releases two ways on a surface, and all rotations.
 #[derive(Deserialize, JsonSchema)]
 struct OnSurface {
-    /// Where it starts, like the place of a node.
+    /// Where it starts, like the position of a node.
     position: [f64; 3],
     /// The surface, which the parent carries.
     surface: Shape,
 }
 
-/// A surface through the place where a joint starts.
+/// A surface through the position where a joint starts.
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 enum Shape {
@@ -172,14 +172,14 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
         })
         .joint("on-curve", |at, keys: OnCurve| {
-            let origin = at.builder.place(at.parent);
+            let origin = at.builder.position(at.parent);
             let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
             let points: Vec<_> = keys.through.iter().map(seen).collect();
             let curve = Spline::through(&points, keys.closed, keys.start)?;
             Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.parent, curve)?)
         })
         .joint("on-surface", |at, keys: OnSurface| {
-            let origin = at.builder.place(at.parent);
+            let origin = at.builder.position(at.parent);
             let seen = |point: [f64; 3]| (Vector3::from(point) - origin).into();
             let start = seen(keys.position);
             let surface = match keys.surface {

@@ -99,7 +99,7 @@ impl Entry<'_> {
     }
 }
 
-/// Makes joint number `k` of the file, whose parents exist: the node that hangs on it and the nodes
+/// Makes joint number `k` of the file, whose parents exist: the node that is attached to it and the nodes
 /// of the single coordinates that it releases.
 pub(super) fn make(
     source: &Text<'_>,
@@ -144,7 +144,7 @@ pub(super) fn make(
     Ok(JointNodes { frame, released })
 }
 
-/// The nodes that a joint hangs on, and the interpolation of rotations between them.
+/// The nodes that a joint is attached to, and the interpolation of rotations between them.
 fn hangs_on(
     entry: &Entry<'_>,
     nodes: &Names<NodeId>,

@@ -58,8 +58,8 @@ pub(super) fn lay(
         Chosen::Total => Interpolation::Total,
         Chosen::Geodesic => Interpolation::Geodesic,
     };
-    let places = [builder.place(from), builder.place(to)];
-    let axis = axis(source, &path, line, places)?;
+    let positions = [builder.position(from), builder.position(to)];
+    let axis = axis(source, &path, line, positions)?;
     let whole = ["lines", index.as_str()];
     let stands = Line {
         elements: line.elements,
@@ -87,9 +87,9 @@ pub(super) fn lay(
             .step_by(line.order)
             .enumerate()
         {
-            let places: Vec<_> = own.iter().map(|&n| builder.place(n)).collect();
+            let positions: Vec<_> = own.iter().map(|&n| builder.position(n)).collect();
             let frame = |xi: f64| axis.at(stands.parameter(e, xi)).1;
-            let shares = beam::carried(&places, &frame, &section).map_err(|error| {
+            let shares = beam::carried(&positions, &frame, &section).map_err(|error| {
                 let element = format!("{}:{}", line.name, e + 1);
                 let source_error = ModelError::Beam {
                     element,

@@ -8,7 +8,7 @@ use super::file::{Analysis, Body, DofName, Initial, Load, ModelFile, Time};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
 use pullback_elements::beam::Section;
-use pullback_elements::load::{EccentricForce, LineLoad, NodalLoad, Which};
+use pullback_elements::load::{EccentricForce, LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{ModelBuilder, ModelError, NodeId};
 use pullback_elements::time::{Constant, TimeFunction};
 use std::collections::{BTreeMap, HashSet};
@@ -156,8 +156,8 @@ pub(super) fn apply(
             Kind::Line(vector, name) => {
                 let line = known.find(source, &path("line"), name)?;
                 for e in 0..lines[line].elements.len() {
-                    let (nodes, places) = element(builder, &lines[line], e);
-                    let load = LineLoad::new(&places, vector, load.follower, amplitude()?)
+                    let (nodes, positions) = element(builder, &lines[line], e);
+                    let load = LineLoad::new(&positions, vector, load.follower, amplitude()?)
                         .map_err(|error| {
                             let element = format!("load {}", k + 1);
                             let source = error;
@@ -237,11 +237,11 @@ impl Weight {
         model_error: &dyn Fn(ModelError) -> InputError,
     ) -> Result<(), InputError> {
         for e in 0..line.elements.len() {
-            let (nodes, places) = element(builder, line, e);
+            let (nodes, positions) = element(builder, line, e);
             let name = format!("{}:{}:{}", self.name, line.name, e + 1);
             let Some(shares) = line.carried.get(e) else {
                 let force = (self.g * self.mass).into();
-                let whole = LineLoad::new(&places, force, false, amplitude()?);
+                let whole = LineLoad::new(&positions, force, false, amplitude()?);
                 let whole = whole.map_err(|source| {
                     let element = name.clone();
                     model_error(ModelError::Beam { element, source })
@@ -263,7 +263,7 @@ impl Weight {
 
 /// What a load is.
 enum Kind<'a> {
-    Node(Which, [f64; 3], &'a str),
+    Node(LoadKind, [f64; 3], &'a str),
     Line([f64; 3], &'a str),
     Gravity([f64; 3]),
 }
@@ -295,10 +295,10 @@ fn which<'a>(
     match key {
         "force" | "moment" => {
             let which = match (key, load.follower) {
-                ("force", false) => Which::DeadForce,
-                ("force", true) => Which::FollowerForce,
-                (_, false) => Which::SpatialMoment,
-                (_, true) => Which::FollowerMoment,
+                ("force", false) => LoadKind::DeadForce,
+                ("force", true) => LoadKind::FollowerForce,
+                (_, false) => LoadKind::SpatialMoment,
+                (_, true) => LoadKind::FollowerMoment,
             };
             let node = load.node.as_deref().filter(|_| load.line.is_none());
             let node = node.ok_or_else(|| target("node"))?;
@@ -314,12 +314,12 @@ fn which<'a>(
     }
 }
 
-/// Nodes and reference places of an element of a line.
+/// Nodes and reference positions of an element of a line.
 fn element<'a>(
     builder: &ModelBuilder,
     line: &'a LineGeometry,
     e: usize,
 ) -> (&'a [NodeId], Vec<Vector3<f64>>) {
     let nodes = &line.nodes[e * line.order..=(e + 1) * line.order];
-    (nodes, nodes.iter().map(|&n| builder.place(n)).collect())
+    (nodes, nodes.iter().map(|&n| builder.position(n)).collect())
 }

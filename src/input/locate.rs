@@ -13,7 +13,7 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// Reads the structure of a text; one that is no TOML has no places.
+    /// Reads the structure of a text; one that is no TOML has no positions.
     pub fn new(text: &'a str) -> Self {
         Self {
             root: DeTable::parse(text).ok(),

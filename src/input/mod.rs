@@ -44,7 +44,7 @@ use std::path::Path;
 struct Text<'a> {
     name: &'a str,
     text: &'a str,
-    places: Locator<'a>,
+    positions: Locator<'a>,
 }
 
 impl<'a> Text<'a> {
@@ -52,7 +52,7 @@ impl<'a> Text<'a> {
         Self {
             name,
             text,
-            places: Locator::new(text),
+            positions: Locator::new(text),
         }
     }
 
@@ -62,12 +62,12 @@ impl<'a> Text<'a> {
 
     /// A problem of the value at a path.
     fn value(&self, path: &[&str], problem: Problem) -> InputError {
-        self.at(problem, self.places.value(path))
+        self.at(problem, self.positions.value(path))
     }
 
     /// A problem of the key at a path.
     fn key(&self, path: &[&str], problem: Problem) -> InputError {
-        self.at(problem, self.places.key(path))
+        self.at(problem, self.positions.key(path))
     }
 }
 
@@ -94,7 +94,7 @@ impl Registry {
     /// Assembles a parsed file.
     ///
     /// # Errors
-    /// As [`Registry::load`], without places.
+    /// As [`Registry::load`], without positions.
     pub fn job(&self, name: &str, file: &ModelFile) -> Result<Job, InputError> {
         assemble::assemble(&Text::new(name, ""), self, file.clone(), None)
     }
@@ -142,7 +142,7 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
 /// Builds the model that a parsed file describes.
 ///
 /// # Errors
-/// As [`load`], without places.
+/// As [`load`], without positions.
 pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
     job(name, file).map(|job| job.model)
 }
@@ -150,7 +150,7 @@ pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
 /// Assembles a parsed file.
 ///
 /// # Errors
-/// As [`load`], without places.
+/// As [`load`], without positions.
 pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
     Registry::standard().job(name, file)
 }
@@ -158,7 +158,7 @@ pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
 /// As [`job`], with rotations in a formulation other than that of the file's scheme.
 ///
 /// # Errors
-/// As [`load`], without places.
+/// As [`load`], without positions.
 pub fn job_in(name: &str, file: &ModelFile, formulation: Formulation) -> Result<Job, InputError> {
     Registry::standard().job_in(name, file, formulation)
 }
@@ -183,10 +183,10 @@ fn read(path: &Path) -> Result<String, InputError> {
 }
 
 fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
-    if source.places.is_empty() {
+    if source.positions.is_empty() {
         return Err(InputError::whole(Problem::Empty));
     }
-    if let Some((span, number)) = source.places.unusable_number() {
+    if let Some((span, number)) = source.positions.unusable_number() {
         return Err(source.at(Problem::Number { number }, Some(span)));
     }
     let file: ModelFile = toml::from_str(source.text).map_err(|error| {
@@ -196,7 +196,7 @@ fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
     })?;
     // Serde takes the first components of an array that has too many.
     let read = serde_json::to_value(&file).unwrap_or_default();
-    if let Some((span, found, expected)) = source.places.surplus(&read) {
+    if let Some((span, found, expected)) = source.positions.surplus(&read) {
         let problem = Problem::Components { found, expected };
         return Err(source.at(problem, Some(span)));
     }

@@ -82,7 +82,7 @@ fn one(
         source.value(&path("quantity"), problem)
     };
     let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
-    // The frame that hangs on a joint has the joint's name.
+    // The frame that is attached to a joint has the joint's name.
     let (key, node, released) = match (&probe.node, &probe.joint) {
         (None, frame) if joint => ("joint", frame, &None),
         (node, released) => ("node", node, released),
@@ -141,7 +141,7 @@ fn one(
 
 impl Quantity {
     const NODE: &'static str = "a node (and no element)";
-    const FRAME: &'static str = "a joint, or the node that hangs on one (and no element)";
+    const FRAME: &'static str = "a joint, or the node that is attached to one (and no element)";
     const ELEMENT: &'static str = "an element such as \"line:1\" (and no node)";
     const JOINT: &'static str = "a joint (and neither node nor element)";
     const NOTHING: &'static str = "neither node nor element";

@@ -17,18 +17,18 @@ pub type BoxedError = Box<dyn std::error::Error + Send + Sync>;
 pub struct Site<'a> {
     /// Where nodes of joint and coordinates are added.
     pub builder: &'a mut ModelBuilder,
-    /// Name of the joint, and of the node that is to hang on it.
+    /// Name of the joint, and of the node that is to are attached to it.
     pub name: &'a str,
-    /// Node it hangs on; the first one of `chain`.
+    /// Node it is attached to; the first one of `chain`.
     pub parent: NodeId,
-    /// Nodes it hangs on: the parent alone, or all along `lines`.
+    /// Nodes it is attached to: the parent alone, or all along `lines`.
     pub chain: &'a [NodeId],
     /// How the beams along `lines` interpolate rotations between those nodes.
     pub interpolation: Interpolation,
 }
 
 impl Site<'_> {
-    /// Adds a joint at the place of the parent: [`ModelBuilder::attach`].
+    /// Adds a joint at the position of the parent: [`ModelBuilder::attach`].
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -76,7 +76,7 @@ impl Registry {
         joint_types::add_to(Self::default())
     }
 
-    /// Adds a type of joint that hangs on one node, the `parent`; one of the same name is replaced.
+    /// Adds a type of joint that is attached to one node, the `parent`; one of the same name is replaced.
     ///
     /// `make` is given the keys that the file has for it besides those of every joint (`name`,
     /// `type`, `parent`, and what acts on its coordinates). Their names, and what the JSON Schema
@@ -153,7 +153,7 @@ type Make = dyn Fn(&Map<String, Value>, &mut Site<'_>) -> Result<JointNodes, Ref
 
 /// A type of joint.
 pub(super) struct JointType {
-    /// Whether it runs along lines; it hangs on a parent otherwise.
+    /// Whether it runs along lines; it is attached to a parent otherwise.
     pub along: bool,
     /// What the schema says about its own keys.
     pub schema: fn(&mut SchemaGenerator) -> Schema,

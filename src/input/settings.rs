@@ -342,7 +342,7 @@ fn path(
         let problem = Problem::Range {
             key: "stop",
             value: 0.0,
-            expected: "at least one place to stop at, such as { load = 1.0 }",
+            expected: "at least one position to stop at, such as { load = 1.0 }",
         };
         return Err(source.value(&["analysis", kind, "stop"], problem));
     }

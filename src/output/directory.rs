@@ -17,7 +17,7 @@ pub enum OutputError {
         /// Why.
         source: io::Error,
     },
-    /// The place for results is a file.
+    /// The position for results is a file.
     #[error("cannot write results to {}: it is a file, and they take a directory", path.display())]
     File {
         /// The file.

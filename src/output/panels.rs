@@ -88,7 +88,7 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -
         let room = |(q, curves): &(Quantity, Vec<Curve>)| {
             *q == quantity && curves.len() + labels.len() <= CURVES
         };
-        let place = panels.iter().position(room).unwrap_or_else(|| {
+        let position = panels.iter().position(room).unwrap_or_else(|| {
             panels.push((quantity, Vec::new()));
             panels.len() - 1
         });
@@ -101,7 +101,7 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -
                     (row.t, value)
                 }
             });
-            panels[place].1.push(Curve::new(label, points.collect()));
+            panels[position].1.push(Curve::new(label, points.collect()));
             column += 1;
         }
     }

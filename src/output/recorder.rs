@@ -62,7 +62,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as the place of a run that has not ended. `warnings` are those that the
+    /// Marks the directory as the position of a run that has not ended. `warnings` are those that the
     /// model gives rise to.
     ///
     /// # Errors

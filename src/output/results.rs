@@ -117,8 +117,8 @@ pub struct NodeResult {
     pub displacement: [f64; 3],
     /// Rotation vector Ψ in the chart in use, global components.
     pub rotation: [f64; 3],
-    /// Current place.
-    pub place: [f64; 3],
+    /// Current position.
+    pub position: [f64; 3],
     /// Velocity, global components; in dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
@@ -177,7 +177,7 @@ pub(super) fn final_state(
         let result = NodeResult {
             displacement: state.d.into(),
             rotation: state.psi.into(),
-            place: state.place.into(),
+            position: state.position.into(),
             velocity: moving.then(|| state.velocity.into()),
             angular_velocity: moving.then(|| state.omega.into()),
         };

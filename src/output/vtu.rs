@@ -52,7 +52,7 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
     let mut line_number = Vec::new();
     let mut resultants: [Vec<Vector3<f64>>; 4] = Default::default();
     for (l, line) in geometry.lines.iter().enumerate() {
-        let first = points.places.len();
+        let first = points.positions.len();
         for (&node, R0) in line.nodes.iter().zip(&line.frames) {
             points.push(&model.node_state(node), Vector3::zeros(), R0);
         }
@@ -76,7 +76,7 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
     let links = links.map(|ends| (CELL_TYPES[0], ends.map(|n| (n, Vector3::zeros())).to_vec()));
     for (cell_type, all) in bodies.chain(links) {
         for (node, center) in all {
-            connectivity.push(points.places.len());
+            connectivity.push(points.positions.len());
             points.push(&model.node_state(node), center, &Matrix3::identity());
         }
         offsets.push(connectivity.len());
@@ -96,11 +96,11 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
             "<FieldData>\n<DataArray type=\"Float64\" Name=\"load_parameter\" \
              NumberOfTuples=\"1\" format=\"ascii\">\n{load:?}\n</DataArray>\n</FieldData>\n"
         )),
-        points.places.len(),
+        points.positions.len(),
         types.len()
     );
     out += "<Points>\n";
-    vectors(&mut out, "Points", &points.places);
+    vectors(&mut out, "Points", &points.positions);
     out += "</Points>\n<Cells>\n";
     integers(&mut out, "connectivity", "Int64", &connectivity);
     integers(&mut out, "offsets", "Int64", &offsets);
@@ -126,7 +126,7 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
 /// Points with what is known of them.
 #[derive(Default)]
 struct Points {
-    places: Vec<Vector3<f64>>,
+    positions: Vec<Vector3<f64>>,
     displacement: Vec<Vector3<f64>>,
     rotation: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
@@ -139,7 +139,7 @@ impl Points {
     /// are the columns of `R0` there.
     fn push(&mut self, node: &NodeState, center: Vector3<f64>, R0: &Matrix3<f64>) {
         let arm = node.R * center;
-        self.places.push(node.place + arm);
+        self.positions.push(node.position + arm);
         self.displacement.push(node.d + arm - center);
         self.rotation.push(node.psi);
         self.velocity.push(node.velocity + node.omega.cross(&arm));

@@ -9,7 +9,7 @@ use crate::support::independent::{assert_published, extrapolated};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use pullback::studies::gallery;
 
-/// Place, velocity, orientation and angular velocity in axes of the body, or the rates of these.
+/// Position, velocity, orientation and angular velocity in axes of the body, or the rates of these.
 #[derive(Clone, Copy)]
 struct Node {
     x: Vector3<f64>,
@@ -19,7 +19,7 @@ struct Node {
 }
 
 /// Two links of length 5 along e1, of equal elements; the last node of the first and the first node of
-/// the second are one place.
+/// the second are one position.
 struct Arm {
     /// Elements of a link.
     elements: usize,
@@ -38,7 +38,7 @@ fn inertia() -> Vector3<f64> {
 impl Arm {
     fn start(&self) -> Vec<Node> {
         let nodes = (0..2).flat_map(|link| (0..=self.elements).map(move |k| (link, k)));
-        let place =
+        let position =
             |(link, k): (usize, usize)| LINK * (link as f64 + k as f64 / self.elements as f64);
         let at_rest = |x: f64| Node {
             x: Vector3::new(x, 0.0, 0.0),
@@ -46,7 +46,7 @@ impl Arm {
             p: Quaternion::identity(),
             omega: Vector3::zeros(),
         };
-        nodes.map(place).map(at_rest).collect()
+        nodes.map(position).map(at_rest).collect()
     }
 
     /// Turns and lifts the base.
@@ -95,7 +95,7 @@ impl Arm {
                 }
             })
             .collect();
-        // The halves of one place move together.
+        // The halves of one position move together.
         let (one, two) = (n - 1, n);
         let shared = 0.5 * (rates[one].v + rates[two].v);
         [rates[one].v, rates[two].v] = [shared; 2];

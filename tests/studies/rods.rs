@@ -19,7 +19,7 @@ const MASS: f64 = 1.0;
 const INERTIA: f64 = 1e-4;
 const G: f64 = 9.81;
 
-/// Place and angle of a node; of the first and the last node the coordinate of what carries it, nothing, and
+/// Position and angle of a node; of the first and the last node the coordinate of what carries it, nothing, and
 /// the angle.
 type Node = [f64; 3];
 
@@ -28,8 +28,8 @@ trait Carriers {
     /// The coordinates at the start.
     const START: [f64; 2];
 
-    /// Places of the ends.
-    fn places(t: f64, u: [f64; 2]) -> [[f64; 2]; 2];
+    /// Positions of the ends.
+    fn positions(t: f64, u: [f64; 2]) -> [[f64; 2]; 2];
 
     /// Second derivatives of the coordinates where the rod pulls with these forces and leaves its end
     /// this mass.
@@ -54,7 +54,7 @@ impl Carriers for FourBar {
     /// Minus 0.4 is the cosine of the second times the rocker's length.
     const START: [f64; 2] = [FRAC_PI_2, 1.778_292_553_230_099_3];
 
-    fn places(_: f64, [crank, rocker]: [f64; 2]) -> [[f64; 2]; 2] {
+    fn positions(_: f64, [crank, rocker]: [f64; 2]) -> [[f64; 2]; 2] {
         let [(s, c), (t, d)] = [crank.sin_cos(), rocker.sin_cos()];
         [[CRANK * c, CRANK * s], [1.6 + ROCKER * d, ROCKER * t]]
     }
@@ -73,7 +73,7 @@ struct SliderCrank;
 impl Carriers for SliderCrank {
     const START: [f64; 2] = [0.0, 1.4];
 
-    fn places(t: f64, [_, way]: [f64; 2]) -> [[f64; 2]; 2] {
+    fn positions(t: f64, [_, way]: [f64; 2]) -> [[f64; 2]; 2] {
         let angle = if t < 1.0 {
             12.0 * (0.5 * t * t + ((TAU * t).cos() - 1.0) / (TAU * TAU))
         } else {
@@ -91,7 +91,7 @@ impl Carriers for SliderCrank {
 fn placed<C: Carriers>(t: f64, nodes: &[Node]) -> Vec<Node> {
     let mut placed = nodes.to_vec();
     let n = nodes.len() - 1;
-    let ends = C::places(t, [nodes[0][0], nodes[n][0]]);
+    let ends = C::positions(t, [nodes[0][0], nodes[n][0]]);
     for (k, [x, y]) in [(0, ends[0]), (n, ends[1])] {
         [placed[k][0], placed[k][1]] = [x, y];
     }
@@ -136,9 +136,9 @@ fn rates<C: Carriers>(t: f64, nodes: &[Node], l: f64) -> Vec<Node> {
     f
 }
 
-/// Place of the far end, and how far the middle is to the left of the line between the ends, at these times.
+/// Position of the far end, and how far the middle is to the left of the line between the ends, at these times.
 fn motion<C: Carriers>(elements: usize, times: [f64; 3]) -> [[f64; 3]; 3] {
-    let [a, b] = C::places(0.0, C::START);
+    let [a, b] = C::positions(0.0, C::START);
     let [dx, dy] = from_fn(|i| b[i] - a[i]);
     let l = dx.hypot(dy) / elements as f64;
     let along = |k: usize| {
@@ -185,13 +185,13 @@ fn motion<C: Carriers>(elements: usize, times: [f64; 3]) -> [[f64; 3]; 3] {
 
 /// Values at no size of elements. With 64 and 128 elements they are within 4e-6 of those with 128 and 192;
 /// the gallery has six decimals of them.
-fn compare<C: Carriers>(case: &str, times: [f64; 3], [what, part]: [&str; 2], places: usize) {
+fn compare<C: Carriers>(case: &str, times: [f64; 3], [what, part]: [&str; 2], positions: usize) {
     let [coarse, fine] = [64, 128].map(|elements| motion::<C>(elements, times));
     let rows = gallery::run(&[case.to_owned()], None, &mut |_| {}).unwrap();
     for (k, t) in times.into_iter().enumerate() {
         let limit = extrapolated(coarse[k], fine[k]);
         let what = format!("{what} at t = {t}, bent {part}");
-        assert_published(&rows, &what, &limit[..places], 5e-6);
+        assert_published(&rows, &what, &limit[..positions], 5e-6);
         let middle = format!("middle off the line between the ends at t = {t}");
         assert_published(&rows, &middle, &limit[2..], 5e-6);
     }

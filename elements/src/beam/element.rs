@@ -18,7 +18,7 @@ use pullback_manifold::system::Weights;
 /// Why a beam element cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BeamError {
-    /// Two nodes stand at the same place.
+    /// Two nodes stand at the same position.
     #[error("its length is zero: nodes at {at:?} coincide")]
     ZeroLength {
         /// Where.
@@ -61,7 +61,7 @@ pub struct Beam<const NN: usize, I = Total<NN>> {
 }
 
 impl Beam<2> {
-    /// A beam element through two, three or four reference places (equidistant in the parameter)
+    /// A beam element through two, three or four reference positions (equidistant in the parameter)
     /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
     ///
     /// E₁ is turned into the tangent of the interpolated reference line; E₂ stays in its plane
@@ -71,11 +71,11 @@ impl Beam<2> {
     /// # Errors
     /// [`BeamError`] for coinciding nodes, an impossible orientation or number of nodes.
     pub fn along(
-        places: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Box<dyn Element>, BeamError> {
-        Interpolation::Total.beam(places, frame, section)
+        Interpolation::Total.beam(positions, frame, section)
     }
 }
 
@@ -85,22 +85,23 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     /// # Errors
     /// As there.
     pub fn new(
-        places: &[Vector3<f64>; NN],
+        positions: &[Vector3<f64>; NN],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Self, BeamError> {
-        let size = places.iter().fold(0.0_f64, |s, p| s.max(p.amax()));
+        let size = positions.iter().fold(0.0_f64, |s, p| s.max(p.amax()));
         // The length at an integration point does not tell whether nodes coincide.
-        for (i, a) in places.iter().enumerate() {
+        for (i, a) in positions.iter().enumerate() {
             let gap = |b: &Vector3<f64>| (a - b).norm();
-            if let Some(b) = places[..i].iter().find(|b| gap(b) <= 1e-12 * size) {
+            if let Some(b) = positions[..i].iter().find(|b| gap(b) <= 1e-12 * size) {
                 return Err(BeamError::ZeroLength { at: (*b).into() });
             }
         }
         let point = |(xi, weight): (f64, f64)| {
             let (N, dN) = lagrange::<NN>(xi);
-            let sum =
-                |c: &[f64; NN]| -> Vector3<f64> { places.iter().zip(c).map(|(p, c)| p * *c).sum() };
+            let sum = |c: &[f64; NN]| -> Vector3<f64> {
+                positions.iter().zip(c).map(|(p, c)| p * *c).sum()
+            };
             let (X, slope) = (sum(&N), sum(&dN));
             let jacobian = slope.norm();
             if jacobian.is_nan() || jacobian <= 1e-12 * size || jacobian == 0.0 {
@@ -141,7 +142,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
             first,
             others,
             massive: masses.is_some(),
-            rotations: I::new(places, masses),
+            rotations: I::new(positions, masses),
             damping: section.damping,
         })
     }
@@ -341,7 +342,7 @@ impl<const NN: usize, I: Rotations<NN>> Element for Beam<NN, I> {
             let section = |v: &Vector3<f64>| p.R0.tr_mul(v);
             out.push(SectionState {
                 reference: p.X,
-                place: p.X + d,
+                position: p.X + d,
                 frame: seen.R * so3::rotation(&line.psi) * p.R0,
                 Gamma: section(&s.Gamma),
                 K: section(&s.K),

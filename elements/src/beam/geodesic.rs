@@ -33,7 +33,7 @@ use pullback_manifold::system::Weights;
 /// The reference node is the first of two, the middle one of three, and the second of four.
 #[derive(Clone, Debug)]
 pub struct Geodesic<const NN: usize> {
-    /// Reference places seen from the reference node.
+    /// Reference positions seen from the reference node.
     arms: [Vector3<f64>; NN],
     inertia: Option<NodalInertia<NN>>,
 }
@@ -42,7 +42,7 @@ impl<const NN: usize> Geodesic<NN> {
     /// The reference node.
     const R: usize = (NN - 1) / 2;
 
-    /// z and ϑ of node i; the two rotation vectors tell on which sheet ϑ is.
+    /// z and ϑ of node i; the two rotation vectors tell on which branch ϑ is.
     fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
         let apart = self.arms[i] + three(x, 6 * i) - three(x, 6 * Self::R);
         Relative {
@@ -81,9 +81,9 @@ impl<const NN: usize> Geodesic<NN> {
 }
 
 impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
-    fn new(places: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self {
+    fn new(positions: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self {
         Self {
-            arms: places.map(|p| p - places[Self::R]),
+            arms: positions.map(|p| p - positions[Self::R]),
             inertia: masses.map(|m| NodalInertia::new(&m)),
         }
     }

@@ -38,40 +38,40 @@ impl Interpolation {
     /// As there.
     pub fn beam(
         self,
-        places: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Box<dyn Element>, BeamError> {
-        match *places {
+        match *positions {
             [a, b] => self.of([a, b], frame, section),
             [a, b, c] => self.of([a, b, c], frame, section),
             [a, b, c, d] => self.of([a, b, c, d], frame, section),
-            _ => Err(BeamError::Nodes(places.len())),
+            _ => Err(BeamError::Nodes(positions.len())),
         }
     }
 
     fn of<const NN: usize>(
         self,
-        places: [Vector3<f64>; NN],
+        positions: [Vector3<f64>; NN],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Box<dyn Element>, BeamError> {
         Ok(match self {
-            Self::Total => Box::new(Beam::<NN>::new(&places, frame, section)?),
-            Self::Geodesic => Box::new(Beam::<NN, Geodesic<NN>>::new(&places, frame, section)?),
+            Self::Total => Box::new(Beam::<NN>::new(&positions, frame, section)?),
+            Self::Geodesic => Box::new(Beam::<NN, Geodesic<NN>>::new(&positions, frame, section)?),
         })
     }
 }
 
 /// What the node coordinates (d, Ψ) are to the strains: a map x̂ = φ(x) to coordinates (d̂, Ψ̂) of the
-/// nodes in which place and rotation vector are interpolated by the shape functions.
+/// nodes in which position and rotation vector are interpolated by the shape functions.
 ///
 /// Strains and their forces are one kernel in x̂ for all interpolations, pulled back through φ like
 /// any element through any map. The inertia is the interpolation's own.
 pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
-    /// The interpolation between nodes at these reference places, with the points of inertia of
+    /// The interpolation between nodes at these reference positions, with the points of inertia of
     /// the element where it has mass.
-    fn new(places: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self;
+    fn new(positions: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self;
 
     /// The nodes as the strains see them, at coordinates x and velocities v (6·NN each; v empty at
     /// rest).

@@ -119,16 +119,16 @@ impl<const NN: usize> MassPoint<NN> {
 /// # Errors
 /// As [`Beam::new`].
 pub fn carried(
-    places: &[Vector3<f64>],
+    positions: &[Vector3<f64>],
     frame: &dyn Fn(f64) -> Matrix3<f64>,
     section: &Section,
 ) -> Result<Vec<(f64, Vector3<f64>)>, BeamError> {
     fn of<const NN: usize>(
-        places: [Vector3<f64>; NN],
+        positions: [Vector3<f64>; NN],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Vec<(f64, Vector3<f64>)>, BeamError> {
-        let beam = Beam::<NN>::new(&places, frame, section)?;
+        let beam = Beam::<NN>::new(&positions, frame, section)?;
         let share = |i: usize| {
             let points = beam.rotations.masses.iter().flatten();
             points.fold((0.0, Vector3::zeros()), |(mass, S), p| {
@@ -138,10 +138,10 @@ pub fn carried(
         };
         Ok((0..NN).map(share).collect())
     }
-    match *places {
+    match *positions {
         [a, b] => of([a, b], frame, section),
         [a, b, c] => of([a, b, c], frame, section),
         [a, b, c, d] => of([a, b, c, d], frame, section),
-        _ => Err(BeamError::Nodes(places.len())),
+        _ => Err(BeamError::Nodes(positions.len())),
     }
 }

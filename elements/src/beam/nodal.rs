@@ -1,6 +1,6 @@
 //! Inertia of a beam by the spins of its nodes.
 //!
-//! Velocities of the axis are interpolated by the shape functions, as places are; so are the material
+//! Velocities of the axis are interpolated by the shape functions, as positions are; so are the material
 //! angular velocities Ω_i = T(Ψ_i) Ψ̇_i and the velocities R_i (Ω_i × c) that a mass centre at c has
 //! from them. The kinetic energy is then
 //!

@@ -13,7 +13,7 @@ pub(super) struct GaussPoint<const NN: usize> {
     pub dN: [f64; NN],
     /// Weight times length per unit of ξ.
     pub weight: f64,
-    /// Reference place, tangent of unit length, section axes.
+    /// Reference position, tangent of unit length, section axes.
     pub X: Vector3<f64>,
     pub X_prime: Vector3<f64>,
     pub R0: Matrix3<f64>,

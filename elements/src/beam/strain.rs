@@ -28,7 +28,7 @@ impl Law {
     }
 }
 
-/// Place derivative x′, rotation vector Ψ and its derivative Ψ′ at a point.
+/// Position derivative x′, rotation vector Ψ and its derivative Ψ′ at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
     pub x_prime: Vector3<f64>,

@@ -4,7 +4,7 @@
 
 use super::BodyError;
 use crate::element::{Element, ElementError, Motion, Response};
-use crate::load::{NodalLoad, Which};
+use crate::load::{LoadKind, NodalLoad};
 use crate::time::TimeFunction;
 
 /// Mass m at the point of a frame node; dim 6.
@@ -47,7 +47,7 @@ impl PointMass {
     /// same node.
     #[must_use]
     pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> NodalLoad {
-        NodalLoad::boxed(Which::DeadForce, g.map(|g| g * self.m), amplitude)
+        NodalLoad::boxed(LoadKind::DeadForce, g.map(|g| g * self.m), amplitude)
     }
 
     /// Kinetic energy ½ m ḋ·ḋ; zero in statics.

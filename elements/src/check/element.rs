@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use pullback_manifold::check::{Forces, Layout, Random, Report, State, forces_at, states};
 use pullback_manifold::system::Weights;
 
-/// Checks every law of an element at every place within its domain.
+/// Checks every law of an element at every position within its domain.
 ///
 /// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
 /// derivative of the energy where there is one; inertial forces as those of the kinetic energy; the

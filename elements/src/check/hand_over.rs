@@ -9,12 +9,12 @@ use nalgebra::{DVector, Vector3};
 use pullback_manifold::check::{Compared, Layout, Random, Report, State};
 use pullback_manifold::map::KinematicsMut;
 
-/// What hangs on a map.
+/// What is attached to a map.
 pub(super) struct Hung<'a> {
     pub rows: &'a Layout,
-    /// Whether it is a frame, and its place in the reference configuration.
+    /// Whether it is a frame, and its position in the reference configuration.
     pub framed: bool,
-    pub place: Vector3<f64>,
+    pub position: Vector3<f64>,
 }
 
 /// Notes that a map and the one that takes over give the same motion, and hand the same forces back,
@@ -45,7 +45,7 @@ pub(super) fn laws(
     if of.framed && (&before.x - &after.x).rows(3, 3).norm() > 1.0 {
         let own = [Frame {
             first: 0,
-            place: of.place,
+            position: of.position,
         }];
         let other = carry(Carrier::Chart, 0.0, &own, &after);
         let J = carry(Carrier::Chart, 0.0, &own, &before).B;
@@ -105,7 +105,7 @@ pub(super) fn laws(
     report.defect(law, at, (&found - &right).amax(), EXACT * size);
 }
 
-/// The motion of what hangs on a map, and B.
+/// The motion of what is attached to a map, and B.
 fn motion(side: &Side) -> (State, Vec<f64>) {
     let (d, n) = side.map.dims();
     let [mut x, mut x_dot, mut x_ddot] = [0; 3].map(|_| vec![0.0; n]);

@@ -33,7 +33,7 @@ pub(crate) fn hung<J: Joint<D>, const D: usize>(
     if !B.iter().all(|b| b.is_finite()) {
         return;
     }
-    let turn = joint.pose(t, q).turn;
+    let turn = joint.pose(t, q).rotation;
     let off = (turn.dot(&turn) - 1.0).abs();
     report.defect("the pose's quaternion has unit length", at, off, UNIT);
 
@@ -68,7 +68,7 @@ fn complaint(released: &[Released], dim: usize) -> Option<String> {
     left.is_none_or(|left| left % 6 != 0).then(|| {
         format!(
             "it takes {dim} coordinates, {count} of them by Joint::released: the others must be \
-             those of its masters, six of each"
+             those of its parents, six of each"
         )
     })
 }

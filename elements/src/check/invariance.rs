@@ -67,7 +67,7 @@ impl Placed<'_> {
     }
 
     fn center(&self) -> Vector3<f64> {
-        self.frames[0].place
+        self.frames[0].position
     }
 
     /// What a law does to a state.

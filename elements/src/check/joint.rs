@@ -1,4 +1,4 @@
-//! The laws of a model's joints: maps from the coordinates of masters to those of a frame.
+//! The laws of a model's joints: maps from the coordinates of parents to those of a frame.
 
 #![allow(non_snake_case)]
 
@@ -11,7 +11,7 @@ use pullback_manifold::check::{Mapped, Random, Report, State, kinematics, pieces
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 
-/// First relative motion of the masters in the limit of small ones, in units.
+/// First relative motion of the parents in the limit of small ones, in units.
 const FIRST: f64 = 0.1;
 
 /// Notes the laws of all joints, in the configuration last set, which is that of a state.
@@ -38,7 +38,7 @@ pub(super) fn laws(
         };
         let (rows, framed) = model.inspect_hung(n, units);
         let mut own = Report::new(joint.name.clone());
-        let s = model.master_state(n, state.t);
+        let s = model.parent_state(n, state.t);
         let of = Mapped {
             map: joint.thing,
             rows: &rows,
@@ -60,7 +60,7 @@ pub(super) fn laws(
         let hung = Hung {
             rows: &rows,
             framed,
-            place: model.hung_place(n),
+            position: model.hung_place(n),
         };
         for sides in model.hand_overs(n, s.t) {
             hand_over::laws(&mut own, &hung, at, &sides, random);
@@ -69,7 +69,7 @@ pub(super) fn laws(
             let length = joint.layout.units()[joint.frames[0].first];
             Carried {
                 of,
-                place: model.hung_place(n),
+                position: model.hung_place(n),
                 frames: &joint.frames,
                 rotations: &joint.rotations,
                 length,
@@ -89,10 +89,10 @@ fn rate(units: &[f64], s: &State) -> f64 {
     if fastest.is_normal() { fastest } else { 1.0 }
 }
 
-/// A joint whose masters are carried by a rigid motion.
+/// A joint whose parents are carried by a rigid motion.
 struct Carried<'a> {
     of: Mapped<'a>,
-    place: Vector3<f64>,
+    position: Vector3<f64>,
     frames: &'a [Frame],
     rotations: &'a [usize],
     length: f64,
@@ -108,7 +108,7 @@ impl Carried<'_> {
         x
     }
 
-    /// How far the frame is from where the motion of its masters takes it: in lengths, and in
+    /// How far the frame is from where the motion of its parents takes it: in lengths, and in
     /// radians, whatever the chart.
     fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &State) -> Vec<f64> {
         let still = State::statics(s.t, s.x.clone());
@@ -122,7 +122,7 @@ impl Carried<'_> {
         let here = State::statics(s.t, self.hung(self.of.map, &still));
         let own = [Frame {
             first: 0,
-            place: self.place,
+            position: self.position,
         }];
         let right = carry(by, 0.0, &own, &here).state.x;
         let found = self.hung(self.of.map, &moved);
@@ -133,7 +133,7 @@ impl Carried<'_> {
     }
 
     fn laws(&self, report: &mut Report, at: &str, s: &State, random: &mut Random) {
-        let about = self.frames[0].place;
+        let about = self.frames[0].position;
         let turn = vector(random, 0.9);
         let by = Carrier::still(about, turn, vector(random, self.length));
         let sizes: Vec<f64> = {
@@ -145,7 +145,7 @@ impl Carried<'_> {
             let most = |x: &[f64]| x.iter().fold(0.0, |a: f64, b| a.max(*b));
             vec![(most(&reach) + most(&all)) / self.length, 1.0]
         };
-        let law = "frames move rigidly with their masters";
+        let law = "frames move rigidly with their parents";
         let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s).collect();
         let defects = self.defect(by, &turn, s);
         let exact = defects.iter().zip(&allowed).all(|(d, a)| d <= a);
@@ -163,7 +163,7 @@ impl Carried<'_> {
         }
     }
 
-    /// Interpolated rotation vectors are off by the second order in the relative motion of masters.
+    /// Interpolated rotation vectors are off by the second order in the relative motion of parents.
     fn limit(
         &self,
         report: &mut Report,
@@ -176,7 +176,7 @@ impl Carried<'_> {
         let mut noise = DVector::zeros(s.x.len());
         random.fill(noise.as_mut_slice());
         let units = self.of.columns.units();
-        let about = self.frames[0].place;
+        let about = self.frames[0].position;
         let rigid = Carrier::still(about, vector(random, 1.3), Vector3::zeros());
         let near = |e: f64| {
             let mut x = s.x.clone();

@@ -1,8 +1,8 @@
 //! The conformance kit for elements and whole models.
 //!
 //! ```
-//! # use pullback_elements::{check, load::{NodalLoad, Which}, time::Constant};
-//! check::element(&NodalLoad::new(Which::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
+//! # use pullback_elements::{check, load::{NodalLoad, LoadKind}, time::Constant};
+//! check::element(&NodalLoad::new(LoadKind::FollowerForce, [1.0, 2.0, 3.0], Constant(2.0))).assert();
 //! ```
 //!
 //! | verb | for | laws |
@@ -11,7 +11,7 @@
 //! | [`same`] | two elements that should be one | all that they answer |
 //! | [`model`] | a [`Model`](crate::model::Model) | those of every element and joint where the model uses them, with objectivity and changes of chart; those of the assembled system, with transport and the balance of power |
 //!
-//! Places, slopes and reports are those of [`pullback_manifold::check`].
+//! Positions, slopes and reports are those of [`pullback_manifold::check`].
 
 mod element;
 mod hand_over;

@@ -44,10 +44,10 @@ impl Default for Options {
 ///   a rigid motion superposed (what is internal), and are the same in the other chart. Both hold
 ///   to round-off, or in the limit of small relative motions of the nodes where an element
 ///   interpolates total rotation vectors: the law's name says which was found;
-/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their masters; where
+/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their parents; where
 ///   formulas or lines of a chain take over from one another, motion and forces stay;
 /// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of
-///   the charts of nodes and back leaves places, velocities, forces and energies as they were;
+///   the charts of nodes and back leaves positions, velocities, forces and energies as they were;
 ///   d(T + U)/dt is the power supplied less the power lost.
 ///
 /// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
@@ -122,8 +122,8 @@ fn all(model: &mut Model, options: &Options) -> Report {
         ));
     }
     for k in 0..model.element_count() {
-        let places = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
-        let own = component(model, k, &units, layout.rate, places, &mut random);
+        let positions = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
+        let own = component(model, k, &units, layout.rate, positions, &mut random);
         report.extend(own);
     }
     if let Some(state) = last {
@@ -139,14 +139,14 @@ fn component<'a>(
     k: usize,
     units: &[f64],
     rate: f64,
-    places: impl Iterator<Item = (&'a str, &'a State)>,
+    positions: impl Iterator<Item = (&'a str, &'a State)>,
     random: &mut Random,
 ) -> Report {
     let mut own = model.inspect_element(k, units);
     let element = own.thing;
     own.layout.rate = rate;
     let mut states = Vec::new();
-    for (at, rest) in places {
+    for (at, rest) in positions {
         if states.is_empty() {
             let zero = DVector::zeros(rest.x.len());
             let still = State {

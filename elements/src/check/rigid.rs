@@ -13,8 +13,8 @@ use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 pub(crate) struct Frame {
     /// First of its six coordinates (d, Ψ).
     pub first: usize,
-    /// Its place in the reference configuration.
-    pub place: Vector3<f64>,
+    /// Its position in the reference configuration.
+    pub position: Vector3<f64>,
 }
 
 /// What is done to a frame of six coordinates.
@@ -51,10 +51,10 @@ impl Carrier {
     }
 }
 
-/// A carrier for the frame of a place.
+/// A carrier for the frame of a position.
 struct Carried {
     by: Carrier,
-    place: Vector3<f64>,
+    position: Vector3<f64>,
 }
 
 impl Map<6, 6> for Carried {
@@ -72,8 +72,8 @@ impl Map<6, 6> for Carried {
                     Vector3::from_fn(|i, _| t * rate[i] + from[i])
                 };
                 let Q = quaternion(&path(turn, spin));
-                let arm = (self.place - about).map(S::constant) + three(0);
-                let d = Q.rotate(&arm) + path(about - self.place + shift, drift);
+                let arm = (self.position - about).map(S::constant) + three(0);
+                let d = Q.rotate(&arm) + path(about - self.position + shift, drift);
                 (d, log_quaternion(&Q.product(&quaternion(&three(3)))))
             }
             Carrier::Chart => (three(0), complement(&three(3))),
@@ -99,8 +99,8 @@ pub(super) fn carry(by: Carrier, t: f64, frames: &[Frame], s: &State) -> Moved {
         true => SVector::<f64, 6>::zeros(),
         false => x.fixed_rows::<6>(first).into_owned(),
     };
-    for &Frame { first, place } in frames {
-        let map = Carried { by, place };
+    for &Frame { first, position } in frames {
+        let map = Carried { by, position };
         let k = map.kinematics(t, &six(&s.x, first), &six(&s.v, first), &six(&s.a, first));
         let put = |to: &mut DVector<f64>, x: &SVector<f64, 6>| {
             if !to.is_empty() {

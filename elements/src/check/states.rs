@@ -77,7 +77,7 @@ impl Field {
 }
 
 /// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside, or to a
-/// singular place of a loop, where derivatives have few digits, is halved as often as it takes. Loops are
+/// singular position of a loop, where derivatives have few digits, is halved as often as it takes. Loops are
 /// solved from where `memories` has them, which is at `q`.
 ///
 /// # Errors
@@ -117,11 +117,13 @@ fn moved(model: &Model, q: &[f64], size: Size, units: &[f64], random: &mut Rando
     let displacement = Field::new(random, size.displacement * length, length);
     let rotation = Field::new(random, size.rotation, length);
     let mut x = q.to_vec();
-    for (u, &(node, place, k, kind)) in model.inspect_unknowns().iter().enumerate() {
+    for (u, &(node, position, k, kind)) in model.inspect_unknowns().iter().enumerate() {
         let own = random.range(-1.0, 1.0);
         let frame = model.is_frame_at(node);
         x[u] += match (kind, frame) {
-            (Kind::Length, true) => displacement.at(&place)[k % 3] + own * size.noise * units[node],
+            (Kind::Length, true) => {
+                displacement.at(&position)[k % 3] + own * size.noise * units[node]
+            }
             // Ways that joints release.
             (Kind::Length, false) => own * (size.noise + size.displacement) * units[node],
             (Kind::Angle, true) => own * size.noise,
@@ -133,8 +135,8 @@ fn moved(model: &Model, q: &[f64], size: Size, units: &[f64], random: &mut Rando
         let Some(u) = unknowns.iter().flatten().next() else {
             continue;
         };
-        let (_, place, ..) = model.inspect_unknowns()[*u];
-        let turn = rotation.at(&place);
+        let (_, position, ..) = model.inspect_unknowns()[*u];
+        let turn = rotation.at(&position);
         let now = Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| x[u]));
         // A rotation that is held in part can only go on about the axes that are free.
         let turned = match unknowns.iter().all(Option::is_some) {

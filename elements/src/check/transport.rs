@@ -163,7 +163,7 @@ fn stays(
             most[k] = most[k].max(a[k].norm());
         }
     }
-    // Places, orientations, velocities, angular velocities, accelerations.
+    // Positions, orientations, velocities, angular velocities, accelerations.
     let least = [length, 1.0, length * rate, rate, length * rate * rate];
     let allowed: Vec<f64> = (0..5)
         .map(|k| EXACT * bend * (least[k] + most[k]))

@@ -16,7 +16,7 @@ pub trait StrainMeasure: Send + Sync {
     /// The six strains (elongation, two shears; twist, two bendings per length) that are conjugate
     /// to the resultants (N, M), from
     ///
-    /// - g = R₀ᵀRᵀx′, the derivative of the place by the reference arc length in the section axes:
+    /// - g = R₀ᵀRᵀx′, the derivative of the position by the reference arc length in the section axes:
     ///   (1, 0, 0) where nothing is strained;
     /// - k = R₀ᵀTΨ′, the curvature in the section axes, 1/L.
     fn strains<S: Scalar>(&self, g: &Vector3<S>, k: &Vector3<S>) -> SVector<S, 6>;
@@ -147,7 +147,7 @@ impl Energies<6> for FrameInertia {
 /// A two-node beam by its energies: strains at one point, inertia at two.
 pub type StrainBeam<M> = Together<Sampled<SectionEnergy<M>, 9, 12>, Sampled<FrameInertia, 6, 12>>;
 
-/// A two-node beam between reference `places` (global components, L) with the section's axes in
+/// A two-node beam between reference `positions` (global components, L) with the section's axes in
 /// the columns of `R0`, the first of which is turned into the beam's direction; coordinates
 /// (d₁, Ψ₁, d₂, Ψ₂), interpolated linearly.
 ///
@@ -155,16 +155,16 @@ pub type StrainBeam<M> = Together<Sampled<SectionEnergy<M>, 9, 12>, Sampled<Fram
 /// [`BeamError`] for coinciding nodes and an impossible orientation.
 pub fn strain_beam<M: StrainMeasure + Copy>(
     measure: M,
-    places: &[Vector3<f64>; 2],
+    positions: &[Vector3<f64>; 2],
     R0: &Matrix3<f64>,
     section: &Section,
 ) -> Result<StrainBeam<M>, BeamError> {
-    let along = places[1] - places[0];
+    let along = positions[1] - positions[0];
     let length = along.norm();
-    let size = places[0].amax().max(places[1].amax());
+    let size = positions[0].amax().max(positions[1].amax());
     if length.is_nan() || length <= 1e-12 * size {
         return Err(BeamError::ZeroLength {
-            at: places[0].into(),
+            at: positions[0].into(),
         });
     }
     let X_prime = along / length;

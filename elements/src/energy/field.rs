@@ -11,9 +11,9 @@ use pullback_manifold::scalar::Scalar;
 /// [`PointMass`](crate::body::PointMass) of the same node. A uniform field is the weight of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity {
-    /// The node's place in the reference configuration, global components, L.
-    pub place: Vector3<f64>,
-    /// The place c of the centre, L.
+    /// The node's position in the reference configuration, global components, L.
+    pub position: Vector3<f64>,
+    /// The position c of the centre, L.
     pub center: Vector3<f64>,
     /// The centre's strength μ, the constant of gravity times its mass, L³/T².
     pub mu: f64,
@@ -26,13 +26,13 @@ impl Energies<6> for Gravity {
     const DISSIPATION: bool = false;
 
     fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 6>) -> S {
-        let reference = self.place - self.center;
+        let reference = self.position - self.center;
         let r = Vector3::from_fn(|i, _| x[i] + reference[i]);
         -r.dot(&r).sqrt().recip() * (self.mu * self.mass)
     }
 
     fn domain(&self, x: &SVector<f64, 6>) -> Result<(), ElementError> {
-        let length = (self.place - self.center + x.fixed_rows::<3>(0)).norm();
+        let length = (self.position - self.center + x.fixed_rows::<3>(0)).norm();
         if length > 0.0 {
             Ok(())
         } else {

@@ -46,7 +46,7 @@ impl<E, const D: usize, const N: usize> Sample<E, D, N> {
         y
     }
 
-    fn place(&self, x: &[f64]) -> SVector<f64, D> {
+    fn position(&self, x: &[f64]) -> SVector<f64, D> {
         self.y0 + self.interpolated(x)
     }
 
@@ -105,7 +105,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Sampled<E, D, N> {
     ) -> Result<(), ElementError> {
         let wanted = tangents.iter().any(Option::is_some);
         for p in &self.points {
-            let y = p.place(at.x);
+            let y = p.position(at.x);
             p.energies.domain(&y)?;
             let moving = (!at.v.is_empty()).then(|| (p.interpolated(at.v), p.interpolated(at.a)));
             let local = Local::new(&p.energies, at.t, &y, moving.as_ref(), wanted);
@@ -128,7 +128,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
         self.add(at, r, &mut tangents)?;
         if let Some(r_t) = out.r_t.as_deref_mut() {
             for p in &self.points {
-                p.spread(&local::load_rate(&p.energies, at.t, &p.place(at.x)), r_t);
+                p.spread(&local::load_rate(&p.energies, at.t, &p.position(at.x)), r_t);
             }
         }
         Ok(())
@@ -139,7 +139,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     }
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
-        let of = |p: &Sample<E, D, N>| p.weight * p.energies.potential(at.t, &p.place(at.x));
+        let of = |p: &Sample<E, D, N>| p.weight * p.energies.potential(at.t, &p.position(at.x));
         self.points.iter().map(of).sum()
     }
 
@@ -148,7 +148,7 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
             return 0.0;
         }
         let of = |p: &Sample<E, D, N>| {
-            p.weight * local::power(&p.energies, &p.place(at.x), &p.interpolated(at.v))
+            p.weight * local::power(&p.energies, &p.position(at.x), &p.interpolated(at.v))
         };
         self.points.iter().map(of).sum()
     }

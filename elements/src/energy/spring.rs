@@ -13,8 +13,8 @@ use pullback_manifold::scalar::Scalar;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolynomialSpring<const P: usize> {
-    /// Places of the nodes in the reference configuration, global components, L.
-    pub places: [Vector3<f64>; 2],
+    /// Positions of the nodes in the reference configuration, global components, L.
+    pub positions: [Vector3<f64>; 2],
     /// Length l₀ without force, L.
     pub rest_length: f64,
     /// Coefficients k₁ … k_P, F/Lⁿ.
@@ -26,7 +26,7 @@ pub struct PolynomialSpring<const P: usize> {
 impl<const P: usize> PolynomialSpring<P> {
     /// x₂ − x₁.
     fn between<S: Scalar>(&self, x: &SVector<S, 12>) -> Vector3<S> {
-        let reference = self.places[1] - self.places[0];
+        let reference = self.positions[1] - self.positions[0];
         Vector3::from_fn(|i, _| x[6 + i] - x[i] + reference[i])
     }
 }
@@ -54,7 +54,7 @@ impl<const P: usize> Energies<12> for PolynomialSpring<P> {
     fn domain(&self, x: &SVector<f64, 12>) -> Result<(), ElementError> {
         let (length, size) = (
             self.between(x).norm(),
-            (self.places[1] - self.places[0]).norm(),
+            (self.positions[1] - self.positions[0]).norm(),
         );
         // Below this the direction is that of round-off.
         if length > 1e-12 * size {

@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
 
-/// R_s = R_m R(τ₀ + α a + β b) R(τ₀)ᵀ with a, b across the first shaft: masters (frame, tilt 1,
+/// R_s = R_m R(τ₀ + α a + β b) R(τ₀)ᵀ with a, b across the first shaft: parents (frame, tilt 1,
 /// tilt 2). τ₀ tilts the first shaft into the second one in the reference configuration.
 ///
 /// The rotation vector from shafts in line has no component along the shaft, so the plane that
@@ -47,8 +47,8 @@ impl Joint<8> for ConstantVelocity {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         let back = -self.tilt.map(S::constant);
         Pose::of(q, 0)
-            .turned(&quaternion(&self.angle(q[6], q[7])))
-            .turned(&quaternion(&back))
+            .rotated(&quaternion(&self.angle(q[6], q[7])))
+            .rotated(&quaternion(&back))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -64,8 +64,8 @@ impl Joint<8> for ConstantVelocity {
     }
 }
 
-/// Adds a frame node `name` at the place of `master`, coupled to it at constant velocity for two
-/// shafts (global components of the reference configuration; the master carries the first, the new
+/// Adds a frame node `name` at the position of `parent`, coupled to it at constant velocity for two
+/// shafts (global components of the reference configuration; the parent carries the first, the new
 /// node the second), and the nodes `name tilt 1` and `name tilt 2`.
 ///
 /// # Errors
@@ -74,9 +74,9 @@ impl Joint<8> for ConstantVelocity {
 pub fn constant_velocity(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
     let joint = ConstantVelocity::new(axes).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

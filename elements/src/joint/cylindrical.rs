@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
-/// d_s = d_m + R_m u e, R_s = R_m R(φ e): masters (frame, displacement u, angle φ).
+/// d_s = d_m + R_m u e, R_s = R_m R(φ e): parents (frame, displacement u, angle φ).
 ///
 #[doc = include_str!("../../../docs/images/joints/cylindrical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +26,8 @@ impl Cylindrical {
 impl Joint<8> for Cylindrical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         Pose::of(q, 0)
-            .moved(&(self.axis.map(S::constant) * q[6]))
-            .turned(&Quaternion::about(&self.axis, q[7]))
+            .translated(&(self.axis.map(S::constant) * q[6]))
+            .rotated(&Quaternion::about(&self.axis, q[7]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -40,8 +40,8 @@ impl Joint<8> for Cylindrical {
     }
 }
 
-/// Adds a frame node `name` at the place of `master` that slides along and turns about `axis`
-/// (global components of the reference configuration, carried by the master), and the nodes
+/// Adds a frame node `name` at the position of `parent` that slides along and turns about `axis`
+/// (global components of the reference configuration, carried by the parent), and the nodes
 /// `name displacement` and `name angle`.
 ///
 /// # Errors
@@ -49,9 +49,9 @@ impl Joint<8> for Cylindrical {
 pub fn cylindrical(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axis: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
     let joint = Cylindrical::new(axis).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

@@ -7,7 +7,7 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 use std::f64::consts::TAU;
 
-/// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): masters (frame, angle φ).
+/// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): parents (frame, angle φ).
 ///
 #[doc = include_str!("../../../docs/images/joints/helical.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,8 @@ impl Joint<7> for Helical {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         let way = q[6] * (self.pitch / TAU);
         Pose::of(q, 0)
-            .moved(&(self.axis.map(S::constant) * way))
-            .turned(&Quaternion::about(&self.axis, q[6]))
+            .translated(&(self.axis.map(S::constant) * way))
+            .rotated(&Quaternion::about(&self.axis, q[6]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -38,8 +38,8 @@ impl Joint<7> for Helical {
     }
 }
 
-/// Adds a frame node `name` at the place of `master` on a screw along `axis` (global components of
-/// the reference configuration, carried by the master) that moves by `pitch` in a turn, and the
+/// Adds a frame node `name` at the position of `parent` on a screw along `axis` (global components of
+/// the reference configuration, carried by the parent) that moves by `pitch` in a turn, and the
 /// node `name angle`.
 ///
 /// # Errors
@@ -47,10 +47,10 @@ impl Joint<7> for Helical {
 pub fn helical(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axis: [f64; 3],
     pitch: f64,
 ) -> Result<JointNodes, ModelError> {
     let joint = Helical::new(axis, pitch).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

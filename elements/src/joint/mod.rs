@@ -1,6 +1,6 @@
 //! Joints: holonomic constraints as maps from the coordinates a frame depends on to the frame.
 //!
-//! Whoever writes [`Joint::pose`] has a joint: the node that hangs on it takes any element, the
+//! Whoever writes [`Joint::pose`] has a joint: the node that is attached to it takes any element, the
 //! kinematic operator, its rates and the geometric stiffness follow ([`Hung`], [`Map`]). There are
 //! no multipliers: the coordinates that a joint releases are coordinates of the model.
 //!
@@ -9,7 +9,7 @@
 //! | [`Offset`], [`weld`] | none | \[M04\] 4.1.2, (197) |
 //! | [`Revolute`] | one unbounded angle | \[M04\] 4.1.4, (207), (212) |
 //! | [`Spherical`] | a rotation vector | \[M04\] 4.1 |
-//! | [`Slide`] | the place on a chain of beam elements | \[M04\] 4.1.3, (198) |
+//! | [`Slide`] | the position on a chain of beam elements | \[M04\] 4.1.3, (198) |
 //! | [`Universal`] | two angles, about crossed axes | Shabana 2013, 3.3 |
 //! | [`ConstantVelocity`] | two components of a rotation vector across the shaft | Myszka & Murray 2010 |
 //! | [`Cylindrical`] | displacement and angle along and about one axis | Shabana 2013, 3.3 |
@@ -72,7 +72,7 @@ pub struct Pose<S> {
     /// Displacement d.
     pub d: Vector3<S>,
     /// Rotation, of unit length.
-    pub turn: Quaternion<S>,
+    pub rotation: Quaternion<S>,
 }
 
 impl<S: Scalar> Pose<S> {
@@ -81,7 +81,7 @@ impl<S: Scalar> Pose<S> {
         let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
         Self {
             d: three(first),
-            turn: quaternion(&three(first + 3)),
+            rotation: quaternion(&three(first + 3)),
         }
     }
 
@@ -91,26 +91,26 @@ impl<S: Scalar> Pose<S> {
     pub fn offset(&self, c: &Vector3<f64>) -> Self {
         let c = c.map(S::constant);
         Self {
-            d: self.d + self.turn.rotate(&c) - c,
-            turn: self.turn,
+            d: self.d + self.rotation.rotate(&c) - c,
+            rotation: self.rotation,
         }
     }
 
-    /// The same place, turned further about axes that this frame carries: R R(by).
+    /// The same position, rotated further about axes that this frame carries: R R(by).
     #[must_use]
-    pub fn turned(&self, by: &Quaternion<S>) -> Self {
+    pub fn rotated(&self, by: &Quaternion<S>) -> Self {
         Self {
             d: self.d,
-            turn: self.turn.product(by),
+            rotation: self.rotation.product(by),
         }
     }
 
-    /// The same orientation, moved by a vector of this frame (components of the reference).
+    /// The same orientation, translated by a vector of this frame (components of the reference).
     #[must_use]
-    pub fn moved(&self, by: &Vector3<S>) -> Self {
+    pub fn translated(&self, by: &Vector3<S>) -> Self {
         Self {
-            d: self.d + self.turn.rotate(by),
-            turn: self.turn,
+            d: self.d + self.rotation.rotate(by),
+            rotation: self.rotation,
         }
     }
 }
@@ -118,7 +118,7 @@ impl<S: Scalar> Pose<S> {
 /// Which of the two rotation vectors of a rotation a map gives; see
 /// [`log_quaternion`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sheet {
+pub enum LogBranch {
     /// That of the quaternion as it comes out.
     #[default]
     Same,
@@ -126,8 +126,8 @@ pub enum Sheet {
     Opposite,
 }
 
-impl Sheet {
-    /// The rotation vector on this sheet.
+impl LogBranch {
+    /// The rotation vector on this branch.
     pub fn log<S: Scalar>(self, turn: &Quaternion<S>) -> Vector3<S> {
         match self {
             Self::Same => log_quaternion(turn),
@@ -178,16 +178,16 @@ impl Released {
     }
 }
 
-/// A joint: the pose of the frame that hangs on it, as a function of D coordinates.
+/// A joint: the pose of the frame that is attached to it, as a function of D coordinates.
 ///
-/// The coordinates are those of the joint's masters one after the other (six of a frame), then the
+/// The coordinates are those of the joint's parents one after the other (six of a frame), then the
 /// released ones.
 pub trait Joint<const D: usize>: Send + Sync {
     /// The pose, written once over any [`Scalar`].
     fn pose<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> Pose<S>;
 
     /// The coordinates that it releases, in the order in which they end `q`: all that are not of its
-    /// masters, each with a name of its own.
+    /// parents, each with a name of its own.
     fn released(&self) -> &'static [Released] {
         const { &[] }
     }
@@ -211,7 +211,7 @@ pub trait Joint<const D: usize>: Send + Sync {
         let _ = at;
     }
 
-    /// Whether the frame moves along when all masters move like one rigid body: true by default;
+    /// Whether the frame moves along when all parents move like one rigid body: true by default;
     /// false for a joint that is tied to space.
     fn is_objective(&self) -> bool {
         true
@@ -220,36 +220,36 @@ pub trait Joint<const D: usize>: Send + Sync {
     /// The kinematics in closed form, where there is a faster one than the derived one.
     fn kinematics(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
         a: &SVector<f64, D>,
     ) -> Option<Kinematics<D, 6>> {
-        let _ = (sheet, t, q, v, a);
+        let _ = (branch, t, q, v, a);
         None
     }
 
     /// The geometric stiffness in closed form, where there is a faster one than the derived one.
     fn geometric_stiffness(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         t: f64,
         q: &SVector<f64, D>,
         f: &Vector6<f64>,
     ) -> Option<SMatrix<f64, D, D>> {
-        let _ = (sheet, t, q, f);
+        let _ = (branch, t, q, f);
         None
     }
 }
 
 /// The map of a joint into a frame's six coordinates: its pose with the rotation's logarithm.
 ///
-/// The logarithm stays on one sheet during a step and changes at a converged state with ψ > π.
+/// The logarithm stays on one branch during a step and changes at a converged state with ψ > π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hung<J> {
     joint: J,
-    sheet: Sheet,
+    branch: LogBranch,
 }
 
 impl<J> Hung<J> {
@@ -257,7 +257,7 @@ impl<J> Hung<J> {
     pub fn new(joint: J) -> Self {
         Self {
             joint,
-            sheet: Sheet::default(),
+            branch: LogBranch::default(),
         }
     }
 }
@@ -267,8 +267,8 @@ where
     J: Joint<D>,
 {
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, 6> {
-        let Pose { d, turn } = self.joint.pose(t, q);
-        let psi = self.sheet.log(&turn);
+        let Pose { d, rotation: turn } = self.joint.pose(t, q);
+        let psi = self.branch.log(&turn);
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 
@@ -277,10 +277,10 @@ where
         if own.is_nan() || own <= 0.0 {
             return own;
         }
-        let turn = self.joint.pose(t, q).turn;
-        let w = match self.sheet {
-            Sheet::Same => turn.w,
-            Sheet::Opposite => -turn.w,
+        let turn = self.joint.pose(t, q).rotation;
+        let w = match self.branch {
+            LogBranch::Same => turn.w,
+            LogBranch::Opposite => -turn.w,
         };
         // ψ = 2 atan2(|v|, w).
         own.min(TAU - 2.0 * turn.v.norm().atan2(w))
@@ -304,12 +304,12 @@ where
     }
 
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
-        let best = if self.joint.pose(t, q).turn.w < 0.0 {
-            Sheet::Opposite
+        let best = if self.joint.pose(t, q).rotation.w < 0.0 {
+            LogBranch::Opposite
         } else {
-            Sheet::Same
+            LogBranch::Same
         };
-        let changed = std::mem::replace(&mut self.sheet, best) != best;
+        let changed = std::mem::replace(&mut self.branch, best) != best;
         ChartChanges {
             charts: usize::from(changed),
             residual: false,
@@ -324,7 +324,7 @@ where
         a: &SVector<f64, D>,
     ) -> Kinematics<D, 6> {
         self.joint
-            .kinematics(self.sheet, t, q, v, a)
+            .kinematics(self.branch, t, q, v, a)
             .unwrap_or_else(|| derived::kinematics(self, t, q, v, a))
     }
 
@@ -335,7 +335,7 @@ where
         f: &Vector6<f64>,
     ) -> SMatrix<f64, D, D> {
         self.joint
-            .geometric_stiffness(self.sheet, t, q, f)
+            .geometric_stiffness(self.branch, t, q, f)
             .unwrap_or_else(|| derived::geometric_stiffness(self, t, q, f))
     }
 }

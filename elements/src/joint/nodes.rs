@@ -1,4 +1,4 @@
-//! Joints in a model: the frame that hangs on one, and the coordinates that it releases.
+//! Joints in a model: the frame that is attached to one, and the coordinates that it releases.
 
 use super::shape::Chain;
 use super::{Hung, Joint, Released, Slide, SphericalNodes};
@@ -11,7 +11,7 @@ use pullback_manifold::system::Kind;
 /// The nodes that a joint makes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JointNodes {
-    /// The frame that hangs on the joint.
+    /// The frame that is attached to the joint.
     pub frame: NodeId,
     /// A node for each of the coordinates that it releases, in their order.
     pub released: Vec<NodeId>,
@@ -20,7 +20,7 @@ pub struct JointNodes {
 /// The nodes of a revolute joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RevoluteNodes {
-    /// The frame that hangs on the joint.
+    /// The frame that is attached to the joint.
     pub frame: NodeId,
     /// The angle about the axis: the released coordinate, in radians, any number of turns.
     pub angle: NodeId,
@@ -64,35 +64,35 @@ impl From<SlideNodes> for JointNodes {
 }
 
 impl ModelBuilder {
-    /// Adds a joint on one frame: as [`ModelBuilder::join`], at the place of `master`.
+    /// Adds a joint on one frame: as [`ModelBuilder::join`], at the position of `parent`.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
     pub fn attach<J, const D: usize>(
         &mut self,
         name: &str,
-        master: NodeId,
+        parent: NodeId,
         joint: J,
     ) -> Result<JointNodes, ModelError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.join(name, self.place(master).into(), joint, &[master])
+        self.join(name, self.position(parent).into(), joint, &[parent])
     }
 
     /// Adds a joint: a node for each coordinate that it releases, named `name` and what it is
-    /// called, and the frame node `name` that hangs on it, at `place` in the reference
-    /// configuration. The masters are the nodes that the joint reads before those.
+    /// called, and the frame node `name` that is attached to it, at `position` in the reference
+    /// configuration. The parents are the nodes that the joint reads before those.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`]; [`ModelError::Released`] where the joint does not take just the
-    /// coordinates of its masters and those that it releases.
+    /// coordinates of its parents and those that it releases.
     pub fn join<J, const D: usize>(
         &mut self,
         name: &str,
-        place: [f64; 3],
+        position: [f64; 3],
         joint: J,
-        masters: &[NodeId],
+        parents: &[NodeId],
     ) -> Result<JointNodes, ModelError>
     where
         J: Joint<D> + Clone + 'static,
@@ -105,15 +105,15 @@ impl ModelBuilder {
                 Released::Rotation => self.rotation(name)?,
             });
         }
-        let all: Vec<NodeId> = masters.iter().chain(&released).copied().collect();
+        let all: Vec<NodeId> = parents.iter().chain(&released).copied().collect();
         let count = joint.released().iter().map(|r| r.dim()).sum();
-        let frame = self.hang(name, place, joint, &all);
+        let frame = self.hang(name, position, joint, &all);
         let frame = frame.map_err(|error| match error {
             ModelError::JointDimension {
                 node, map, found, ..
             } => ModelError::Released {
                 joint: node,
-                masters: self.names_of(masters),
+                parents: self.names_of(parents),
                 takes: map.0,
                 theirs: found - count,
                 count,
@@ -123,21 +123,21 @@ impl ModelBuilder {
         Ok(JointNodes { frame, released })
     }
 
-    /// Adds a frame node that hangs on a joint, with nodes for all of its coordinates given.
+    /// Adds a frame node that is attached to a joint, with nodes for all of its coordinates given.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
     pub fn hang<J, const D: usize>(
         &mut self,
         name: impl Into<String>,
-        place: [f64; 3],
+        position: [f64; 3],
         joint: J,
-        masters: &[NodeId],
+        parents: &[NodeId],
     ) -> Result<NodeId, ModelError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.mapped_node(name, place, Hung::new(joint).boxed(), masters)
+        self.mapped_node(name, position, Hung::new(joint).boxed(), parents)
     }
 }
 
@@ -168,17 +168,17 @@ pub fn slide_on(
     origin: f64,
     interpolation: Interpolation,
 ) -> Result<SlideNodes, ModelError> {
-    let places: Vec<Vector3<f64>> = chain.iter().map(|&n| b.place(n)).collect();
-    let along = Chain::new(&places, origin).ok_or_else(|| ModelError::Slide {
+    let positions: Vec<Vector3<f64>> = chain.iter().map(|&n| b.position(n)).collect();
+    let along = Chain::new(&positions, origin).ok_or_else(|| ModelError::Slide {
         joint: name.to_owned(),
         nodes: chain.len(),
         start: origin,
     })?;
-    let place = along.start().into();
+    let position = along.start().into();
     let joint = Slide::new(along, interpolation);
     let arc_length = b.coordinates(format!("{name} arc_length"), &[Kind::Length])?;
     let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
     let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
-    let frame = b.mapped_node_along(name, place, joint.boxed(), &segments)?;
+    let frame = b.mapped_node_along(name, position, joint.boxed(), &segments)?;
     Ok(SlideNodes { frame, arc_length })
 }

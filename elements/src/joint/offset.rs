@@ -2,19 +2,19 @@
 
 #![allow(non_snake_case)]
 
-use super::{Joint, Pose, Sheet};
+use super::{Joint, LogBranch, Pose};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, skew};
 
-/// d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2): masters (frame).
+/// d_s = d_m + (R_m − I) c, Ψ_s = Ψ_m (\[M04\] 4.1.2): parents (frame).
 ///
 #[doc = include_str!("../../../docs/images/joints/offset.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset {
-    /// Vector from the master to the slave in the reference configuration, global components.
+    /// Vector from the parent to the dependent in the reference configuration, global components.
     pub c: Vector3<f64>,
 }
 
@@ -26,13 +26,13 @@ impl Joint<6> for Offset {
     /// \[M04\] (197).
     fn geometric_stiffness(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         _t: f64,
         q: &SVector<f64, 6>,
         f: &Vector6<f64>,
     ) -> Option<SMatrix<f64, 6, 6>> {
-        // On the other sheet the moment goes through the complement map as well.
-        if sheet == Sheet::Opposite {
+        // On the other branch the moment goes through the complement map as well.
+        if branch == LogBranch::Opposite {
             return None;
         }
         let psi = Vector3::new(q[3], q[4], q[5]);
@@ -48,7 +48,7 @@ impl Joint<6> for Offset {
     }
 }
 
-/// Adds a frame node fixed to `master` at a distance: it stands at `place` in the reference
+/// Adds a frame node fixed to `parent` at a distance: it stands at `position` in the reference
 /// configuration.
 ///
 /// # Errors
@@ -56,20 +56,20 @@ impl Joint<6> for Offset {
 pub fn offset(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
-    place: [f64; 3],
+    parent: NodeId,
+    position: [f64; 3],
 ) -> Result<NodeId, ModelError> {
-    let c = Vector3::from(place) - b.place(master);
-    b.hang(name, place, Offset { c }, &[master])
+    let c = Vector3::from(position) - b.position(parent);
+    b.hang(name, position, Offset { c }, &[parent])
 }
 
-/// Adds a frame node `name` welded to `master`, at its place.
+/// Adds a frame node `name` welded to `parent`, at its place.
 ///
 #[doc = include_str!("../../../docs/images/joints/weld.svg")]
 ///
 /// # Errors
 /// As [`ModelBuilder::mapped_node`].
-pub fn weld(b: &mut ModelBuilder, name: &str, master: NodeId) -> Result<NodeId, ModelError> {
-    let place = b.place(master).into();
-    offset(b, name, master, place)
+pub fn weld(b: &mut ModelBuilder, name: &str, parent: NodeId) -> Result<NodeId, ModelError> {
+    let position = b.position(parent).into();
+    offset(b, name, parent, position)
 }

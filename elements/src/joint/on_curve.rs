@@ -1,4 +1,4 @@
-//! A point on a space curve that its master carries.
+//! A point on a space curve that its parent carries.
 
 use super::{Joint, JointNodes, Pose, Released};
 use crate::model::{ModelBuilder, ModelError, NodeId};
@@ -8,7 +8,7 @@ use pullback_manifold::so3::quaternion;
 
 /// A space curve, written once over any [`Scalar`].
 pub trait Curve: Send + Sync {
-    /// The point of a parameter, as seen from the master's node in the reference configuration
+    /// The point of a parameter, as seen from the parent's node in the reference configuration
     /// (global components).
     fn at<S: Scalar>(&self, s: S) -> Vector3<S>;
 
@@ -26,7 +26,7 @@ pub trait Curve: Send + Sync {
     }
 }
 
-/// d_s = d_m + R_m x(s) − x(0), Ψ_s of its own: masters (frame, parameter s, rotation).
+/// d_s = d_m + R_m x(s) − x(0), Ψ_s of its own: parents (frame, parameter s, rotation).
 ///
 #[doc = include_str!("../../../docs/images/joints/on_curve.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,10 +46,10 @@ impl<C: Curve> OnCurve<C> {
 
 impl<C: Curve> Joint<10> for OnCurve<C> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 10>) -> Pose<S> {
-        let carried = Pose::of(q, 0).moved(&self.curve.at(q[6]));
+        let carried = Pose::of(q, 0).translated(&self.curve.at(q[6]));
         Pose {
             d: carried.d - self.start.map(S::constant),
-            turn: quaternion(&Vector3::new(q[7], q[8], q[9])),
+            rotation: quaternion(&Vector3::new(q[7], q[8], q[9])),
         }
     }
 
@@ -70,7 +70,7 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
     }
 }
 
-/// Adds a frame node `name` that runs along a curve carried by `master`, from its parameter 0, and
+/// Adds a frame node `name` that runs along a curve carried by `parent`, from its parameter 0, and
 /// turns freely; and the nodes `name parameter` and `name rotation`.
 ///
 /// # Errors
@@ -78,10 +78,10 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
 pub fn on_curve<C: Curve + Clone + 'static>(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     curve: C,
 ) -> Result<JointNodes, ModelError> {
     let joint = OnCurve::new(curve);
-    let place = b.place(master) + joint.start;
-    b.join(name, place.into(), joint, &[master])
+    let position = b.position(parent) + joint.start;
+    b.join(name, position.into(), joint, &[parent])
 }

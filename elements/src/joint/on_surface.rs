@@ -1,4 +1,4 @@
-//! A point on a surface that its master carries.
+//! A point on a surface that its parent carries.
 
 use super::{Joint, JointNodes, Pose, Released};
 use crate::model::{ModelBuilder, ModelError, NodeId};
@@ -8,7 +8,7 @@ use pullback_manifold::so3::quaternion;
 
 /// A surface, written once over any [`Scalar`].
 pub trait Surface: Send + Sync {
-    /// The point of two parameters, as seen from the master's node in the reference configuration
+    /// The point of two parameters, as seen from the parent's node in the reference configuration
     /// (global components).
     fn at<S: Scalar>(&self, u: S, v: S) -> Vector3<S>;
 
@@ -19,7 +19,7 @@ pub trait Surface: Send + Sync {
     }
 }
 
-/// d_s = d_m + R_m x(u, v) − x(0, 0), Ψ_s of its own: masters (frame, parameter u, parameter v,
+/// d_s = d_m + R_m x(u, v) − x(0, 0), Ψ_s of its own: parents (frame, parameter u, parameter v,
 /// rotation).
 ///
 #[doc = include_str!("../../../docs/images/joints/on_surface.svg")]
@@ -38,10 +38,10 @@ impl<F> OnSurface<F> {
 impl<F: Surface> Joint<11> for OnSurface<F> {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 11>) -> Pose<S> {
         let start = self.surface.at(0.0, 0.0).map(S::constant);
-        let carried = Pose::of(q, 0).moved(&self.surface.at(q[6], q[7]));
+        let carried = Pose::of(q, 0).translated(&self.surface.at(q[6], q[7]));
         Pose {
             d: carried.d - start,
-            turn: quaternion(&Vector3::new(q[8], q[9], q[10])),
+            rotation: quaternion(&Vector3::new(q[8], q[9], q[10])),
         }
     }
 
@@ -64,7 +64,7 @@ impl<F: Surface> Joint<11> for OnSurface<F> {
     }
 }
 
-/// Adds a frame node `name` that runs on a surface carried by `master`, from its parameters (0, 0),
+/// Adds a frame node `name` that runs on a surface carried by `parent`, from its parameters (0, 0),
 /// and turns freely; and the nodes `name parameter 1`, `name parameter 2` and `name rotation`.
 ///
 /// # Errors
@@ -72,9 +72,9 @@ impl<F: Surface> Joint<11> for OnSurface<F> {
 pub fn on_surface<F: Surface + Clone + 'static>(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     surface: F,
 ) -> Result<JointNodes, ModelError> {
-    let place = b.place(master) + surface.at(0.0, 0.0);
-    b.join(name, place.into(), OnSurface { surface }, &[master])
+    let position = b.position(parent) + surface.at(0.0, 0.0);
+    b.join(name, position.into(), OnSurface { surface }, &[parent])
 }

@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
-/// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): masters (frame, displacements u, v, angle φ).
+/// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): parents (frame, displacements u, v, angle φ).
 ///
 #[doc = include_str!("../../../docs/images/joints/planar.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +34,8 @@ impl Joint<9> for Planar {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
         let [a, b] = self.across.map(|e| e.map(S::constant));
         Pose::of(q, 0)
-            .moved(&(a * q[6] + b * q[7]))
-            .turned(&Quaternion::about(&self.normal, q[8]))
+            .translated(&(a * q[6] + b * q[7]))
+            .rotated(&Quaternion::about(&self.normal, q[8]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -49,9 +49,9 @@ impl Joint<9> for Planar {
     }
 }
 
-/// Adds a frame node `name` at the place of `master` that slides in the plane with `normal` and
+/// Adds a frame node `name` at the position of `parent` that slides in the plane with `normal` and
 /// turns about it. The first displacement is along `first`, of which the part in the plane counts (both
-/// in global components of the reference configuration, carried by the master). The nodes of the
+/// in global components of the reference configuration, carried by the parent). The nodes of the
 /// coordinates are `name displacement 1`, `name displacement 2` and `name angle`.
 ///
 /// # Errors
@@ -60,10 +60,10 @@ impl Joint<9> for Planar {
 pub fn planar(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     normal: [f64; 3],
     first: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
     let joint = Planar::new(normal, first).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

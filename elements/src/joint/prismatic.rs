@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 
-/// d_s = d_m + R_m u e, R_s = R_m: masters (frame, displacement u).
+/// d_s = d_m + R_m u e, R_s = R_m: parents (frame, displacement u).
 ///
 #[doc = include_str!("../../../docs/images/joints/prismatic.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl Prismatic {
 
 impl Joint<7> for Prismatic {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        Pose::of(q, 0).moved(&(self.axis.map(S::constant) * q[6]))
+        Pose::of(q, 0).translated(&(self.axis.map(S::constant) * q[6]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -32,17 +32,17 @@ impl Joint<7> for Prismatic {
     }
 }
 
-/// Adds a frame node `name` at the place of `master` that slides along `axis` (global components
-/// of the reference configuration, carried by the master), and the node `name displacement`.
+/// Adds a frame node `name` at the position of `parent` that slides along `axis` (global components
+/// of the reference configuration, carried by the parent), and the node `name displacement`.
 ///
 /// # Errors
 /// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
 pub fn prismatic(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axis: [f64; 3],
 ) -> Result<JointNodes, ModelError> {
     let joint = Prismatic::new(axis).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

@@ -1,15 +1,15 @@
-//! The revolute joint: two frames share a place and an axis; the angle between them is unbounded.
+//! The revolute joint: two frames share a position and an axis; the angle between them is unbounded.
 
 mod closed;
 
-use super::{AxisError, Joint, Pose, Released, RevoluteNodes, Sheet, direction};
+use super::{AxisError, Joint, LogBranch, Pose, Released, RevoluteNodes, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::map::Kinematics;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
 
-/// d_s = d_m, R_s = R_m R(φ e): masters (frame, angle φ); \[M04\] 4.1.4.
+/// d_s = d_m, R_s = R_m R(φ e): parents (frame, angle φ); \[M04\] 4.1.4.
 ///
 #[doc = include_str!("../../../docs/images/joints/revolute.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +28,10 @@ impl Revolute {
 
 impl Joint<7> for Revolute {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let master = so3::quaternion(&Vector3::new(q[3], q[4], q[5]));
+        let parent = so3::quaternion(&Vector3::new(q[3], q[4], q[5]));
         Pose {
             d: Vector3::new(q[0], q[1], q[2]),
-            turn: master.product(&Quaternion::about(&self.axis, q[6])),
+            rotation: parent.product(&Quaternion::about(&self.axis, q[6])),
         }
     }
 
@@ -41,39 +41,39 @@ impl Joint<7> for Revolute {
 
     fn kinematics(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         _t: f64,
         q: &SVector<f64, 7>,
         v: &SVector<f64, 7>,
         a: &SVector<f64, 7>,
     ) -> Option<Kinematics<7, 6>> {
-        Some(closed::kinematics(self, sheet, q, v, a))
+        Some(closed::kinematics(self, branch, q, v, a))
     }
 
     fn geometric_stiffness(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         _t: f64,
         q: &SVector<f64, 7>,
         f: &Vector6<f64>,
     ) -> Option<SMatrix<f64, 7, 7>> {
-        Some(closed::geometric_stiffness(self, sheet, q, f))
+        Some(closed::geometric_stiffness(self, branch, q, f))
     }
 }
 
-/// Adds a frame node `name` at the place of `master` that turns about `axis` (global components
-/// of the reference configuration, carried by the master), and the node `name angle`.
+/// Adds a frame node `name` at the position of `parent` that turns about `axis` (global components
+/// of the reference configuration, carried by the parent), and the node `name angle`.
 ///
 /// # Errors
 /// [`ModelError::Axis`] for an axis without a direction; as [`ModelBuilder::mapped_node`].
 pub fn revolute(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axis: [f64; 3],
 ) -> Result<RevoluteNodes, ModelError> {
     let joint = Revolute::new(axis).map_err(|e| e.of(name))?;
-    let made = b.attach(name, master, joint)?;
+    let made = b.attach(name, parent, joint)?;
     let (frame, angle) = (made.frame, made.released[0]);
     Ok(RevoluteNodes { frame, angle })
 }

@@ -9,7 +9,7 @@ use pullback_manifold::system::ChartChanges;
 use std::f64::consts::TAU;
 
 /// d_s = Σ Nᵢ(u)(Xᵢ + dᵢ) − X_s, Ψ_s = Σ Nᵢ(u) Ψᵢ with the shape functions of the beam element on
-/// which the frame is (\[M04\] 4.1.3, (198)): masters (frame, frame, u). On geodesic elements its
+/// which the frame is (\[M04\] 4.1.3, (198)): parents (frame, frame, u). On geodesic elements its
 /// rotation is theirs, R_s = R₁ exp(N₂(u) log(R₁ᵀ R₂)).
 ///
 /// u is the arc length of the reference configuration from where the frame starts, positive towards

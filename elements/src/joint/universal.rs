@@ -6,9 +6,9 @@ use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 
-/// R_s = R_m R(α e₁) R(β e₂): masters (frame, angle 1, angle 2).
+/// R_s = R_m R(α e₁) R(β e₂): parents (frame, angle 1, angle 2).
 ///
-/// The first axis is fixed in the master, the second in the slave. Nothing is singular in this
+/// The first axis is fixed in the parent, the second in the dependent. Nothing is singular in this
 /// description; at β = ±90° with axes at right angles a shaft across both would be locked, which a
 /// loop of such shafts shows as a singular tangent.
 ///
@@ -33,8 +33,8 @@ impl Universal {
 impl Joint<8> for Universal {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         Pose::of(q, 0)
-            .turned(&Quaternion::about(&self.axes[0], q[6]))
-            .turned(&Quaternion::about(&self.axes[1], q[7]))
+            .rotated(&Quaternion::about(&self.axes[0], q[6]))
+            .rotated(&Quaternion::about(&self.axes[1], q[7]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -42,8 +42,8 @@ impl Joint<8> for Universal {
     }
 }
 
-/// Adds a frame node `name` at the place of `master` on a cross with two axes (global components
-/// of the reference configuration; the master carries the first), and the nodes `name angle 1`
+/// Adds a frame node `name` at the position of `parent` on a cross with two axes (global components
+/// of the reference configuration; the parent carries the first), and the nodes `name angle 1`
 /// and `name angle 2`.
 ///
 /// # Errors
@@ -51,9 +51,9 @@ impl Joint<8> for Universal {
 pub fn universal(
     b: &mut ModelBuilder,
     name: &str,
-    master: NodeId,
+    parent: NodeId,
     axes: [[f64; 3]; 2],
 ) -> Result<JointNodes, ModelError> {
     let joint = Universal::new(axes).map_err(|e| e.of(name))?;
-    b.attach(name, master, joint)
+    b.attach(name, parent, joint)
 }

@@ -58,28 +58,28 @@ impl LineLoad {
         self
     }
 
-    /// `force` per length times `amplitude` on an element through `places`; a follower load turns
+    /// `force` per length times `amplitude` on an element through `positions`; a follower load turns
     /// with the cross-sections.
     ///
     /// # Errors
-    /// [`BeamError::Nodes`] unless there are two, three or four places.
+    /// [`BeamError::Nodes`] unless there are two, three or four positions.
     pub fn new(
-        places: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         force: [f64; 3],
         follower: bool,
         amplitude: Box<dyn TimeFunction>,
     ) -> Result<Self, BeamError> {
-        let points = match places.len() {
-            2 => integration_points::<2>(places),
-            3 => integration_points::<3>(places),
-            4 => integration_points::<4>(places),
+        let points = match positions.len() {
+            2 => integration_points::<2>(positions),
+            3 => integration_points::<3>(positions),
+            4 => integration_points::<4>(positions),
             n => return Err(BeamError::Nodes(n)),
         };
         let share = |i: usize| points.iter().map(|(N, weight)| weight * N[i]).sum();
         let load = Self {
-            shares: (0..places.len()).map(share).collect(),
+            shares: (0..positions.len()).map(share).collect(),
             points,
-            nodes: places.len(),
+            nodes: positions.len(),
             follower,
             section: section::<2, Total<2>>,
             force: force.into(),
@@ -89,12 +89,12 @@ impl LineLoad {
     }
 }
 
-fn integration_points<const NN: usize>(places: &[Vector3<f64>]) -> Vec<(Vec<f64>, f64)> {
+fn integration_points<const NN: usize>(positions: &[Vector3<f64>]) -> Vec<(Vec<f64>, f64)> {
     gauss(NN)
         .into_iter()
         .map(|(xi, weight)| {
             let (N, dN) = lagrange::<NN>(xi);
-            let slope: Vector3<f64> = places.iter().zip(dN).map(|(p, d)| p * d).sum();
+            let slope: Vector3<f64> = positions.iter().zip(dN).map(|(p, d)| p * d).sum();
             (N.to_vec(), weight * slope.norm())
         })
         .collect()

@@ -8,4 +8,4 @@ mod nodal;
 pub use coordinate::CoordinateForce;
 pub use distributed::LineLoad;
 pub use eccentric::EccentricForce;
-pub use nodal::{NodalLoad, Which};
+pub use nodal::{LoadKind, NodalLoad};

@@ -10,7 +10,7 @@ use pullback_manifold::so3;
 
 /// What a nodal load does when its node rotates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
+pub enum LoadKind {
     /// Force f of fixed direction: covector f for d.
     DeadForce,
     /// Force R f that turns with the node; its tangent is −R f~ T, not symmetric.
@@ -25,7 +25,7 @@ pub enum Which {
 /// A force or moment at a frame node: a vector times a function of time.
 #[derive(Debug)]
 pub struct NodalLoad {
-    which: Which,
+    which: LoadKind,
     vector: Vector3<f64>,
     amplitude: Box<dyn TimeFunction>,
 }
@@ -33,12 +33,12 @@ pub struct NodalLoad {
 impl NodalLoad {
     /// `vector` (global components; for follower loads those of the reference configuration)
     /// times `amplitude`.
-    pub fn new(which: Which, vector: [f64; 3], amplitude: impl TimeFunction + 'static) -> Self {
+    pub fn new(which: LoadKind, vector: [f64; 3], amplitude: impl TimeFunction + 'static) -> Self {
         Self::boxed(which, vector, Box::new(amplitude))
     }
 
     /// As [`NodalLoad::new`], for an amplitude that is boxed already.
-    pub fn boxed(which: Which, vector: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
+    pub fn boxed(which: LoadKind, vector: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
         Self {
             which,
             vector: vector.into(),
@@ -52,13 +52,13 @@ impl NodalLoad {
         let q = Quotients::new(psi.norm());
         let c = q.tangent();
         match self.which {
-            Which::DeadForce => (0, *V, Matrix3::zeros()),
-            Which::FollowerForce => {
+            LoadKind::DeadForce => (0, *V, Matrix3::zeros()),
+            LoadKind::FollowerForce => {
                 let R = so3::R(psi, &c);
                 (0, R * V, R * so3::skew(V) * so3::T(psi, &c) * -1.0)
             }
-            Which::SpatialMoment => (3, so3::T(psi, &c) * V, so3::C1(V, psi, &q)),
-            Which::FollowerMoment => (3, so3::T(psi, &c).tr_mul(V), so3::C2(V, psi, &q)),
+            LoadKind::SpatialMoment => (3, so3::T(psi, &c) * V, so3::C1(V, psi, &q)),
+            LoadKind::FollowerMoment => (3, so3::T(psi, &c).tr_mul(V), so3::C2(V, psi, &q)),
         }
     }
 }
@@ -92,7 +92,7 @@ impl Element for NodalLoad {
 
     fn energy(&self, at: &Motion<'_>) -> f64 {
         match self.which {
-            Which::DeadForce => {
+            LoadKind::DeadForce => {
                 let d = Vector3::from_column_slice(&at.x[..3]);
                 -self.amplitude.at(at.t)[0] * self.vector.dot(&d)
             }
@@ -103,11 +103,11 @@ impl Element for NodalLoad {
 
     fn is_symmetric(&self) -> bool {
         // A follower moment's D = C₂(M,Ψ) is not symmetric either.
-        self.which == Which::DeadForce
+        self.which == LoadKind::DeadForce
     }
 
     fn is_dead(&self) -> bool {
-        self.which == Which::DeadForce
+        self.which == LoadKind::DeadForce
     }
 
     fn is_load(&self) -> bool {
@@ -115,7 +115,7 @@ impl Element for NodalLoad {
     }
 
     fn is_steady(&self) -> bool {
-        self.which == Which::DeadForce && self.amplitude.constant().is_some()
+        self.which == LoadKind::DeadForce && self.amplitude.constant().is_some()
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -8,7 +8,7 @@ use crate::memory;
 pub(super) struct Alternatives(Vec<Vec<Vec<u32>>>);
 
 impl Alternatives {
-    /// The sets of all nodes; `order` has those that follow others, masters first.
+    /// The sets of all nodes; `order` has those that follow others, parents first.
     ///
     /// # Errors
     /// [`ModelError::Chain`] where there is no room for all that depends on each other.
@@ -73,10 +73,10 @@ pub(super) fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Nodes that follow others, masters first.
+/// Nodes that follow others, parents first.
 pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
     let (mut done, mut out) = (vec![false; nodes.len()], Vec::new());
-    // What is to be visited, and whether its masters have been: chains may be long.
+    // What is to be visited, and whether its parents have been: chains may be long.
     let mut waiting: Vec<(u32, bool)> = Vec::new();
     for n in 0..nodes.len() as u32 {
         waiting.push((n, false));
@@ -90,8 +90,8 @@ pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
             }
             if let Source::Mapped(d) = &nodes[n as usize].source {
                 waiting.push((n, true));
-                let masters = d.segments.iter().flatten().rev();
-                waiting.extend(masters.map(|&m| (m, false)));
+                let parents = d.segments.iter().flatten().rev();
+                waiting.extend(parents.map(|&m| (m, false)));
             }
         }
     }
@@ -135,8 +135,8 @@ pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternat
     len
 }
 
-/// Own nodes behind the masters in use, each once, and where in the operators the columns of every
-/// master's own nodes are. Masters come before the nodes that follow them.
+/// Own nodes behind the parents in use, each once, and where in the operators the columns of every
+/// parent's own nodes are. Masters come before the nodes that follow them.
 pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
     let Source::Mapped(d) = &mut nodes[n].source else {
         return;
@@ -150,12 +150,12 @@ pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
     };
     let dim = |m: u32| nodes[m as usize].dim;
     let mut pulled = 0;
-    for m in d.masters() {
+    for m in d.parents() {
         let behind = match &nodes[*m as usize].source {
             Source::Own => std::slice::from_ref(m),
             Source::Mapped(above) => &above.ancestors[..],
         };
-        // Ancestors of one master are all different.
+        // Ancestors of one parent are all different.
         let before = ancestors.len();
         for &a in behind {
             let known = ancestors[..before].iter().position(|&x| x == a);

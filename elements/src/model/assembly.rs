@@ -1,11 +1,11 @@
-//! Assembly. The pattern is found once, values go straight into place.
+//! Assembly. The pattern is found once, values go straight into position.
 
 #![allow(non_snake_case)]
 
 use super::Model;
+use super::element_charts::TOO_FAR;
 use super::runs::check_length;
 use super::scatter::{Group, Into};
-use super::sheets::TOO_FAR;
 use crate::element::ElementError;
 use crate::time::Input;
 use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};

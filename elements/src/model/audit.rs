@@ -42,7 +42,7 @@ impl Momentum {
                 // The covector of a spatial moment m is T m.
                 let spin = so3::tangent_inverse(&three(x, k + 3)) * three(p, k + 3);
                 self.linear += linear;
-                self.angular += (node.place + three(x, k)).cross(&linear) + spin;
+                self.angular += (node.position + three(x, k)).cross(&linear) + spin;
             }
             k += node.dim;
         }
@@ -160,7 +160,7 @@ impl Model {
         Ok(true)
     }
 
-    /// The momenta M ẋ at all nodes, in the place of residuals.
+    /// The momenta M ẋ at all nodes, in the position of residuals.
     pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
         let w = &mut self.work;

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// A curve in space with an orientation of the cross-section: the reference shape of a line of
 /// beam elements.
 pub trait Axis {
-    /// Place and orientation at u ∈ [0, 1]. The columns of the matrix are E₁ (tangent), E₂, E₃ in
+    /// Position and orientation at u ∈ [0, 1]. The columns of the matrix are E₁ (tangent), E₂, E₃ in
     /// global components.
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>);
 }

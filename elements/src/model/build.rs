@@ -38,7 +38,7 @@ impl ModelBuilder {
         };
         let held = loops::Held(&self.prescribed);
         let mut reports = loops::close(&mut self.nodes, &self.closings, &held, &wishes, length)?;
-        let places = loops::places(&self.nodes, &enforced, &held, &wishes, length);
+        let positions = loops::positions(&self.nodes, &enforced, &held, &wishes, length);
         self.keep_one_free(&reports)?;
         reports.extend(forces);
         let Self {
@@ -118,7 +118,7 @@ impl ModelBuilder {
         };
         let driven_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
         let magnitude = |node: &Node, kind: Kind| match kind {
-            Kind::Length if node.is_frame() => node.place.norm(),
+            Kind::Length if node.is_frame() => node.position.norm(),
             Kind::Length => length,
             Kind::Angle | Kind::Other => 1.0,
         };
@@ -174,7 +174,7 @@ impl ModelBuilder {
         let values: Vec<(usize, f64)> = (starts.into_iter())
             .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
             .collect();
-        model.assemble_enforced(&values, &places)?;
+        model.assemble_enforced(&values, &positions)?;
         Ok(model)
     }
 }
@@ -185,7 +185,7 @@ fn levers(nodes: &[Node], elements: &[Attached], extent: f64) -> [f64; 2] {
     if extent == 0.0 {
         return [0.0, f64::INFINITY];
     }
-    let distance = |a: usize, b: usize| (nodes[a].place - nodes[b].place).norm();
+    let distance = |a: usize, b: usize| (nodes[a].position - nodes[b].position).norm();
     let frames = |group: &[u32]| -> Vec<usize> {
         let all = group.iter().map(|&n| n as usize);
         all.filter(|&n| nodes[n].is_frame()).collect()
@@ -203,8 +203,8 @@ fn levers(nodes: &[Node], elements: &[Attached], extent: f64) -> [f64; 2] {
     }
     for (n, node) in nodes.iter().enumerate() {
         if let (Source::Mapped(d), true) = (&node.source, node.is_frame()) {
-            for masters in &d.segments {
-                let mut group = frames(masters);
+            for parents in &d.segments {
+                let mut group = frames(parents);
                 group.push(n);
                 look(&group);
             }
@@ -213,10 +213,10 @@ fn levers(nodes: &[Node], elements: &[Attached], extent: f64) -> [f64; 2] {
     [if shortest.is_finite() { shortest } else { 0.0 }, extent]
 }
 
-/// Diagonal of the box around all frames; zero where they stand at one place.
+/// Diagonal of the box around all frames; zero where they stand at one position.
 fn extent(nodes: &[Node]) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64| {
-        let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.place);
+        let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.position);
         frames
             .reduce(|a, b| a.zip_map(&b, pick))
             .unwrap_or_default()
@@ -236,8 +236,8 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
     groups.extend(elements.iter().map(|e| indices(&e.nodes)));
     for (n, node) in nodes.iter().enumerate() {
         if let Source::Mapped(d) = &node.source {
-            for masters in &d.segments {
-                groups.push(indices(masters));
+            for parents in &d.segments {
+                groups.push(indices(parents));
                 groups.last_mut().into_iter().for_each(|g| g.push(n));
             }
         }
@@ -295,10 +295,10 @@ fn check_rewritten(
             continue;
         };
         // Masters behind the first are parameters, which stay what they are.
-        for &m in d.masters().iter().take(1).filter(|_| d.map.rewrites()) {
-            let master = &nodes[m as usize];
+        for &m in d.parents().iter().take(1).filter(|_| d.map.rewrites()) {
+            let parent = &nodes[m as usize];
             // Made for the frame by the model itself.
-            if master.form == Form::Increment {
+            if parent.form == Form::Increment {
                 continue;
             }
             let reads = |k: usize| match &nodes[k].source {
@@ -309,21 +309,21 @@ fn check_rewritten(
             let other = (0..nodes.len()).find(|&k| k != n && reads(k));
             let held = prescribed
                 .iter()
-                .any(|p| master.range().contains(&p.coordinate));
+                .any(|p| parent.range().contains(&p.coordinate));
             let user = if let Some(e) = element {
                 format!("element {}", e.name)
             } else if let Some(k) = other {
                 format!("the joint at {}", nodes[k].name)
             } else if held {
                 "a support or driven motion".to_owned()
-            } else if !master.is_own() || master.form != Form::Coordinates {
-                "a joint with other masters".to_owned()
+            } else if !parent.is_own() || parent.form != Form::Coordinates {
+                "a joint with other parents".to_owned()
             } else {
                 continue;
             };
             return Err(ModelError::Rewritten {
                 node: node.name.clone(),
-                coordinates: master.name.clone(),
+                coordinates: parent.name.clone(),
                 user,
             });
         }
@@ -367,8 +367,8 @@ fn resolve_prescribed(
 
 /// Says what can be prescribed instead of a coordinate that follows from others: those that it follows
 /// from in the end.
-fn refuse_slave(nodes: &[Node], slave: u32, coordinate: String) -> ModelError {
-    let (mut waiting, mut own) = (vec![slave], Vec::new());
+fn refuse_slave(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
+    let (mut waiting, mut own) = (vec![dependent], Vec::new());
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
         match &node.source {
@@ -377,14 +377,14 @@ fn refuse_slave(nodes: &[Node], slave: u32, coordinate: String) -> ModelError {
                 return ModelError::PrescribedSolved { coordinate, solved };
             }
             // The first of them first.
-            Source::Mapped(d) => waiting.extend(d.masters().iter().rev()),
+            Source::Mapped(d) => waiting.extend(d.parents().iter().rev()),
             Source::Own if own.contains(&node.name.as_str()) => {}
             Source::Own => own.push(&node.name),
         }
     }
-    let masters = own.join(", ");
+    let parents = own.join(", ");
     ModelError::PrescribedSlave {
         coordinate,
-        masters,
+        parents,
     }
 }

@@ -95,12 +95,22 @@ impl ModelBuilder {
         Self::default()
     }
 
-    /// Adds a frame node (displacement and rotation, six coordinates) at a reference place.
+    /// Adds a frame node (displacement and rotation, six coordinates) at a reference position.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`].
-    pub fn node(&mut self, name: impl Into<String>, place: [f64; 3]) -> Result<NodeId, ModelError> {
-        self.add_node(name.into(), place, Form::Frame, &FRAME_KINDS, Source::Own)
+    pub fn node(
+        &mut self,
+        name: impl Into<String>,
+        position: [f64; 3],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(
+            name.into(),
+            position,
+            Form::Frame,
+            &FRAME_KINDS,
+            Source::Own,
+        )
     }
 
     /// Adds coordinates that are no frame: those a joint releases, say.
@@ -125,22 +135,22 @@ impl ModelBuilder {
         self.add_node(name.into(), [0.0; 3], Form::Rotation, &kinds, Source::Own)
     }
 
-    /// Adds a frame node whose six coordinates follow from those of `masters` through a map.
+    /// Adds a frame node whose six coordinates follow from those of `parents` through a map.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] when
-    /// the map does not take the masters' coordinates to six; [`ModelError::ForeignNode`].
+    /// the map does not take the parents' coordinates to six; [`ModelError::ForeignNode`].
     pub fn mapped_node(
         &mut self,
         name: impl Into<String>,
-        place: [f64; 3],
+        position: [f64; 3],
         map: Box<dyn Parametrization>,
-        masters: &[NodeId],
+        parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        self.mapped_node_along(name, place, map, &[masters])
+        self.mapped_node_along(name, position, map, &[parents])
     }
 
-    /// As [`ModelBuilder::mapped_node`], for a map that travels along several sets of masters
+    /// As [`ModelBuilder::mapped_node`], for a map that travels along several sets of parents
     /// ([`Map::segment`](pullback_manifold::map::Map::segment) tells which one it reads).
     ///
     /// # Errors
@@ -148,15 +158,15 @@ impl ModelBuilder {
     pub fn mapped_node_along(
         &mut self,
         name: impl Into<String>,
-        place: [f64; 3],
+        position: [f64; 3],
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
         let form = (Form::Frame, &FRAME_KINDS[..]);
-        self.add_mapped(name.into(), place, form, map, segments)
+        self.add_mapped(name.into(), position, form, map, segments)
     }
 
-    /// Adds coordinates that are no frame and follow from those of `masters` through a map: those of
+    /// Adds coordinates that are no frame and follow from those of `parents` through a map: those of
     /// a loop that is closed by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint,
     /// one of them ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a
     /// gear. Joints and elements take them as they take any coordinates.
@@ -170,57 +180,60 @@ impl ModelBuilder {
         name: impl Into<String>,
         kinds: &[Kind],
         map: Box<dyn Parametrization>,
-        masters: &[NodeId],
+        parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
         let form = (Form::Coordinates, kinds);
-        self.add_mapped(name.into(), [0.0; 3], form, map, &[masters])
+        self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
     }
 
     fn add_mapped(
         &mut self,
         name: String,
-        place: [f64; 3],
+        position: [f64; 3],
         (form, kinds): (Form, &[Kind]),
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
         let (d, n) = map.dims();
-        for masters in segments {
-            self.check_own(masters, || format!("joint at node {name}"))?;
-            if masters.len() > MAX_NODES {
+        for parents in segments {
+            self.check_own(parents, || format!("joint at node {name}"))?;
+            if parents.len() > MAX_NODES {
                 return Err(ModelError::TooManyNodes {
                     element: format!("(joint at node {name})"),
-                    found: masters.len(),
+                    found: parents.len(),
                     limit: MAX_NODES,
                 });
             }
-            let found: usize = masters.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
+            let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
             if d != found || n != kinds.len() {
                 return Err(ModelError::JointDimension {
                     node: name,
-                    masters: self.names_of(masters),
+                    parents: self.names_of(parents),
                     map: (d, n),
                     found,
                     dim: kinds.len(),
                 });
             }
         }
-        let numbers = |masters: &&[NodeId]| masters.iter().map(|m| m.0).collect();
+        let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
         let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
-        self.add_node(name, place, form, kinds, source)
+        self.add_node(name, position, form, kinds, source)
     }
 
     pub(super) fn add_node(
         &mut self,
         name: String,
-        place: [f64; 3],
+        position: [f64; 3],
         form: Form,
         kinds: &[Kind],
         source: Source,
     ) -> Result<NodeId, ModelError> {
-        if place.iter().any(|x| !x.is_finite()) {
-            return Err(ModelError::NotFinite { node: name, place });
+        if position.iter().any(|x| !x.is_finite()) {
+            return Err(ModelError::NotFinite {
+                node: name,
+                position,
+            });
         }
         let id = NodeId(self.nodes.len() as u32);
         match self.names.entry(name.clone()) {
@@ -228,7 +241,7 @@ impl ModelBuilder {
             Entry::Vacant(entry) => entry.insert(id),
         };
         self.nodes.push(Node {
-            place: place.into(),
+            position: position.into(),
             ..Node::new(name, form, kinds, source)
         });
         Ok(id)
@@ -255,9 +268,9 @@ impl ModelBuilder {
         &self.nodes[node.0 as usize].name
     }
 
-    /// Reference place of a node.
-    pub fn place(&self, node: NodeId) -> Vector3<f64> {
-        self.nodes[node.0 as usize].place
+    /// Reference position of a node.
+    pub fn position(&self, node: NodeId) -> Vector3<f64> {
+        self.nodes[node.0 as usize].position
     }
 
     /// Number of coordinates of a node: six of a frame.

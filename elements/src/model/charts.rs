@@ -122,7 +122,7 @@ impl Model {
     }
 
     /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
-    /// coordinates of one own node, the first master, which nobody else uses: seen to when the
+    /// coordinates of one own node, the first parent, which nobody else uses: seen to when the
     /// model is built.
     fn rewrite_coordinates(
         &mut self,
@@ -189,7 +189,7 @@ impl Model {
                 continue;
             }
             changed += 1;
-            let range = self.spans[d.masters()[0] as usize].range();
+            let range = self.spans[d.parents()[0] as usize].range();
             for (i, c) in range.enumerate() {
                 // A held displacement stays what it is.
                 let u = self.unknowns[c];
@@ -220,7 +220,7 @@ impl Model {
         let Source::Mapped(d) = &self.nodes[new.node as usize].source else {
             return;
         };
-        let range = self.spans[d.masters()[0] as usize].range();
+        let range = self.spans[d.parents()[0] as usize].range();
         for (i, c) in range.enumerate() {
             let u = self.unknowns[c] as usize;
             q[u] = new.q[i];
@@ -233,7 +233,7 @@ impl Model {
         }
     }
 
-    /// Coordinates, velocities and all accelerations of the masters of all maps that may change
+    /// Coordinates, velocities and all accelerations of the parents of all maps that may change
     /// their meaning, into the workspace; false where the point is outside a chart, which the next
     /// evaluation says.
     fn collect_rewriting(
@@ -270,16 +270,16 @@ impl Model {
                 for to in [&mut to.q, &mut to.v, &mut to.a[k]] {
                     to.resize(d.direct, 0.0);
                 }
-                collect(d.masters(), &self.spans, &w.x, &mut to.q);
-                collect(d.masters(), &self.spans, &w.v, &mut to.v);
-                collect(d.masters(), &self.spans, &w.a, &mut to.a[k]);
+                collect(d.parents(), &self.spans, &w.x, &mut to.q);
+                collect(d.parents(), &self.spans, &w.v, &mut to.v);
+                collect(d.parents(), &self.spans, &w.a, &mut to.a[k]);
             }
         }
         true
     }
 
     /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
-    /// slave, something of the rotation is free, and what is prescribed is and stays zero. (A
+    /// dependent, something of the rotation is free, and what is prescribed is and stays zero. (A
     /// component that is driven means another constraint in the other chart.)
     pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
@@ -340,7 +340,7 @@ fn settled(
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
         Source::Mapped(d) => {
-            let first = d.masters().first();
+            let first = d.parents().first();
             first.is_some_and(|&m| nodes[m as usize].form == Form::Increment)
         }
         Source::Own => false,

@@ -69,8 +69,14 @@ impl ModelBuilder {
         count: usize,
     ) -> Result<NodeId, ModelError> {
         let kinds = vec![Kind::Other; count];
-        let place = [0.0; 3];
-        self.add_node(name.into(), place, Form::Multipliers, &kinds, Source::Own)
+        let position = [0.0; 3];
+        self.add_node(
+            name.into(),
+            position,
+            Form::Multipliers,
+            &kinds,
+            Source::Own,
+        )
     }
 
     /// Adds the elements of all closings that no map makes, in a model of this size; what there is
@@ -86,7 +92,7 @@ impl ModelBuilder {
         for &Closing { frame, child, by } in &closings {
             let name = self.node_name(frame).to_owned();
             let h = Coincide {
-                apart: self.place(frame) - self.place(child),
+                apart: self.position(frame) - self.position(child),
             };
             let l = length.recip();
             let h = Scaled::new(h, [l, l, l, 1.0, 1.0, 1.0]);

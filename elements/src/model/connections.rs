@@ -5,7 +5,7 @@ use super::{Attached, ModelError, Node, Prescribed, Source};
 use std::collections::HashSet;
 
 /// Every own node must meet an element that is not a load, directly or through a joint; a mapped
-/// node, which has no coordinates of its own, may stand alone: a place to look at. One that is held
+/// node, which has no coordinates of its own, may stand alone: a position to look at. One that is held
 /// or driven as a whole needs no more than a joint, or a loop that ends there.
 pub(super) fn check_connections(
     nodes: &[Node],
@@ -32,13 +32,13 @@ pub(super) fn check_connections(
     }
     let held: HashSet<usize> = prescribed.iter().map(|p| p.coordinate).collect();
     let ends = closings.iter().flat_map(|c| [c.frame.0, c.child.0]);
-    let masters = dependent
+    let parents = dependent
         .iter()
         .flat_map(|&n| match &nodes[n as usize].source {
             Source::Mapped(d) => d.segments.iter().flatten().copied().collect(),
             Source::Own => Vec::new(),
         });
-    for n in ends.chain(masters).map(|n| n as usize) {
+    for n in ends.chain(parents).map(|n| n as usize) {
         connected[n] |= nodes[n].range().all(|c| held.contains(&c));
     }
     let alone = |(node, connected): (&Node, &bool)| node.is_own() && !connected;

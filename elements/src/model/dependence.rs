@@ -18,17 +18,17 @@ pub(super) struct Dependence {
     pub map: Box<dyn Parametrization>,
     /// Masters for each segment that the map can be on; a single set for most maps.
     pub segments: Vec<Vec<u32>>,
-    /// Own nodes behind the masters in use, each once.
+    /// Own nodes behind the parents in use, each once.
     pub ancestors: Vec<u32>,
-    /// For each master and each own node behind it the first of its columns in the operators.
+    /// For each parent and each own node behind it the first of its columns in the operators.
     pub columns: Vec<u32>,
-    /// Coordinates of the masters, and of the ancestors.
+    /// Coordinates of the parents, and of the ancestors.
     pub direct: usize,
     pub pulled: usize,
-    /// Whether a master follows other nodes itself, or stands there twice: the operators are then
+    /// Whether a parent follows other nodes itself, or stands there twice: the operators are then
     /// multiplied.
     pub chained: bool,
-    /// First values of the operators with respect to the masters and to the ancestors.
+    /// First values of the operators with respect to the parents and to the ancestors.
     pub local: usize,
     pub total: usize,
 }
@@ -82,12 +82,12 @@ impl Dependence {
     }
 
     /// The nodes that the map reads at present.
-    pub(super) fn masters(&self) -> &[u32] {
+    pub(super) fn parents(&self) -> &[u32] {
         &self.segments[self.map.segment()]
     }
 
-    /// r·B v of the masters: the part of the power of a force `r` at a dependent node that comes
-    /// through its masters (the rest, r·∂φ/∂t, is the map's own).
+    /// r·B v of the parents: the part of the power of a force `r` at a dependent node that comes
+    /// through its parents (the rest, r·∂φ/∂t, is the map's own).
     pub(super) fn carried_power(
         &self,
         r: &[f64],
@@ -95,17 +95,17 @@ impl Dependence {
         v: &[f64],
         operators: &Operators,
     ) -> f64 {
-        let masters = self.masters().iter();
-        let columns = masters.flat_map(|&m| spans[m as usize].range());
+        let parents = self.parents().iter();
+        let columns = parents.flat_map(|&m| spans[m as usize].range());
         let forces = pullback::transposed(&operators.B[self.local..], r);
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
 
-    /// Operators with respect to the ancestors from those with respect to the masters: B, and Ḃ and
+    /// Operators with respect to the ancestors from those with respect to the parents: B, and Ḃ and
     /// B̈ where something is `moving`.
     fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators, moving: bool) {
         let (len, total) = (n * self.direct, n * self.pulled);
-        // Everything that the masters need lies before this node's own values.
+        // Everything that the parents need lies before this node's own values.
         let parts = [
             &mut operators.B,
             &mut operators.B_dot,
@@ -126,12 +126,12 @@ impl Dependence {
             out_ddot.fill(0.0);
         }
         let (mut row, mut entry) = (0, 0);
-        for m in self.masters() {
-            let master = &nodes[*m as usize];
-            let dim = master.dim;
+        for m in self.parents() {
+            let parent = &nodes[*m as usize];
+            let dim = parent.dim;
             let local = row * n..(row + dim) * n;
             row += dim;
-            let Source::Mapped(from) = &master.source else {
+            let Source::Mapped(from) = &parent.source else {
                 let to = self.columns[entry] as usize * n;
                 entry += 1;
                 add(&mut out[to..], &own[local.clone()], 1.0);
@@ -193,9 +193,9 @@ impl Model {
             return Ok(());
         };
         let local = &mut w.local;
-        let k = collect(d.masters(), &self.spans, &w.x, &mut local.q);
-        collect(d.masters(), &self.spans, &w.v, &mut local.qv);
-        collect(d.masters(), &self.spans, &w.a, &mut local.qa);
+        let k = collect(d.parents(), &self.spans, &w.x, &mut local.q);
+        collect(d.parents(), &self.spans, &w.v, &mut local.qv);
+        collect(d.parents(), &self.spans, &w.a, &mut local.qa);
         let margin = d.map.margin(t, &local.q[..k]);
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
@@ -232,7 +232,7 @@ impl Model {
         }
     }
 
-    /// Hands the forces at dependent nodes to their masters, the last link of a chain first. The
+    /// Hands the forces at dependent nodes to their parents, the last link of a chain first. The
     /// tangent's rows at these nodes go the same way, with the geometric stiffness of each map.
     pub(super) fn pull_back_nodes(
         &mut self,
@@ -246,7 +246,7 @@ impl Model {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            hand_back(d, d.masters(), node, &self.spans, w, rates);
+            hand_back(d, d.parents(), node, &self.spans, w, rates);
             let Some((weights, values)) = &mut S else {
                 continue;
             };
@@ -259,14 +259,14 @@ impl Model {
                 work,
             };
             if let Some(first_place) = self.placement.bent(n).filter(|_| !d.map.is_linear()) {
-                let k = collect(d.masters(), &self.spans, &w.x, q);
+                let k = collect(d.parents(), &self.spans, &w.x, q);
                 let K_sigma = &mut K_sigma[..k * k];
                 d.map
                     .geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
                 if K_sigma.iter().any(|k| *k != 0.0) {
                     // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
                     let group = Group {
-                        nodes: d.masters(),
+                        nodes: d.parents(),
                         first_place,
                         tangents: Tangents {
                             K: Some(K_sigma),
@@ -287,8 +287,8 @@ impl Model {
         }
     }
 
-    /// Lets the maps change their charts, masters first: a node sees those of its masters changed
-    /// already. Where one has moved on to another segment, the places of all tangents are found anew.
+    /// Lets the maps change their charts, parents first: a node sees those of its parents changed
+    /// already. Where one has moved on to another segment, the positions of all tangents are found anew.
     pub(super) fn update_maps(&mut self, t: f64, q: &[f64]) -> Result<ChartChanges, SystemError> {
         let at = Point {
             t,
@@ -307,9 +307,9 @@ impl Model {
             };
             let w = &mut self.work;
             let before = d.map.segment();
-            // On a new segment the map reads other masters, and may want other charts for them.
+            // On a new segment the map reads other parents, and may want other charts for them.
             for _ in 0..3 {
-                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
                 let changes = d.map.change_charts(t, &w.local.q[..len]);
                 if changes == ChartChanges::default() {
                     break;
@@ -319,7 +319,7 @@ impl Model {
                 all.residual |= changes.residual;
             }
             if changed {
-                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
                 let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
                 d.map.tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
@@ -344,10 +344,10 @@ impl Model {
     }
 }
 
-/// Adds Bᵀ r (and its rate) to the masters' residuals.
+/// Adds Bᵀ r (and its rate) to the parents' residuals.
 pub(super) fn hand_back(
     d: &Dependence,
-    masters: &[u32],
+    parents: &[u32],
     node: &Node,
     spans: &[Span],
     w: &mut Workspace,
@@ -372,7 +372,7 @@ pub(super) fn hand_back(
         pullback::residual(&slot_dot, &w.r[node.range()], df);
     }
     let mut k = 0;
-    for &m in masters {
+    for &m in parents {
         for c in spans[m as usize].range() {
             w.r[c] += f[k];
             if rates {

@@ -59,7 +59,7 @@ impl Model {
         for &n in &self.dependent {
             if let Source::Mapped(d) = &self.nodes[n as usize].source {
                 let mut q = vec![0.0; d.direct];
-                collect(d.masters(), &self.spans, &self.work.x, &mut q);
+                collect(d.parents(), &self.spans, &self.work.x, &mut q);
                 worst = d
                     .map
                     .violation(self.work.t, &q)

@@ -17,8 +17,8 @@ pub enum ModelError {
     DuplicateNode { node: String },
     #[error("there is no node {node}; known nodes: {known}")]
     UnknownNode { node: String, known: String },
-    #[error("node {node} has a coordinate that is not finite: {place:?}")]
-    NotFinite { node: String, place: [f64; 3] },
+    #[error("node {node} has a coordinate that is not finite: {position:?}")]
+    NotFinite { node: String, position: [f64; 3] },
     #[error(
         "element {element} has {expected} coordinates, but its nodes ({nodes}) have {found} together"
     )]
@@ -41,22 +41,22 @@ pub enum ModelError {
     },
     #[error(
         "the map of the joint at node {node} takes {} coordinates to {}, but it must take the \
-         {found} of its masters ({masters}) to {dim}", map.0, map.1
+         {found} of its parents ({parents}) to {dim}", map.0, map.1
     )]
     JointDimension {
         node: String,
-        masters: String,
+        parents: String,
         map: (usize, usize),
         found: usize,
         dim: usize,
     },
     #[error(
-        "joint {joint} takes {takes} coordinates, but its masters ({masters}) have {theirs} and \
+        "joint {joint} takes {takes} coordinates, but its parents ({parents}) have {theirs} and \
          `Joint::released` names {count}: name there what the joint has of its own, no more and no less"
     )]
     Released {
         joint: String,
-        masters: String,
+        parents: String,
         takes: usize,
         theirs: usize,
         count: usize,
@@ -91,9 +91,9 @@ pub enum ModelError {
     PrescribedTwice { coordinate: String },
     #[error(
         "{coordinate} follows from other nodes through a joint and cannot be prescribed; \
-         prescribe a coordinate of its masters {masters}"
+         prescribe a coordinate of its parents {parents}"
     )]
-    PrescribedSlave { coordinate: String, masters: String },
+    PrescribedSlave { coordinate: String, parents: String },
     #[error(
         "{coordinate} follows from the equations that {solved} is solved from and cannot be \
          prescribed; add the equation x - f(t) = 0 of what drives it to them, or let one of the \
@@ -120,7 +120,7 @@ pub enum ModelError {
     },
     #[error(
         "joint {joint} cannot slide from start = {start}: that must lie between 0 and the length of \
-         its chain ({nodes} nodes at different places are given, two at least are needed)"
+         its chain ({nodes} nodes at different positions are given, two at least are needed)"
     )]
     Slide {
         joint: String,
@@ -129,7 +129,9 @@ pub enum ModelError {
     },
     #[error("{first} and {second} cannot be one: two different frames are needed")]
     NotFrames { first: String, second: String },
-    #[error("joint {joint} and its child {child} are {gap:.3e} apart; draw both at the same place")]
+    #[error(
+        "joint {joint} and its child {child} are {gap:.3e} apart; draw both at the same position"
+    )]
     Apart {
         joint: String,
         child: String,
@@ -138,12 +140,12 @@ pub enum ModelError {
     #[error(
         "joint {joint} closes a loop that ends at {node}, which is neither held nor carries the \
          other end. Hold {node} in all six coordinates, or let it be free and the child of a joint, \
-         so that it hangs there; a node that is held in part may hang on a prismatic, cylindrical \
+         so that it hangs there; a node that is held in part may are attached to a prismatic, cylindrical \
          or planar joint instead. Loops over slides and flexible parts close by `Closure`"
     )]
     LooseLoop { joint: String, node: String },
     #[error(
-        "joint {joint}: its child {child} is the frame that it hangs on; a joint goes from one frame \
+        "joint {joint}: its child {child} is the frame that it is attached to; a joint goes from one frame \
          to another one"
     )]
     OwnMaster { joint: String, child: String },
@@ -201,7 +203,7 @@ pub enum ModelError {
     Unsupported { node: String, motion: String },
     #[error(
         "the loop closed by joint {joints} has no freedom left, and nothing else in the model has \
-         one: nothing can move. Release something along the loop, or see whether axes and places \
+         one: nothing can move. Release something along the loop, or see whether axes and positions \
          are given with all their digits"
     )]
     LockedLoop { joints: String },

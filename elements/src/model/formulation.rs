@@ -18,7 +18,7 @@ use std::ops::Range;
 ///
 /// It holds for rotations that are free as a whole: those of frames with coordinates of their own, and
 /// those that spherical joints release. Rotations that are driven or held in part, or are unknowns of
-/// a loop, stay total, and angles are angles. Places, velocities,
+/// a loop, stay total, and angles are angles. Positions, velocities,
 /// forces and energies of a state are the same in all of them: only what a time
 /// integration scheme adds up is different.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -112,7 +112,7 @@ fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
     let Source::Mapped(d) = &node.source else {
         return None;
     };
-    let first = *d.masters().first()? as usize;
+    let first = *d.parents().first()? as usize;
     (nodes[first].form == Form::Increment).then_some(first)
 }
 
@@ -164,7 +164,7 @@ impl Model {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
         };
-        let own = d.masters()[0];
+        let own = d.parents()[0];
         let end = self.spans[own as usize].range().end;
         Some((end - 3..end, own, d.map.spins()?))
     }

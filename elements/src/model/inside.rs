@@ -21,7 +21,7 @@ impl Model {
             let Source::Mapped(d) = &self.nodes[n as usize].source else {
                 continue;
             };
-            let steps: Vec<(usize, f64)> = (d.masters().iter())
+            let steps: Vec<(usize, f64)> = (d.parents().iter())
                 .filter(|&&m| self.nodes[m as usize].form == Form::Coordinates)
                 .flat_map(|&m| {
                     let all = self.nodes[m as usize].range();
@@ -53,7 +53,7 @@ impl Model {
         for &n in self.dependent.iter().filter(|_| known) {
             if let Source::Mapped(d) = &mut self.nodes[n as usize].source {
                 let w = &mut self.work;
-                let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
                 d.map.keep_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
             }
         }
@@ -67,7 +67,7 @@ impl Model {
             return None;
         };
         let w = &mut self.work;
-        let len = collect(d.masters(), &self.spans, &w.x, &mut w.local.q);
+        let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
         Some(d.map.margin(t, &w.local.q[..len]))
     }
 }

@@ -73,7 +73,7 @@ impl Model {
         let Source::Mapped(d) = &node.source else {
             return None;
         };
-        let masters = d.masters().iter().map(|&m| m as usize);
+        let parents = d.parents().iter().map(|&m| m as usize);
         let what = if node.is_frame() {
             "joint "
         } else if self.reports.iter().any(|r| r.map == Some(n)) {
@@ -84,7 +84,7 @@ impl Model {
         Some(self.component(
             format!("{what}{} ({})", node.name, plain(d.map.kind())),
             &*d.map,
-            masters,
+            parents,
             &|n| units[n],
         ))
     }
@@ -98,18 +98,18 @@ impl Model {
         (all.layout, node.is_frame())
     }
 
-    /// Reference place of a node that follows others.
+    /// Reference position of a node that follows others.
     pub(crate) fn hung_place(&self, n: u32) -> Vector3<f64> {
-        self.nodes[n as usize].place
+        self.nodes[n as usize].position
     }
 
-    /// The motion of a map's masters.
-    pub(crate) fn master_state(&self, n: u32, t: f64) -> State {
+    /// The motion of a map's parents.
+    pub(crate) fn parent_state(&self, n: u32, t: f64) -> State {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return State::statics(t, DVector::zeros(0));
         };
         let all = |x: &[f64]| {
-            let coordinates = d.masters().iter();
+            let coordinates = d.parents().iter();
             let coordinates = coordinates.flat_map(|&m| self.nodes[m as usize].range());
             DVector::from_iterator(d.direct, coordinates.map(|c| x[c]))
         };
@@ -141,7 +141,7 @@ impl Model {
             match node.form {
                 Form::Frame => frames.push(Frame {
                     first,
-                    place: node.place,
+                    position: node.position,
                 }),
                 Form::Rotation => rotations.push(first),
                 Form::Increment | Form::Coordinates | Form::Multipliers | Form::Idle => {}
@@ -160,12 +160,12 @@ impl Model {
 
     /// The largest distance between frames among nodes; `None` where there are none.
     fn extent(&self, nodes: &[u32]) -> Option<f64> {
-        let places = || {
+        let positions = || {
             let nodes = nodes.iter().map(|&n| &self.nodes[n as usize]);
-            nodes.filter(|n| n.is_frame()).map(|n| n.place)
+            nodes.filter(|n| n.is_frame()).map(|n| n.position)
         };
-        places()
-            .flat_map(|a| places().map(move |b| (a - b).norm()))
+        positions()
+            .flat_map(|a| positions().map(move |b| (a - b).norm()))
             .reduce(f64::max)
     }
 
@@ -184,7 +184,7 @@ impl Model {
         // What a joint releases is of the size of what it joins.
         for &n in self.dependent.iter().rev() {
             if let Source::Mapped(d) = &self.nodes[n as usize].source {
-                let all = || d.masters().iter().chain([&n]).map(|&m| m as usize);
+                let all = || d.parents().iter().chain([&n]).map(|&m| m as usize);
                 let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
                 all().for_each(|m| {
                     if units[m].is_infinite() {
@@ -233,7 +233,7 @@ impl Model {
         self.prescribed.iter().map(rate).fold(0.0, f64::max)
     }
 
-    /// For each unknown: its node's place, which coordinate of the node it is, and what it measures.
+    /// For each unknown: its node's position, which coordinate of the node it is, and what it measures.
     pub(crate) fn inspect_unknowns(&self) -> Vec<(usize, Vector3<f64>, usize, Kind)> {
         let mut owner = vec![0; self.kinds.len()];
         for (n, node) in self.nodes.iter().enumerate() {
@@ -241,7 +241,7 @@ impl Model {
         }
         let of = |&c: &usize| {
             let node = &self.nodes[owner[c]];
-            (owner[c], node.place, c - node.first, self.kinds[c])
+            (owner[c], node.position, c - node.first, self.kinds[c])
         };
         self.coordinates.iter().map(of).collect()
     }
@@ -264,7 +264,7 @@ impl Model {
         let frames = self.frames().map(|(n, _)| {
             let n = self.node_state(n);
             [
-                n.place,
+                n.position,
                 n.R * direction,
                 n.velocity,
                 n.omega,
@@ -305,7 +305,7 @@ impl Model {
 pub(crate) struct Snapshot {
     /// Residual of the unknowns, in their charts.
     pub r: Vec<f64>,
-    /// Of every frame: place, a direction that turns with it, velocity, angular velocity,
+    /// Of every frame: position, a direction that turns with it, velocity, angular velocity,
     /// acceleration.
     pub frames: Vec<[Vector3<f64>; 5]>,
 }
@@ -340,7 +340,7 @@ fn group(
         range,
         unit: if measured { length } else { 1.0 },
         reach: if measured {
-            node.place.norm() / length
+            node.position.norm() / length
         } else {
             0.0
         },

@@ -86,9 +86,9 @@ impl ModelBuilder {
                 line.elements
             ))
         })?;
-        let size = (self.place(to) - self.place(from)).norm().max(1e-300);
+        let size = (self.position(to) - self.position(from)).norm().max(1e-300);
         for (node, u) in [(from, 0.0), (to, 1.0)] {
-            let gap = (axis.at(u).0 - self.place(node)).norm();
+            let gap = (axis.at(u).0 - self.position(node)).norm();
             let length = (axis.at(0.5).0 - axis.at(0.0).0).norm().max(size);
             if gap.is_nan() || gap > 1e-6 * length {
                 return Err(fail(format!(
@@ -96,7 +96,7 @@ impl ModelBuilder {
                     if u == 0.0 { "start" } else { "end" },
                     axis.at(u).0.as_slice(),
                     self.node_name(node),
-                    self.place(node).as_slice()
+                    self.position(node).as_slice()
                 )));
             }
         }
@@ -111,12 +111,12 @@ impl ModelBuilder {
         for e in 0..line.elements {
             let first = e * line.order;
             let own = &nodes[first..=first + line.order];
-            let places: Vec<Vector3<f64>> = own.iter().map(|&n| self.place(n)).collect();
+            let positions: Vec<Vector3<f64>> = own.iter().map(|&n| self.position(n)).collect();
             let frame = |xi: f64| -> Matrix3<f64> { axis.at(line.parameter(e, xi)).1 };
             let element_name = format!("{name}:{}", e + 1);
             let own = own.to_vec();
             let beam = interpolation
-                .beam(&places, &frame, &line.section)
+                .beam(&positions, &frame, &line.section)
                 .map_err(|source| ModelError::Beam {
                     element: element_name.clone(),
                     source,

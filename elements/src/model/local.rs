@@ -36,8 +36,8 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// Buffers for elements of at most `n` coordinates and joints that read at most `masters`.
-    pub(super) fn new(n: usize, masters: usize) -> Self {
+    /// Buffers for elements of at most `n` coordinates and joints that read at most `parents`.
+    pub(super) fn new(n: usize, parents: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];
         Self {
             x: zeros(n),
@@ -53,11 +53,11 @@ impl Local {
             K2: zeros(n * n),
             C2: zeros(n * n),
             M2: zeros(n * n),
-            work: zeros(n.max(masters)),
-            K_sigma: zeros(masters * masters),
-            q: zeros(masters),
-            qv: zeros(masters),
-            qa: zeros(masters),
+            work: zeros(n.max(parents)),
+            K_sigma: zeros(parents * parents),
+            q: zeros(parents),
+            qv: zeros(parents),
+            qa: zeros(parents),
             complements: vec![Complement::default(); MAX_NODES],
         }
     }

@@ -12,6 +12,7 @@ mod charts;
 mod closures;
 mod connections;
 mod dependence;
+mod element_charts;
 mod enforced;
 mod error;
 mod formulation;
@@ -31,7 +32,6 @@ mod rates;
 mod redundant;
 mod runs;
 mod scatter;
-mod sheets;
 mod slots;
 mod start;
 mod symmetry;
@@ -110,8 +110,8 @@ impl Span {
 /// A node: six coordinates (d, Ψ) of a frame, or the coordinates released by a joint.
 struct Node {
     name: String,
-    /// Reference place.
-    place: Vector3<f64>,
+    /// Reference position.
+    position: Vector3<f64>,
     form: Form,
     kinds: Vec<Kind>,
     dim: usize,
@@ -121,11 +121,11 @@ struct Node {
 }
 
 impl Node {
-    /// A node without a place: coordinates that are no frame.
+    /// A node without a position: coordinates that are no frame.
     fn new(name: String, form: Form, kinds: &[Kind], source: Source) -> Self {
         Self {
             name,
-            place: Vector3::zeros(),
+            position: Vector3::zeros(),
             form,
             dim: kinds.len(),
             kinds: kinds.to_vec(),
@@ -267,7 +267,7 @@ fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] 
 pub struct Model {
     nodes: Vec<Node>,
     spans: Vec<Span>,
-    /// Nodes that follow others, masters first.
+    /// Nodes that follow others, parents first.
     dependent: Vec<u32>,
     /// Frames by increments whose rates may be spins.
     spinning: Vec<u32>,
@@ -300,7 +300,7 @@ pub struct Model {
     kinds: Vec<Kind>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
-    /// What each unknown is added to: a displacement to a place, an angle to one radian.
+    /// What each unknown is added to: a displacement to a position, an angle to one radian.
     magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,

@@ -15,12 +15,12 @@ use std::f64::consts::PI;
 /// Coordinates and velocities of one frame node at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeState {
-    /// Displacement from the reference place, global components.
+    /// Displacement from the reference position, global components.
     pub d: Vector3<f64>,
     /// Rotation vector in the chart in use, global components, radians.
     pub psi: Vector3<f64>,
-    /// Current place.
-    pub place: Vector3<f64>,
+    /// Current position.
+    pub position: Vector3<f64>,
     /// Rotation from the reference orientation.
     pub R: Matrix3<f64>,
     /// Velocity ẋ, global components; zero in statics.
@@ -60,7 +60,7 @@ impl Model {
         NodeState {
             d,
             psi,
-            place: n.place + d,
+            position: n.position + d,
             R,
             velocity: three(&w.v, 0),
             omega: so3::tangent(&psi).tr_mul(&psi_dot),
@@ -93,8 +93,8 @@ impl Model {
         (u != NONE).then_some(u as usize)
     }
 
-    /// Force and moment (global components) with which a joint acts on what hangs on it at a frame
-    /// node, at the last evaluation of the residual; `None` for a node that hangs on nothing.
+    /// Force and moment (global components) with which a joint acts on what is attached to it at a frame
+    /// node, at the last evaluation of the residual; `None` for a node that is attached to nothing.
     pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
         let n = &self.nodes[node.0 as usize];
         if self.is_own(node) || !n.is_frame() {
@@ -111,7 +111,7 @@ impl Model {
         Some(out)
     }
 
-    /// What a joint has to hold besides the forces on what hangs on it: those with which loops
+    /// What a joint has to hold besides the forces on what is attached to it: those with which loops
     /// close. With the multipliers μ of the equations in the child's axes the child is acted upon
     /// by the force and moment −R μ, and the frame that it is one with by the opposite; they cancel
     /// where a node carries both, but for what stays behind: above a frame that turns freely there is
@@ -126,7 +126,7 @@ impl Model {
                 continue;
             };
             let mut q = vec![0.0; d.direct];
-            collect(d.masters(), &self.spans, &w.x, &mut q);
+            collect(d.parents(), &self.spans, &w.x, &mut q);
             let mut mu = vec![0.0; 6 * report.closures.len()];
             d.map.multipliers(w.t, &q, &w.r[n.range()], &mut mu);
             let closures = report.closures.iter().zip(&report.roots);
@@ -141,17 +141,17 @@ impl Model {
                     };
                     // The frame at which the map reads this loop's chains to end, and those above,
                     // have been handed these forces.
-                    let read = |n: &u32| roots.contains(&Some(*n)) && d.masters().contains(n);
+                    let read = |n: &u32| roots.contains(&Some(*n)) && d.parents().contains(n);
                     if path[..=above].iter().any(read) {
                         continue;
                     }
-                    let place = |n: u32| self.node_state(NodeId(n)).place;
+                    let position = |n: u32| self.node_state(NodeId(n)).position;
                     let ball = |&&n: &&u32| self.free_rotation_of(NodeId(n)) != NodeId(n);
                     let (at, moment) = match path[..above].iter().rev().find(ball) {
-                        Some(&ball) => (place(ball), Vector3::zeros()),
-                        None => (place(end), moment),
+                        Some(&ball) => (position(ball), Vector3::zeros()),
+                        None => (position(end), moment),
                     };
-                    let arm = at - place(node.0);
+                    let arm = at - position(node.0);
                     out[0] += force * sign;
                     out[1] += (moment + arm.cross(&force)) * sign;
                 }
@@ -199,7 +199,7 @@ impl Model {
             let Source::Mapped(d) = &self.nodes[n as usize].source else {
                 continue;
             };
-            let mut parents = d.masters().iter().map(|&m| &self.nodes[m as usize]);
+            let mut parents = d.parents().iter().map(|&m| &self.nodes[m as usize]);
             let Some(parent) = parents.find(|m| m.is_frame()) else {
                 continue;
             };
@@ -263,8 +263,8 @@ impl Model {
                 }
             };
             if n.form == Form::Frame {
-                let place = n.place + three(own.first);
-                let arm = place - motion.about;
+                let position = n.position + three(own.first);
+                let arm = position - motion.about;
                 put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
             }
             if n.rotation().is_some() {
@@ -293,7 +293,7 @@ impl Model {
             return node;
         };
         let released = |&&n: &&u32| self.nodes[n as usize].form == Form::Rotation;
-        d.masters()
+        d.parents()
             .iter()
             .find(released)
             .map_or(node, |&n| NodeId(n))
@@ -303,7 +303,7 @@ impl Model {
     /// coordinates that joints release one by one.
     pub fn single_unknowns(&self) -> Vec<usize> {
         let chosen = |&n: &u32| match &self.nodes[n as usize].source {
-            Source::Mapped(d) if d.map.rewrites() => d.masters().first().copied(),
+            Source::Mapped(d) if d.map.rewrites() => d.parents().first().copied(),
             _ => None,
         };
         let of_loops: Vec<u32> = self.dependent.iter().filter_map(chosen).collect();
@@ -318,7 +318,7 @@ impl Model {
             .collect()
     }
 
-    /// Whether the coordinates of a node are its own: it does not hang on a joint.
+    /// Whether the coordinates of a node are its own: it does not are attached to a joint.
     pub fn is_own(&self, node: NodeId) -> bool {
         self.carrier(&self.nodes[node.0 as usize]).is_own()
     }
@@ -338,7 +338,7 @@ impl Model {
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
     }
 
-    /// Frame nodes that hang on joints, with their names.
+    /// Frame nodes that are attached to joints, with their names.
     pub fn hung(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
         self.nodes
             .iter()

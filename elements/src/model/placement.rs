@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Where local matrices go in the pattern: found once, looked up by position afterwards.
 ///
 /// Everything is stored in the order in which an assembly walks through it. Rows of the tangent at
-/// nodes that follow others go to panels first, and from there to their masters the way that forces
+/// nodes that follow others go to panels first, and from there to their parents the way that forces
 /// go: the work grows with the joints of a chain times the unknowns behind them, not with the
 /// square of these for every body.
 #[derive(Default)]
@@ -19,9 +19,9 @@ pub(super) struct Placement {
     pub rows: Vec<u32>,
     /// Per node: number of its block in the pattern, [`NONE`] when all is prescribed.
     pub blocks: Vec<u32>,
-    /// Per element, consecutively: the place of each pair of blocks, column by column; then those
+    /// Per element, consecutively: the position of each pair of blocks, column by column; then those
     /// of nodes that follow others.
-    pub places: Vec<Place>,
+    pub positions: Vec<Position>,
     /// Per node.
     pub panels: Vec<Panel>,
     /// Per value: whether an element writes the block that begins there.
@@ -37,7 +37,7 @@ pub(super) struct Panel {
     /// each of their blocks.
     pub columns: Vec<u32>,
     pub starts: Vec<u32>,
-    /// First place of its geometric stiffness, and of its rows at its masters.
+    /// First position of its geometric stiffness, and of its rows at its parents.
     bent: usize,
     pub handed: usize,
 }
@@ -45,7 +45,7 @@ pub(super) struct Panel {
 /// Where the rows of one node and the columns of an own node stand: in the pattern, or in the panel
 /// of a node that follows others.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Position {
     /// First value, [`NONE`] when there is no block.
     pub start: u32,
     /// Whether it is written here for the first time in an assembly, so that nothing has to be
@@ -118,7 +118,7 @@ impl Placement {
             }
             self.panels[n as usize].columns = columns;
         }
-        // Room for any places: nothing is allocated when a map is handed over.
+        // Room for any positions: nothing is allocated when a map is handed over.
         let most = |group: &[u32]| -> usize {
             let columns = |&n: &u32| match &nodes[n as usize].source {
                 Source::Own => 1,
@@ -129,16 +129,16 @@ impl Placement {
         let mut room: usize = elements.iter().map(|e| most(&e.nodes)).sum();
         for &n in dependent {
             if let Source::Mapped(d) = &nodes[n as usize].source {
-                let masters = d.segments.iter().map(Vec::len).max().unwrap_or(0);
+                let parents = d.segments.iter().map(Vec::len).max().unwrap_or(0);
                 room += d.segments.iter().map(|s| most(s)).max().unwrap_or(0);
-                room += masters * self.panels[n as usize].columns.len();
+                room += parents * self.panels[n as usize].columns.len();
             }
         }
-        self.places.reserve_exact(room);
+        self.positions.reserve_exact(room);
         len
     }
 
-    /// Finds the places of all blocks of elements, and of nodes that follow others.
+    /// Finds the positions of all blocks of elements, and of nodes that follow others.
     pub(super) fn locate(
         &mut self,
         nodes: &[Node],
@@ -146,11 +146,11 @@ impl Placement {
         elements: &mut [Attached],
         pattern: &BlockPattern,
     ) {
-        self.places.clear();
+        self.positions.clear();
         self.written.clear();
         self.written.resize(pattern.len(), false);
         for e in elements {
-            e.first_place = self.places.len();
+            e.first_place = self.positions.len();
             let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
             e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
@@ -165,27 +165,27 @@ impl Placement {
             if self.panels[n as usize].columns.is_empty() {
                 continue;
             }
-            self.panels[n as usize].bent = self.places.len();
-            self.locate_group(nodes, d.masters(), pattern, false);
-            self.panels[n as usize].handed = self.places.len();
+            self.panels[n as usize].bent = self.positions.len();
+            self.locate_group(nodes, d.parents(), pattern, false);
+            self.panels[n as usize].handed = self.positions.len();
             for k in 0..self.panels[n as usize].columns.len() {
                 let a = self.panels[n as usize].columns[k];
-                for &m in d.masters() {
+                for &m in d.parents() {
                     let start = self.find(nodes, m, a, pattern);
                     let first = false;
-                    self.places.push(Place { start, first });
+                    self.positions.push(Position { start, first });
                 }
             }
         }
         let all = (0..pattern.blocks()).flat_map(|j| pattern.column(j));
         self.unwritten.clear();
-        // Room for any other places: nothing is allocated when a map is handed over.
+        // Room for any other positions: nothing is allocated when a map is handed over.
         self.unwritten.reserve_exact(all.clone().count());
         let unwritten = all.filter(|(_, block)| !self.written[block.start]);
         self.unwritten.extend(unwritten.map(|(_, block)| block));
     }
 
-    /// The places of all rows of a group of nodes, for each own node behind each of them.
+    /// The positions of all rows of a group of nodes, for each own node behind each of them.
     fn locate_group(
         &mut self,
         nodes: &[Node],
@@ -201,7 +201,7 @@ impl Placement {
                         && start != NONE
                         && nodes[i as usize].is_own()
                         && !std::mem::replace(&mut self.written[start as usize], true);
-                    self.places.push(Place { start, first });
+                    self.positions.push(Position { start, first });
                 }
             }
         }
@@ -223,7 +223,7 @@ impl Placement {
         found.flatten().map_or(NONE, |start| start as u32)
     }
 
-    /// First place of a node's geometric stiffness; none where no force can act on it.
+    /// First position of a node's geometric stiffness; none where no force can act on it.
     pub(super) fn bent(&self, n: u32) -> Option<usize> {
         let panel = &self.panels[n as usize];
         (!panel.columns.is_empty()).then_some(panel.bent)
@@ -239,18 +239,21 @@ impl Placement {
     /// Writes or adds an element's local matrix `S` (d×d).
     pub(super) fn scatter(&self, e: &Attached, spans: &[Span], S: &[f64], values: &mut [f64]) {
         let nodes = &e.nodes[..];
-        let places = &self.places[e.first_place..][..nodes.len() * nodes.len()];
+        let positions = &self.positions[e.first_place..][..nodes.len() * nodes.len()];
         let d = e.element.dim();
         let mut column = 0;
-        for (&nj, places) in nodes.iter().zip(places.chunks_exact(nodes.len())) {
+        for (&nj, positions) in nodes.iter().zip(positions.chunks_exact(nodes.len())) {
             let columns = spans[nj as usize].range();
             let mut row = 0;
-            for (&ni, place) in nodes.iter().zip(places) {
+            for (&ni, position) in nodes.iter().zip(positions) {
                 let rows = spans[ni as usize].range();
                 let size = (rows.len(), columns.len());
-                if place.start != NONE {
-                    let (S, values) = (&S[row + column * d..], &mut values[place.start as usize..]);
-                    let first = place.first;
+                if position.start != NONE {
+                    let (S, values) = (
+                        &S[row + column * d..],
+                        &mut values[position.start as usize..],
+                    );
+                    let first = position.first;
                     // Most nodes are frames with all their coordinates free: constant extents.
                     if e.held || size != (6, 6) || !d.is_multiple_of(6) {
                         let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
@@ -314,8 +317,8 @@ mod tests {
             let pin = revolute(&mut b, &format!("pin {k}"), end, [0.0, 0.0, 1.0]).unwrap();
             let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
             b.element(format!("bar {k}"), body, &[pin.frame]).unwrap();
-            let place = [k as f64 + 1.0, 0.0, 0.0];
-            end = offset(&mut b, &format!("end {k}"), pin.frame, place).unwrap();
+            let position = [k as f64 + 1.0, 0.0, 0.0];
+            end = offset(&mut b, &format!("end {k}"), pin.frame, position).unwrap();
         }
         b.build().unwrap()
     }
@@ -328,7 +331,7 @@ mod tests {
             let model = chain(count);
             let (p, w) = (&model.placement, &model.work);
             assert_eq!(model.pattern.len(), count * count);
-            [w.operators.B.len(), w.panels.len(), p.places.len()]
+            [w.operators.B.len(), w.panels.len(), p.positions.len()]
         });
         for k in 0..3 {
             for pair in sizes.windows(2) {

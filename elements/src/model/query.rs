@@ -1,4 +1,4 @@
-//! Questions to a model: names, places, section forces, reactions, sufficiency of supports.
+//! Questions to a model: names, positions, section forces, reactions, sufficiency of supports.
 
 #![allow(non_snake_case)]
 
@@ -87,9 +87,9 @@ impl Model {
         others.map(|e| e.name.as_str())
     }
 
-    /// Reference place of a node.
+    /// Reference position of a node.
     pub fn reference(&self, node: NodeId) -> Vector3<f64> {
-        self.nodes[node.0 as usize].place
+        self.nodes[node.0 as usize].position
     }
 
     /// Diagonal of the box around all nodes: the length that scales displacements.
@@ -259,8 +259,8 @@ impl Model {
         }
         for (n, node) in self.nodes.iter().enumerate() {
             if let Source::Mapped(d) = &node.source {
-                let masters = d.segments.iter().flatten();
-                join(&mut std::iter::once(n).chain(masters.map(|&m| m as usize)));
+                let parents = d.segments.iter().flatten();
+                join(&mut std::iter::once(n).chain(parents.map(|&m| m as usize)));
             }
         }
         (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
@@ -269,12 +269,12 @@ impl Model {
     /// A rigid motion of the part of these frames that no support prevents, in words.
     fn free_motion(&self, frames: &[&super::Node]) -> Option<String> {
         let center: Vector3<f64> =
-            frames.iter().map(|n| n.place).sum::<Vector3<f64>>() / frames.len() as f64;
+            frames.iter().map(|n| n.position).sum::<Vector3<f64>>() / frames.len() as f64;
         // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation
         // about the centre times the model's length).
         let mut gram = nalgebra::Matrix6::<f64>::zeros();
         for node in frames {
-            let arm = (node.place - center) / self.length;
+            let arm = (node.position - center) / self.length;
             let own = self.carrier(node);
             for k in 0..6 {
                 let free = self.unknowns[own.first + k] != NONE || !own.is_own();

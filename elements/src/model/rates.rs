@@ -36,9 +36,9 @@ impl Model {
             let Some(d) = self.chosen(n, nodes) else {
                 continue;
             };
-            let masters: Vec<u32> = d.masters().iter().filter(released).copied().collect();
-            let Some(x) = masters.iter().find_map(|&m| self.loop_of(m)) else {
-                self.fit(q, v, &[n], &masters, motion)?;
+            let parents: Vec<u32> = d.parents().iter().filter(released).copied().collect();
+            let Some(x) = parents.iter().find_map(|&m| self.loop_of(m)) else {
+                self.fit(q, v, &[n], &parents, motion)?;
                 continue;
             };
             if fitted.contains(&x) {
@@ -48,7 +48,7 @@ impl Model {
             let all: Vec<u32> = (self.dependent.iter().copied())
                 .filter(|&k| {
                     let d = self.chosen(k, nodes);
-                    d.is_some_and(|d| d.masters().iter().any(|&m| self.loop_of(m) == Some(x)))
+                    d.is_some_and(|d| d.parents().iter().any(|&m| self.loop_of(m) == Some(x)))
                 })
                 .collect();
             let Source::Mapped(d) = &self.nodes[x as usize].source else {
@@ -56,13 +56,13 @@ impl Model {
             };
             // A loop that is locked has no coordinates of its own.
             let own: Vec<u32> = d
-                .masters()
+                .parents()
                 .iter()
                 .take(1)
                 .filter(released)
                 .copied()
                 .collect();
-            let alone = d.masters().len() == 1;
+            let alone = d.parents().len() == 1;
             let left = self.fit(q, v, &all, &own, motion)?;
             if alone && left > MISSING {
                 let report = self.reports.iter().find(|r| r.map == Some(x));
@@ -88,7 +88,7 @@ impl Model {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
         };
-        let &[x] = d.masters() else { return None };
+        let &[x] = d.parents() else { return None };
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
     }
 
@@ -98,18 +98,18 @@ impl Model {
         self.loop_of(node.0).is_some()
     }
 
-    /// Fits the rates of the free coordinates of `masters` so that frames take part in a motion; what
+    /// Fits the rates of the free coordinates of `parents` so that frames take part in a motion; what
     /// is missing of it, relative to the whole.
     fn fit(
         &mut self,
         q: &[f64],
         v: &mut [f64],
         frames: &[u32],
-        masters: &[u32],
+        parents: &[u32],
         motion: &RigidMotion,
     ) -> Result<f64, SystemError> {
         let a = vec![0.0; v.len()];
-        let unknowns: Vec<usize> = (masters.iter())
+        let unknowns: Vec<usize> = (parents.iter())
             .flat_map(|&m| self.nodes[m as usize].range())
             .filter(|&c| self.unknowns[c] != NONE)
             .map(|c| self.unknowns[c] as usize)
@@ -143,9 +143,9 @@ impl Model {
         let mut wanted = DVector::zeros(now.len());
         for (k, &n) in frames.iter().enumerate() {
             let state = self.node_state(NodeId(n));
-            let place = motion.velocity + motion.omega.cross(&(state.place - motion.about));
+            let position = motion.velocity + motion.omega.cross(&(state.position - motion.about));
             let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
-            let both = Vector6::new(place.x, place.y, place.z, turn.x, turn.y, turn.z);
+            let both = Vector6::new(position.x, position.y, position.z, turn.x, turn.y, turn.z);
             wanted
                 .fixed_rows_mut::<6>(6 * k)
                 .copy_from(&both.component_mul(&unit));

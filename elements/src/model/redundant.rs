@@ -103,7 +103,7 @@ impl Model {
         };
         let used: Vec<usize> = counting.iter().copied().filter(taken).collect();
         let (now, best) = (Chosen::of(&all, &used), Chosen::of(&all, &counting));
-        // A singular position is no place to choose.
+        // A singular position is no position to choose.
         if best.taken.len() != used.len() || now.least * GAIN > best.least {
             return false;
         }

@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! rows of own nodes                  →  pattern
-//! rows of nodes that follow others   →  panels  →  Bᵀ  →  panels of their masters, pattern
+//! rows of nodes that follow others   →  panels  →  Bᵀ  →  panels of their parents, pattern
 //! ```
 
 #![allow(non_snake_case)]
 
 use super::dependence::Operators;
-use super::placement::{Place, Placement, behind};
+use super::placement::{Placement, Position, behind};
 use super::{NONE, Node, Source};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
@@ -40,7 +40,8 @@ impl Placement {
     ) {
         let n = group.nodes.iter().map(|&i| nodes[i as usize].dim).sum();
         let (tangents, weights) = (group.tangents, group.weights);
-        let mut places = self.places[group.first_place..].chunks_exact(group.nodes.len().max(1));
+        let mut positions =
+            self.positions[group.first_place..].chunks_exact(group.nodes.len().max(1));
         let mut x = 0;
         for j in group.nodes {
             let node = &nodes[*j as usize];
@@ -49,7 +50,7 @@ impl Placement {
                 Source::Mapped(d) => operators.slot(node.dim, d.total),
             };
             let mut column_of_node = 0;
-            for (&a, places) in behind(nodes, j).iter().zip(&mut places) {
+            for (&a, positions) in behind(nodes, j).iter().zip(&mut positions) {
                 for &column in &self.rows[nodes[a as usize].range()] {
                     let c = column_of_node;
                     column_of_node += 1;
@@ -58,7 +59,7 @@ impl Placement {
                     }
                     let work = &mut into.work[..n];
                     pullback::pulled_column(work, tangents, weights, x, &slot, c);
-                    self.put(nodes, group.nodes, places, column as usize, into);
+                    self.put(nodes, group.nodes, positions, column as usize, into);
                 }
             }
             x += node.dim;
@@ -70,34 +71,34 @@ impl Placement {
         &self,
         nodes: &[Node],
         group: &[u32],
-        places: &[Place],
+        positions: &[Position],
         column: usize,
         into: &mut Into<'_>,
     ) {
         let mut rest = &*into.work;
-        for (&i, place) in group.iter().zip(places) {
+        for (&i, position) in group.iter().zip(positions) {
             let node = &nodes[i as usize];
             let (S, others) = rest.split_at(node.dim);
             rest = others;
-            if place.start == NONE {
+            if position.start == NONE {
                 continue;
             }
             if !node.is_own() {
-                let to = &mut into.panels[place.start as usize + column * node.dim..];
+                let to = &mut into.panels[position.start as usize + column * node.dim..];
                 to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
                 continue;
             }
-            let to = &mut into.values[place.start as usize + column * self.width(node)..];
+            let to = &mut into.values[position.start as usize + column * self.width(node)..];
             for (&row, s) in self.rows[node.range()].iter().zip(S) {
                 if row != NONE {
                     let value = &mut to[row as usize];
-                    *value = if place.first { *s } else { *value + s };
+                    *value = if position.first { *s } else { *value + s };
                 }
             }
         }
     }
 
-    /// Hands the rows at a node that follows others to its masters: Bᵀ times its panel.
+    /// Hands the rows at a node that follows others to its parents: Bᵀ times its panel.
     pub(super) fn hand_back(
         &self,
         n: u32,
@@ -109,33 +110,33 @@ impl Placement {
         let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {
             return;
         };
-        // Panels of masters come before those of the nodes that follow them.
+        // Panels of parents come before those of the nodes that follow them.
         let (above, own) = into.panels.split_at_mut(start as usize);
         let mut columns = own.chunks_exact(node.dim);
-        let masters = d.masters();
-        let places = self.places[panel.handed..].chunks_exact(masters.len().max(1));
-        for (&a, places) in panel.columns.iter().zip(places) {
+        let parents = d.parents();
+        let positions = self.positions[panel.handed..].chunks_exact(parents.len().max(1));
+        for (&a, positions) in panel.columns.iter().zip(positions) {
             for column in 0..self.width(&nodes[a as usize]) {
                 let Some(f) = columns.next() else { return };
                 if f.iter().all(|f| *f == 0.0) {
                     continue;
                 }
                 let mut pulled = pullback::transposed(&operators.B[d.local..], f);
-                for (&m, place) in masters.iter().zip(places) {
-                    let master = &nodes[m as usize];
-                    let S = pulled.by_ref().take(master.dim);
-                    let start = place.start as usize;
-                    if place.start == NONE {
+                for (&m, position) in parents.iter().zip(positions) {
+                    let parent = &nodes[m as usize];
+                    let S = pulled.by_ref().take(parent.dim);
+                    let start = position.start as usize;
+                    if position.start == NONE {
                         S.for_each(drop);
-                    } else if master.is_own() {
-                        let to = &mut into.values[start + column * self.width(master)..];
-                        for (&row, s) in self.rows[master.range()].iter().zip(S) {
+                    } else if parent.is_own() {
+                        let to = &mut into.values[start + column * self.width(parent)..];
+                        for (&row, s) in self.rows[parent.range()].iter().zip(S) {
                             if row != NONE {
                                 to[row as usize] += s;
                             }
                         }
                     } else {
-                        let to = &mut above[start + column * master.dim..];
+                        let to = &mut above[start + column * parent.dim..];
                         to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
                     }
                 }

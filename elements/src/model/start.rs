@@ -128,18 +128,18 @@ impl Model {
     ///
     /// Of the values (unknown, value) that coordinates should start with as many are kept as the
     /// model closes with, in their order, as by the maps of loops; what becomes of the others is
-    /// said in the report. `places` is where the coordinates of loops would start that maps close.
+    /// said in the report. `positions` is where the coordinates of loops would start that maps close.
     pub(super) fn assemble_enforced(
         &mut self,
         values: &[(usize, f64)],
-        places: &[(u32, usize, f64)],
+        positions: &[(u32, usize, f64)],
     ) -> Result<(), ModelError> {
         let n = self.coordinates.len();
         self.initial = vec![0.0; n];
         if self.enforced.is_empty() {
             return Ok(());
         }
-        let mut q = match self.as_by_maps(values, places) {
+        let mut q = match self.as_by_maps(values, positions) {
             Some(q) => q,
             None => self.by_corrections(values)?,
         };
@@ -154,16 +154,16 @@ impl Model {
     fn as_by_maps(
         &mut self,
         values: &[(usize, f64)],
-        places: &[(u32, usize, f64)],
+        positions: &[(u32, usize, f64)],
     ) -> Option<Vec<f64>> {
         let mut q = vec![0.0; self.coordinates.len()];
         let mut found = Vec::new();
-        for &(node, k, x) in places {
+        for &(node, k, x) in positions {
             let u = self.unknown_at(NodeId(node), k)?;
             q[u] = x;
             found.push(u);
         }
-        if places.is_empty() || values.iter().any(|(u, _)| !found.contains(u)) {
+        if positions.is_empty() || values.iter().any(|(u, _)| !found.contains(u)) {
             return None;
         }
         let mut kept = Vec::new();

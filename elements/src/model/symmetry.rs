@@ -21,7 +21,7 @@ use pullback_manifold::system::{
 const NOTHING: f64 = 1e-8;
 /// The same of a difference quotient.
 const NEARLY: f64 = 1e-5;
-/// Places in the span of times at which forces are asked for, each at a state of its own.
+/// Positions in the span of times at which forces are asked for, each at a state of its own.
 const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
 
 fn motion_of(xi: &RigidRates) -> RigidMotion {
@@ -268,10 +268,10 @@ impl Model {
                     Vector3::new(a[c] - b[c], a[c + 1] - b[c + 1], a[c + 2] - b[c + 2])
                 };
                 let x = &self.work.x[node.range()];
-                let place = node.place + Vector3::new(x[0], x[1], x[2]);
+                let position = node.position + Vector3::new(x[0], x[1], x[2]);
                 let T = so3::tangent(&Vector3::new(x[3], x[4], x[5]));
                 let missing =
-                    (three(0) - motion.velocity - motion.omega.cross(&place)) / self.length;
+                    (three(0) - motion.velocity - motion.omega.cross(&position)) / self.length;
                 let turned = T.tr_mul(&three(3)) - motion.omega;
                 for i in 0..3 {
                     rows[i][k] = missing[i] * self.measure(k);

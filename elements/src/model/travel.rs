@@ -14,7 +14,7 @@ use pullback_manifold::system::{Point, SystemError};
 /// Room for what is asked of the maps that travel.
 #[derive(Default)]
 pub(super) struct Travel {
-    /// Coordinates and velocities of their masters where a step begins, one map after the other.
+    /// Coordinates and velocities of their parents where a step begins, one map after the other.
     from: [Vec<f64>; 2],
     /// Changes ahead: the node, by what time the change is overdue, and the segment behind it.
     overdue: Vec<(u32, f64, usize)>,
@@ -55,7 +55,7 @@ impl Model {
         for &n in &self.dependent {
             if let Some(d) = travelling_map(&self.nodes[n as usize]) {
                 for (all, x) in travel.from.iter_mut().zip([&*x, &*v]) {
-                    let k = collect(d.masters(), &self.spans, x, &mut local.q);
+                    let k = collect(d.parents(), &self.spans, x, &mut local.q);
                     all.extend_from_slice(&local.q[..k]);
                 }
             }
@@ -67,8 +67,8 @@ impl Model {
                 let Some(d) = travelling_map(&self.nodes[n as usize]) else {
                     continue;
                 };
-                let k = collect(d.masters(), &self.spans, x, &mut local.q);
-                collect(d.masters(), &self.spans, v, &mut local.qv);
+                let k = collect(d.parents(), &self.spans, x, &mut local.q);
+                collect(d.parents(), &self.spans, v, &mut local.qv);
                 let from = travel.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
                 let overdue = d.map.overdue(h, from, to);
@@ -81,7 +81,7 @@ impl Model {
         self.work.travel = travel;
     }
 
-    /// Keeps the momenta at the nodes, and how they act on the masters, where a map may be handed over.
+    /// Keeps the momenta at the nodes, and how they act on the parents, where a map may be handed over.
     pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
         // Where a map cannot be evaluated, the next evaluation says so.
         if !self.nodes.iter().any(travels) || self.node_momenta(at).is_err() {
@@ -140,11 +140,11 @@ impl Model {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            let masters = match before {
+            let parents = match before {
                 true => &d.segments[w.travel.segments[k]],
-                false => d.masters(),
+                false => d.parents(),
             };
-            hand_back(d, masters, node, &self.spans, w, false);
+            hand_back(d, parents, node, &self.spans, w, false);
         }
         let w = &mut self.work;
         if before {
@@ -153,21 +153,21 @@ impl Model {
     }
 }
 
-/// A map on one side of a hand-over, and the motion of the masters that it has there.
+/// A map on one side of a hand-over, and the motion of the parents that it has there.
 pub(crate) struct Side {
     pub map: Box<dyn Parametrization>,
     pub state: State,
-    /// Which of the model's coordinates those of the masters are.
+    /// Which of the model's coordinates those of the parents are.
     pub coordinates: Vec<usize>,
     /// The one by which the map travels: it rests where the map is handed over.
     pub way: usize,
 }
 
-/// How far coordinates move on the way to a place that is looked for.
+/// How far coordinates move on the way to a position that is looked for.
 const NUDGE: f64 = 1e-3;
 
 impl Model {
-    /// The places where a node's map is handed over next, along each of the coordinates that it reads,
+    /// The positions where a node's map is handed over next, along each of the coordinates that it reads,
     /// as the configuration last set has all others: the map before and after.
     pub(crate) fn hand_overs(&self, n: u32, t: f64) -> Vec<[Side; 2]> {
         let Some(d) = travelling_map(&self.nodes[n as usize]) else {
@@ -191,7 +191,7 @@ impl Model {
                 let mut map = d.map.duplicate();
                 map.enter(segment);
                 map.change_charts(t, before.state.x.as_slice());
-                // It reads other masters now, and may want other charts for them.
+                // It reads other parents now, and may want other charts for them.
                 let mut after = self.side(d, map, t, border);
                 after.map.change_charts(t, after.state.x.as_slice());
                 all.push([before, after]);
@@ -208,8 +208,8 @@ impl Model {
         border: Option<(usize, f64)>,
     ) -> Side {
         map.keep_piece(None);
-        let masters = d.segments[map.segment()].iter();
-        let coordinates: Vec<usize> = masters
+        let parents = d.segments[map.segment()].iter();
+        let coordinates: Vec<usize> = parents
             .flat_map(|&m| self.nodes[m as usize].range())
             .collect();
         let w = &self.work;

@@ -2,8 +2,8 @@
 
 use super::charts::Rewriting;
 use super::dependence::Operators;
+use super::element_charts::ElementCharts;
 use super::local::Local;
-use super::sheets::Sheets;
 use super::travel::Travel;
 use super::{Attached, Node, Source};
 use pullback_manifold::system::{Kind, Scales};
@@ -52,7 +52,7 @@ pub(super) struct Workspace {
     /// have been looked for.
     pub released: Vec<Vec<f64>>,
     /// For the choice of the elements' charts.
-    pub sheets: Sheets,
+    pub element_charts: ElementCharts,
     pub scales: Scales,
     /// What elements exert, where neither loads nor reactions are a measure.
     pub exerted: Scales,
@@ -92,7 +92,7 @@ impl Workspace {
             Source::Own => 0,
             Source::Mapped(d) => d.direct,
         };
-        let masters = nodes.iter().map(direct).max().unwrap_or(0);
+        let parents = nodes.iter().map(direct).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
         let mut scales = Scales {
@@ -115,7 +115,7 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             panels: zeros(panels),
-            local: Local::new(n, masters),
+            local: Local::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
             rewriting: Vec::new(),
@@ -123,7 +123,7 @@ impl Workspace {
             travel: Travel::default(),
             accelerations_asked: None,
             released: Vec::new(),
-            sheets: Sheets::default(),
+            element_charts: ElementCharts::default(),
             scales,
             exerted: Scales::default(),
             dead_loads: DeadLoads {

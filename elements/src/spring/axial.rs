@@ -39,26 +39,26 @@ struct Stretched {
 }
 
 impl AxialSpring {
-    /// Between the nodes' reference `places` (global components, L), with stiffness k (F/L) and
+    /// Between the nodes' reference `positions` (global components, L), with stiffness k (F/L) and
     /// damping c (F T/L); relaxed in the reference configuration.
     ///
     /// # Errors
-    /// [`SpringError`] for numbers that are not finite, negative k or c, both zero, or places that
+    /// [`SpringError`] for numbers that are not finite, negative k or c, both zero, or positions that
     /// coincide.
-    pub fn new(places: &[Vector3<f64>; 2], k: f64, c: f64) -> Result<Self, SpringError> {
+    pub fn new(positions: &[Vector3<f64>; 2], k: f64, c: f64) -> Result<Self, SpringError> {
         not_negative("the stiffness k", k)?;
         not_negative("the damping c", c)?;
         if k == 0.0 && c == 0.0 {
             return Err(SpringError::Nothing);
         }
-        for place in places {
-            finite("a place", place.as_slice())?;
+        for position in positions {
+            finite("a position", position.as_slice())?;
         }
-        let U = places[1] - places[0];
-        let size = places[0].amax().max(places[1].amax());
+        let U = positions[1] - positions[0];
+        let size = positions[0].amax().max(positions[1].amax());
         if U.norm() <= 1e-12 * size {
             return Err(SpringError::Coincide {
-                at: places[0].into(),
+                at: positions[0].into(),
             });
         }
         Ok(Self {

@@ -33,7 +33,7 @@ pub struct Bushing {
 }
 
 impl Bushing {
-    /// Between the nodes' reference `places` (global components, L), with stiffness K and damping D
+    /// Between the nodes' reference `positions` (global components, L), with stiffness K and damping D
     /// in y = (u, θ); 6×6, symmetric, positive semidefinite, components in the bushing's axes, the
     /// columns of the rotation `axes` (global components of the reference configuration).
     ///
@@ -43,13 +43,13 @@ impl Bushing {
     /// [`SpringError`] for numbers that are not finite, matrices that are not symmetric (to 1e-12)
     /// or not positive semidefinite, both zero, or axes that are no rotation (to 1e-9).
     pub fn new(
-        places: &[Vector3<f64>; 2],
+        positions: &[Vector3<f64>; 2],
         axes: &Matrix3<f64>,
         K: &Matrix6<f64>,
         D: &Matrix6<f64>,
     ) -> Result<Self, SpringError> {
-        for place in places {
-            finite("a place", place.as_slice())?;
+        for position in positions {
+            finite("a position", position.as_slice())?;
         }
         let skewed = (axes.tr_mul(axes) - Matrix3::identity()).amax();
         let rotation = skewed <= 1e-9 && axes.determinant() > 0.0;
@@ -73,7 +73,7 @@ impl Bushing {
         };
         Ok(Self {
             relative: Relative {
-                u0: places[1] - places[0],
+                u0: positions[1] - positions[0],
             },
             K: rotated(K),
             D: rotated(D),
@@ -145,7 +145,7 @@ impl Element for Bushing {
             *r -= f;
         }
         if out.K.is_some() {
-            // [M04] (183) with −f in the place of r: Bᵀ(K B + D Ḃ) + K_σ(f).
+            // [M04] (183) with −f in the position of r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
             if let Some((v, y_dot)) = &moving {
                 stress += self.D * here.B_dot(v, y_dot);

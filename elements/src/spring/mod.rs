@@ -33,7 +33,7 @@ pub enum SpringError {
     /// Neither stiffness nor damping.
     #[error("a spring needs stiffness or damping, both are zero")]
     Nothing,
-    /// The two ends of a spring along a line have one reference place.
+    /// The two ends of a spring along a line have one reference position.
     #[error("the ends of a spring along a line must be apart, both are at {at:?}")]
     Coincide {
         /// Where.

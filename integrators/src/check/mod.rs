@@ -8,11 +8,11 @@
 //!
 //! | law | measured on |
 //! |---|---|
-//! | order | a nonlinear, driven motion that is known ([`Known`]): errors of place, velocity and acceleration at the end over the step |
+//! | order | a nonlinear, driven motion that is known ([`Known`]): errors of position, velocity and acceleration at the end over the step |
 //! | order under changes of chart | the same, coordinates replaced by others every third step |
 //! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
-//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its place but for the scheme's error of it |
-//! | orders with multipliers | a mass that a multiplier holds to a circle, all of it known: errors of place, velocity, acceleration and multiplier at the end; or that the scheme refuses multipliers, as it damps nothing at infinite frequencies |
+//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position but for the scheme's error of it |
+//! | orders with multipliers | a mass that a multiplier holds to a circle, all of it known: errors of position, velocity, acceleration and multiplier at the end; or that the scheme refuses multipliers, as it damps nothing at infinite frequencies |
 //! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
 //! | limit of stability | growth beyond the limit claimed |
 //! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
@@ -70,7 +70,7 @@ fn run<Y: System>(
     })
 }
 
-/// Errors of place, velocity and acceleration at the end of the known motion.
+/// Errors of position, velocity and acceleration at the end of the known motion.
 fn errors(scheme: &Scheme, steps: usize, switching: bool) -> Result<[f64; 3], DynamicsError> {
     let end = 1.5;
     let mut system = Known::new(switching);
@@ -78,7 +78,7 @@ fn errors(scheme: &Scheme, steps: usize, switching: bool) -> Result<[f64; 3], Dy
     let mut progress = Progress::new(start(&system, 0.0, &x, &v)?);
     run(&mut system, scheme, &mut progress, end, steps)?;
     let State { q, v, a, .. } = &progress.state;
-    let found = system.place([q, v, a]);
+    let found = system.position([q, v, a]);
     let exact = Known::motion(end);
     let gap = |k: usize| (0..2).map(move |i| (found[k][i] - exact[k][i]).abs());
     Ok([0, 1, 2].map(|k| gap(k).fold(0.0, f64::max)))
@@ -97,7 +97,7 @@ fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
         report.impossible(law, "a known motion", why);
         return;
     };
-    for (k, what) in ["place", "velocity", "acceleration"].iter().enumerate() {
+    for (k, what) in ["position", "velocity", "acceleration"].iter().enumerate() {
         let slope = (coarse[k] / fine[k]).log2();
         report.rate(law, what, slope, scheme.order() as f64);
     }
@@ -199,13 +199,13 @@ fn stability(report: &mut Report, scheme: &Scheme) {
     let law = "stability";
     let limit = scheme.claims().limit;
     let last = limit.map_or(1e6, |limit| limit * (1.0 - 1e-6));
-    let (mut worst, mut place) = (0.0, 1e-3);
+    let (mut worst, mut position) = (0.0, 1e-3);
     for Omega in logarithmic(1e-3, last, 91) {
         match amplification(scheme, Omega) {
             Ok(A) => {
                 let defect = outside(characteristic(A));
                 if defect > worst || defect.is_nan() {
-                    (worst, place) = (defect, Omega);
+                    (worst, position) = (defect, Omega);
                 }
             }
             Err(error) => {
@@ -213,7 +213,7 @@ fn stability(report: &mut Report, scheme: &Scheme) {
             }
         }
     }
-    report.defect(law, &format!("Ω = {place:.3e}"), worst, 1e-12);
+    report.defect(law, &format!("Ω = {position:.3e}"), worst, 1e-12);
     let Some(limit) = limit else { return };
     let (law, Omega) = ("limit of stability", 1.001 * limit);
     let at = format!("Ω = {Omega:.4}");
@@ -236,9 +236,11 @@ fn reversal(report: &mut Report, scheme: &Scheme) {
         run(&mut system, scheme, &mut progress, 2.0, 40)?;
         progress.state.v.iter_mut().for_each(|v| *v = -*v);
         run(&mut system, scheme, &mut progress, 4.0, 40)?;
-        let places = progress.state.q.iter().zip(state[0]);
+        let positions = progress.state.q.iter().zip(state[0]);
         let rates = progress.state.v.iter().zip(state[1]);
-        let gaps = places.map(|(q, x)| q - x).chain(rates.map(|(v, x)| v + x));
+        let gaps = positions
+            .map(|(q, x)| q - x)
+            .chain(rates.map(|(v, x)| v + x));
         Ok(gaps.fold(0.0_f64, |m, gap| m.max(gap.abs())))
     };
     match run() {

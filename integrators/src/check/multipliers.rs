@@ -124,7 +124,7 @@ impl System for Circle {
     }
 }
 
-/// The largest errors of place, velocity, acceleration and multiplier at a few times behind `first` steps,
+/// The largest errors of position, velocity, acceleration and multiplier at a few times behind `first` steps,
 /// each an eighth of these later: what the first steps disturb has died out by then, and where one
 /// error is zero by chance another is not.
 fn errors(scheme: &Scheme, first: usize) -> Result<[f64; 4], DynamicsError> {
@@ -169,9 +169,9 @@ pub(super) fn orders(report: &mut Report, scheme: &Scheme) {
             return report.impossible(law, at, error.to_string());
         }
     };
-    let [place, velocity, acceleration] = scheme.orders_with_multipliers();
+    let [position, velocity, acceleration] = scheme.orders_with_multipliers();
     let expected = [
-        ("place", place),
+        ("position", position),
         ("velocity", velocity),
         ("acceleration", acceleration),
         ("multiplier", acceleration),

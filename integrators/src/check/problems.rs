@@ -6,7 +6,7 @@ use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{ChartChanges, Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::{PI, TAU};
 
-/// Two masses that depend on place, coupled by springs and gyroscopic forces, with damping and a pull
+/// Two masses that depend on position, coupled by springs and gyroscopic forces, with damping and a pull
 /// sin x:
 ///
 /// ```text
@@ -60,7 +60,7 @@ impl Known {
     }
 
     /// x, ẋ and ẍ of coordinates, velocities and accelerations in the chart of now.
-    pub fn place(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
+    pub fn position(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
         let mut out = [[0.0; 2]; 3];
         for i in 0..2 {
             let [x, B, B_q, _] = map(self.bent, q[i]);
@@ -109,11 +109,11 @@ impl System for Known {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        let place = self.place([at.q, at.v, at.a]);
+        let position = self.position([at.q, at.v, at.a]);
         let maps = [0, 1].map(|i| map(self.bent, at.q[i]));
         let mut S = out.S;
         for i in 0..2 {
-            let (side, by) = self.side(i, place);
+            let (side, by) = self.side(i, position);
             let drive = match self.driven {
                 true => self.side(i, Self::motion(at.t)).0,
                 false => 0.0,
@@ -132,15 +132,15 @@ impl System for Known {
                 }
                 let C = maps[i][1] * (c * B + m * 2.0 * B_q * v);
                 let M = maps[i][1] * m * B;
-                let place = self.pattern.find(i, j).unwrap_or(0);
-                values[place] = w.K * K + w.C * C + w.M * M;
+                let position = self.pattern.find(i, j).unwrap_or(0);
+                values[position] = w.K * K + w.C * C + w.M * M;
             }
         }
         Ok(())
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        let [x, v, _] = self.place([at.q, at.v, at.a]);
+        let [x, v, _] = self.position([at.q, at.v, at.a]);
         let mut out = Energies {
             stored: 0.5 * SPRING * (x[0] - x[1]).powi(2),
             ..Energies::default()
@@ -278,7 +278,7 @@ impl Polynomial {
             .sum()
     }
 
-    /// Place and velocity.
+    /// Position and velocity.
     pub(super) fn motion(&self, t: f64) -> [f64; 2] {
         let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..);
         terms.fold([0.0; 2], |[q, v], (c, n)| {

@@ -78,11 +78,12 @@ impl Run<'_> {
         )?;
         progress.summary.evaluations += strokes;
         progress.summary.factorisations += strokes;
-        if let (false, Some(keeper), Some(kept)) = (supplied, &mut self.keeper, &mut progress.kept)
+        if let (false, Some(projection), Some(kept)) =
+            (supplied, &mut self.projection, &mut progress.kept)
         {
             // A corner neither gives nor takes.
-            keeper.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
-            progress.summary.evaluations += keeper.take_evaluations();
+            projection.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
+            progress.summary.evaluations += projection.take_evaluations();
         }
         self.renew(system, solver, progress, supplied)
     }

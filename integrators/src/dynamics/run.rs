@@ -4,13 +4,13 @@
 
 use super::frequency::check_step;
 use super::initial::accelerate;
-use super::keep::{Keeper, energies};
 use super::landing::Landing;
 use super::options::check;
+use super::projection::{InvariantProjection, energies};
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
-use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
+use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
 use std::ops::ControlFlow;
@@ -53,7 +53,8 @@ pub fn integrate_with<Y: System + ?Sized>(
         missing: vec![0.0; system.pattern().dim()],
         stops: Stops::new(system, progress.state.t, options),
         landing: Landing::default(),
-        keeper: (options.scheme.keeps_energy()).then(|| Keeper::new(system.pattern().dim())),
+        projection: (options.scheme.keeps_energy())
+            .then(|| InvariantProjection::new(system.pattern().dim())),
         options,
     };
     run.begin(system, solver, progress)?;
@@ -92,7 +93,7 @@ pub(super) struct Run<'a> {
     /// What the velocities lack of it after the jump.
     pub(super) missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
-    pub(super) keeper: Option<Keeper>,
+    pub(super) projection: Option<InvariantProjection>,
     pub(super) landing: Landing,
     pub(super) options: &'a DynamicOptions,
 }
@@ -146,11 +147,11 @@ impl Run<'_> {
         let State { t, q, v, .. } = &progress.state;
         match &progress.kept {
             // A system that is new to a run finds its symmetries again.
-            Some(kept) if self.keeper.is_some() && !kept.motions.is_empty() => {
+            Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
                 let span = [*t, self.next_kink(*t)];
                 system.symmetries(span, q, v);
             }
-            Some(_) if self.keeper.is_some() => {}
+            Some(_) if self.projection.is_some() => {}
             _ => self.aim(system, progress)?,
         }
         let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
@@ -191,8 +192,10 @@ impl Run<'_> {
         let until = self.next_kink(progress.state.t);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
-        progress.kept = match &mut self.keeper {
-            Some(keeper) => Some(keeper.aim(system, scheme, &progress.state, until, [r, S])?),
+        progress.kept = match &mut self.projection {
+            Some(projection) => {
+                Some(projection.aim(system, scheme, &progress.state, until, [r, S])?)
+            }
             None => None,
         };
         Ok(())
@@ -218,7 +221,7 @@ impl Run<'_> {
         state: &State,
         t: f64,
     ) -> Result<Option<Energies>, DynamicsError> {
-        if !self.options.energies && self.keeper.is_none() {
+        if !self.options.energies && self.projection.is_none() {
             return Ok(None);
         }
         let at = Point {
@@ -316,7 +319,7 @@ impl Run<'_> {
             return Ok(None);
         }
         let Stepper { r, S, history, .. } = &self.stepper;
-        let wreck = Wreck {
+        let context = FailureContext {
             failure,
             r,
             S,
@@ -335,7 +338,7 @@ impl Run<'_> {
             evaluations,
             factorisations,
         };
-        let step = FailedStep::new(system, wreck, Along::Time, span, steps, rejected, spent);
+        let step = FailedStep::new(system, context, Along::Time, span, steps, rejected, spent);
         Err(DynamicsError::Step(Box::new(step)))
     }
 
@@ -378,16 +381,16 @@ impl Run<'_> {
         if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
             // What is missing is given back with the jump.
             kept.work(now, h);
-        } else if let (Some(keeper), Some(kept)) = (&mut self.keeper, &mut progress.kept) {
+        } else if let (Some(projection), Some(kept)) = (&mut self.projection, &mut progress.kept) {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
                 kept.energy += energies(system, scheme, state, asked)?.total() - now.total();
             }
             let Stepper { r, S, .. } = &mut self.stepper;
-            let restored = keeper.restore(system, scheme, state, kept, (asked, h), [r, S])?;
+            let restored = projection.restore(system, scheme, state, kept, (asked, h), [r, S])?;
             now = now.map(|_| restored);
-            progress.summary.evaluations += keeper.take_evaluations();
+            progress.summary.evaluations += projection.take_evaluations();
         }
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
             balance.book(&now, h, dissipated, &system.scales());

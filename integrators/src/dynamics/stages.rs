@@ -72,8 +72,10 @@ impl Stepper {
             let (given, out) = (state, &mut stage.state);
             let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
             let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
-            let places = out.q.iter_mut().zip(&given.q);
-            for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in places.zip(rates).zip(old) {
+            let positions = out.q.iter_mut().zip(&given.q);
+            for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in
+                positions.zip(rates).zip(old)
+            {
                 let aim = way * v_old;
                 let known = row.c * h * v_old + h * h * row.q[0] * y_old;
                 *y = inverse[0][0] * (aim - known) / (h * h);
@@ -157,7 +159,7 @@ impl Stepper {
                 for (i, j) in group.range().enumerate() {
                     let own = f64::from(u8::from(j == k));
                     let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
-                    let d = self.dq[place(&self.together, group, i, c)];
+                    let d = self.dq[position(&self.together, group, i, c)];
                     by.add(d, [q, v, y, a]);
                 }
                 largest = largest.max(((*q - before) * scale).abs());
@@ -200,9 +202,9 @@ impl Gains {
 }
 
 /// Where the unknown `c` of stage `i` of a group stands in `dq`.
-pub(super) fn place(together: &Option<Together>, group: &Group, i: usize, c: usize) -> usize {
+pub(super) fn position(together: &Option<Together>, group: &Group, i: usize, c: usize) -> usize {
     match together {
-        Some(together) if group.len() > 1 => together.place(i, c),
+        Some(together) if group.len() > 1 => together.position(i, c),
         _ => c,
     }
 }

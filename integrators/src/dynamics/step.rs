@@ -2,12 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use super::stages::{Attempt, Group, StageState, place};
+use super::stages::{Attempt, Group, StageState, position};
 use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
+use crate::convergence::ConvergencePredictor;
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
-use crate::outlook::Outlook;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
@@ -167,8 +167,8 @@ impl Stepper {
             let every = self.options.tangent == Tangent::Every;
             // A state that will turn out to be in balance needs no tangent, nor one that the last
             // tangent takes there.
-            let outlook = Outlook::new(history, renewed);
-            let wanted = first || (every && !outlook.without_tangent());
+            let predictor = ConvergencePredictor::new(history, renewed);
+            let wanted = first || (every && !predictor.without_tangent());
             let residual = self.evaluate(system, step, group, first, wanted)?;
             for (first, most) in unbalanced.iter_mut().zip(residual) {
                 if *first == 0.0 {
@@ -186,7 +186,7 @@ impl Stepper {
             }
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
-            let stays = outlook.is_stagnation(residual, allowed, false);
+            let stays = predictor.is_stagnation(residual, allowed, false);
             // One correction is made even where the prediction is in balance: what is always small
             // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
             // would never move anything.
@@ -202,7 +202,7 @@ impl Stepper {
                 };
             }
             renewed = wanted;
-            if every && !wanted && !outlook.serves(ratio) {
+            if every && !wanted && !predictor.serves(ratio) {
                 self.evaluate(system, step, group, first, true)?;
                 renewed = true;
             }
@@ -276,7 +276,7 @@ impl Stepper {
                 continue;
             }
             for (c, r) in self.r.iter().enumerate() {
-                self.dq[place(&self.together, group, k - group.start, c)] = *r;
+                self.dq[position(&self.together, group, k - group.start, c)] = *r;
             }
         }
         Ok(residual)
@@ -350,7 +350,7 @@ impl Stepper {
                 self.by_coordinates(system, step, k)?;
             }
             for (c, r) in self.r.iter_mut().enumerate() {
-                *r = self.dq[place(&self.together, group, i, c)];
+                *r = self.dq[position(&self.together, group, i, c)];
             }
             let q = &self.stages[k].state.q;
             let [sizes, floor] = &mut self.room;

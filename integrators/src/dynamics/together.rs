@@ -12,8 +12,8 @@ pub(super) struct Together {
     count: usize,
     solver: AutoSolver,
     S: Vec<f64>,
-    /// Place of each unknown of the system, for one stage after the other.
-    places: Vec<usize>,
+    /// Position of each unknown of the system, for one stage after the other.
+    positions: Vec<usize>,
 }
 
 impl Together {
@@ -32,24 +32,24 @@ impl Together {
         let all = BlockPattern::new(&sizes, pairs).with_units(|i| units[i]);
         let mut solver = AutoSolver::new();
         solver.analyse(&all, Symmetry::General)?;
-        let mut places = Vec::with_capacity(all.dim());
+        let mut positions = Vec::with_capacity(all.dim());
         for stage in 0..count {
             for node in 0..pattern.blocks() {
                 let start = all.unknowns(node).start + stage * pattern.size(node);
-                places.extend(start..start + pattern.size(node));
+                positions.extend(start..start + pattern.size(node));
             }
         }
         Ok(Self {
             count,
             solver,
             S: vec![0.0; all.len()],
-            places,
+            positions,
         })
     }
 
     /// Where the unknown `c` of stage `i` of the group stands.
-    pub(super) fn place(&self, i: usize, c: usize) -> usize {
-        self.places[i * self.places.len() / self.count + c]
+    pub(super) fn position(&self, i: usize, c: usize) -> usize {
+        self.positions[i * self.positions.len() / self.count + c]
     }
 
     /// Takes the derivative of the residual of stage `i` by the unknowns of stage `j`, its values in
@@ -82,9 +82,9 @@ impl Together {
 
     /// An error in numbers of the system's unknowns.
     fn explained(&self, error: LinearError) -> LinearError {
-        let n = self.places.len() / self.count;
+        let n = self.positions.len() / self.count;
         error.renumbered(|unknown| {
-            let known = self.places.iter().position(|p| *p == unknown);
+            let known = self.positions.iter().position(|p| *p == unknown);
             known.map_or(unknown, |k| k % n)
         })
     }

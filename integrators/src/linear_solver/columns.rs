@@ -63,15 +63,15 @@ impl Columns {
         let pattern = &self.pattern;
         scaling::scales(pattern, values, &mut self.scales, &mut self.x)?;
         self.norm = scaling::norm(pattern, values, &self.scales);
-        let mut place = 0;
+        let mut position = 0;
         for j in 0..pattern.blocks() {
             for (c, unknown) in pattern.unknowns(j).enumerate() {
                 for (i, range) in pattern.column(j) {
                     let height = pattern.size(i);
                     let column = &values[range][c * height..(c + 1) * height];
                     for (value, r) in column.iter().zip(pattern.unknowns(i)) {
-                        self.values[place] = value * self.scales[r] * self.scales[unknown];
-                        place += 1;
+                        self.values[position] = value * self.scales[r] * self.scales[unknown];
+                        position += 1;
                     }
                 }
             }

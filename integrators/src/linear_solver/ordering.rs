@@ -23,7 +23,7 @@ pub(super) struct Elimination {
 ///
 /// Ties go to the node with the *highest* number. Bodies are numbered from the base outward in
 /// nearly every model, so chains and trees are eliminated from their tips towards the base, as the
-/// recursive algorithms of multibody dynamics do: the Schur complement of a part that hangs on one
+/// recursive algorithms of multibody dynamics do: the Schur complement of a part that is attached to one
 /// node without other support vanishes, and the pivot of that node is the stiffness of its next
 /// element, undamaged by cancellation. In the opposite direction the pivots are the stiffness of
 /// the supported part at its end, which falls with the cube of its length and holds fewer and
@@ -92,8 +92,8 @@ pub(super) fn minimum_degree(
             if clique.len() <= SHORT {
                 *degree -= size(k);
                 for &w in clique.iter().filter(|&&w| w != i) {
-                    if let Err(place) = list.binary_search(&w) {
-                        list.insert(place, w);
+                    if let Err(position) = list.binary_search(&w) {
+                        list.insert(position, w);
                         *degree += size(w);
                     }
                 }

@@ -100,13 +100,18 @@ impl Symbolic {
             busy: 0.0,
             symmetry,
         };
-        this.place(pattern, &nodes, &position);
+        this.position(pattern, &nodes, &position);
         this.schedule(pattern, &nodes)?;
         Ok(this)
     }
 
     /// Panels and links.
-    fn place(&mut self, pattern: &BlockPattern, nodes: &[(usize, &Vec<u32>)], position: &[usize]) {
+    fn position(
+        &mut self,
+        pattern: &BlockPattern,
+        nodes: &[(usize, &Vec<u32>)],
+        position: &[usize],
+    ) {
         let mut first = 0;
         let mut firsts = Vec::with_capacity(nodes.len());
         let mut terms: Vec<usize> = nodes.iter().map(|&(node, _)| pattern.size(node)).collect();

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::dynamics::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper};
-use crate::failure::{Along, FailedStep, Spent, Wreck};
+use crate::failure::{Along, FailedStep, FailureContext, Spent};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -74,14 +74,14 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
             algorithmic: vec![entry(2)],
         };
         if let Err(failure) = stepper.step(&mut system, &mut solver, scheme, &state, 1.0) {
-            let wreck = Wreck {
+            let context = FailureContext {
                 failure,
                 r: &stepper.r,
                 S: &stepper.S,
                 history: &stepper.history,
             };
             let spent = Spent::default();
-            let step = FailedStep::new(&system, wreck, Along::Time, [0.0, 1.0], 0, 0, spent);
+            let step = FailedStep::new(&system, context, Along::Time, [0.0, 1.0], 0, 0, spent);
             return Err(DynamicsError::Step(Box::new(step)));
         }
         let State {

@@ -61,10 +61,10 @@ pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
         // multiplied out so that nothing large cancels.
         let (m1, f1) = (1.0 - m, 1.0 - f);
         let p0 = m1 + f1 * b * W;
-        let place = m1 + W * (b * (m - f) - m1 * (0.5 - b));
+        let position = m1 + W * (b * (m - f) - m1 * (0.5 - b));
         let velocity = W * f1 * (0.5 * g - b) - m1;
         return Some(FirstStep {
-            from_rest: [place / p0, Omega * velocity / p0],
+            from_rest: [position / p0, Omega * velocity / p0],
             from_origin: [Omega * m1 / p0, (m1 + W * f1 * (b - g)) / p0],
         });
     }
@@ -100,8 +100,8 @@ pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
     // R = 1 + z + z²/2 + c₃ z³ + c₄ z⁴ + … by Cauchy's integrals over a circle within its poles.
     let (radius, count) = (0.5, 64);
     let taylor = |order: i32| {
-        let places = (0..count).map(|j| TAU * f64::from(j) / f64::from(count));
-        let terms = places.map(|angle| {
+        let positions = (0..count).map(|j| TAU * f64::from(j) / f64::from(count));
+        let terms = positions.map(|angle| {
             let R = stability(scheme, Complex::from_polar(radius, angle));
             R * Complex::from_polar(1.0, -f64::from(order) * angle)
         });

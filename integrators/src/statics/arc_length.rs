@@ -36,7 +36,7 @@ pub fn trace_path<Y: System + ?Sized>(
 
 /// Position on the path with its unit tangent.
 #[derive(Clone)]
-pub(super) struct Place {
+pub(super) struct Position {
     pub q: Vec<f64>,
     pub lambda: f64,
     /// dq/ds and dλ/ds.
@@ -63,7 +63,7 @@ impl Norm {
     /// Whether a step was corrected by more than its own length, or its displacements by more than
     /// theirs: its end may lie on another part of the path, whose tangent tells nothing. Where
     /// displacements are small beside the size of the structure a step is almost one of the load.
-    fn strays(&self, from: &Place, to: &Place, ds: f64) -> bool {
+    fn strays(&self, from: &Position, to: &Position, ds: f64) -> bool {
         let (mut corrected, mut predicted) = (0.0, 0.0);
         let ends = to.q.iter().zip(&from.q).zip(&from.dq);
         for (((to, from), dq), w) in ends.zip(&self.weights) {
@@ -101,7 +101,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         load: 1.0 / (options.load_scale * options.load_scale),
     };
     let mut out = PathSummary::default();
-    let mut at = Place {
+    let mut at = Position {
         q: q.clone(),
         lambda: options.from,
         dq: vec![0.0; n],
@@ -188,23 +188,25 @@ pub fn trace_path_with<Y: System + ?Sized>(
         // What the row that ends the path has to tell besides its own.
         let mut untold: usize = iterations + located.iter().map(|l| l.iterations).sum::<usize>();
         for found in located {
-            let Located { index, place, .. } = &found;
+            let Located {
+                index, position, ..
+            } = &found;
             let last = options.events[*index].1;
             let spent = if last { untold } else { found.iterations };
             untold -= spent;
             out.summary.iterations += spent;
-            out.events.push((*index, place.lambda));
+            out.events.push((*index, position.lambda));
             newton
-                .evaluate(system, None, &place.q, place.lambda)
+                .evaluate(system, None, &position.q, position.lambda)
                 .map_err(|source| {
                     let failure = Failure::System(source);
-                    StaticsError::Step(newton.fail(system, failure, &out.summary, place.lambda))
+                    StaticsError::Step(newton.fail(system, failure, &out.summary, position.lambda))
                 })?;
             let report = Step {
                 number: out.summary.steps,
-                t: place.lambda,
+                t: position.lambda,
                 step_size: found.s,
-                q: &place.q,
+                q: &position.q,
                 iterations: spent,
                 residuals: &found.history,
                 chart_changes: changes,
@@ -213,8 +215,8 @@ pub fn trace_path_with<Y: System + ?Sized>(
             };
             let flow = observer(system, &report);
             if last || flow.is_break() {
-                q.copy_from_slice(&place.q);
-                out.summary.t = place.lambda;
+                q.copy_from_slice(&position.q);
+                out.summary.t = position.lambda;
                 out.summary.finished = last;
                 return Ok(out);
             }
@@ -260,12 +262,12 @@ const LEAST: f64 = 1e-12;
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
 
-/// Unit tangent at a place, in the sense of the one it has.
+/// Unit tangent at a position, in the sense of the one it has.
 pub(super) fn tangent<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
-    at: &mut Place,
+    at: &mut Position,
     norm: &Norm,
 ) -> Result<(), Failure> {
     newton
@@ -292,10 +294,10 @@ pub(super) fn advance<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
-    at: &Place,
+    at: &Position,
     ds: f64,
     norm: &Norm,
-    next: &mut Place,
+    next: &mut Position,
 ) -> Result<(), Failure> {
     for (q, (q0, dq)) in next.q.iter_mut().zip(at.q.iter().zip(&at.dq)) {
         *q = q0 + ds * dq;

@@ -8,7 +8,7 @@
 #![allow(non_snake_case)]
 
 use super::Iteration;
-use super::arc_length::{Norm, Place, SHARPEST_BEND, advance, tangent};
+use super::arc_length::{Norm, Position, SHARPEST_BEND, advance, tangent};
 use super::newton::Newton;
 use super::path::{ArcLengthOptions, Event};
 use super::stability::unstable;
@@ -21,7 +21,7 @@ pub(super) struct Located {
     pub index: usize,
     /// Distance from the step's start.
     pub s: f64,
-    pub place: Place,
+    pub position: Position,
     /// Linear solutions that finding it took.
     pub iterations: usize,
     /// How the iteration converged there.
@@ -29,13 +29,13 @@ pub(super) struct Located {
     pub unstable: Option<usize>,
 }
 
-/// Value of an event's function at a place: zero where it happens.
-fn event_value(event: Event, place: &Place) -> f64 {
+/// Value of an event's function at a position: zero where it happens.
+fn event_value(event: Event, position: &Position) -> f64 {
     match event {
-        Event::TurningPoint => place.d_lambda,
-        Event::Load(load) => place.lambda - load,
+        Event::TurningPoint => position.d_lambda,
+        Event::Load(load) => position.lambda - load,
         Event::Coordinate { unknown, value } => {
-            place.q.get(unknown).map_or(f64::NAN, |q| q - value)
+            position.q.get(unknown).map_or(f64::NAN, |q| q - value)
         }
     }
 }
@@ -69,7 +69,7 @@ pub(super) fn locate<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
-    step: (&Place, &Place, f64),
+    step: (&Position, &Position, f64),
     norm: &Norm,
     options: &ArcLengthOptions,
 ) -> Result<Vec<Located>, Failure> {
@@ -82,17 +82,17 @@ pub(super) fn locate<Y: System + ?Sized>(
         if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
             let mut one = find(newton, solver, system, step, norm, event)?;
             let missed =
-                event_value(event, &one.place).abs() > largest_miss(event, newton, options);
-            let place = &mut one.place;
+                event_value(event, &one.position).abs() > largest_miss(event, newton, options);
+            let position = &mut one.position;
             if event != Event::TurningPoint {
-                place.dq.copy_from_slice(&at.dq);
-                place.d_lambda = at.d_lambda;
+                position.dq.copy_from_slice(&at.dq);
+                position.d_lambda = at.d_lambda;
                 // Where the tangent is singular its direction is not known.
-                if tangent(newton, solver, system, place, norm).is_ok() {
+                if tangent(newton, solver, system, position, norm).is_ok() {
                     one.unstable = unstable(newton, solver, system);
                 }
             }
-            let bend = norm.dot((&at.dq, at.d_lambda), (&place.dq, place.d_lambda));
+            let bend = norm.dot((&at.dq, at.d_lambda), (&position.dq, position.d_lambda));
             if missed || bend < SHARPEST_BEND {
                 return Err(Failure::Unlocated(event));
             }
@@ -110,7 +110,7 @@ fn find<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
     system: &mut Y,
-    (at, next, ds): (&Place, &Place, f64),
+    (at, next, ds): (&Position, &Position, f64),
     norm: &Norm,
     event: Event,
 ) -> Result<Located, Failure> {
@@ -122,7 +122,7 @@ fn find<Y: System + ?Sized>(
     let mut best = Located {
         index: 0,
         s: ds,
-        place: next.clone(),
+        position: next.clone(),
         iterations: 0,
         history: Vec::new(),
         unstable: None,
@@ -154,7 +154,7 @@ fn find<Y: System + ?Sized>(
         if f.abs() < least {
             least = f.abs();
             best.s = s;
-            best.place.clone_from(&trial);
+            best.position.clone_from(&trial);
             best.history = history;
         }
         if f * fb < 0.0 {

@@ -19,9 +19,9 @@
 #![allow(non_snake_case)]
 
 use super::{Iteration, NewtonOptions, Summary};
-use crate::failure::{Along, FailedStep, Failure, Spent, Wreck};
+use crate::convergence::ConvergencePredictor;
+use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
 use crate::linear_solver::LinearSolver;
-use crate::outlook::Outlook;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
 
@@ -140,7 +140,7 @@ impl Newton {
         summary: &Summary,
         to: f64,
     ) -> Box<FailedStep> {
-        let wreck = Wreck {
+        let context = FailureContext {
             failure,
             r: &self.r,
             S: &self.S,
@@ -152,7 +152,7 @@ impl Newton {
             evaluations: self.evaluations,
             factorisations: self.factorisations,
         };
-        let step = FailedStep::new(system, wreck, along, span, steps, rejected, spent);
+        let step = FailedStep::new(system, context, along, span, steps, rejected, spent);
         Box::new(step)
     }
 
@@ -193,10 +193,11 @@ impl Newton {
         residual: [f64; 3],
     ) -> bool {
         let corrections = &self.history[self.predicted..];
-        Outlook::new(corrections, true).is_stagnation(residual, self.allowed, true) && {
-            let room = [&mut self.trial[..], &mut self.simplified[..]];
-            is_rounding(system, &self.S, q, &self.r, room)
-        }
+        ConvergencePredictor::new(corrections, true).is_stagnation(residual, self.allowed, true)
+            && {
+                let room = [&mut self.trial[..], &mut self.simplified[..]];
+                is_rounding(system, &self.S, q, &self.r, room)
+            }
     }
 
     /// Residual per kind, and the worst of them over what the convergence test allows.

@@ -13,7 +13,7 @@ use nalgebra::SVector;
 /// operations of 1e-16 each remain below 1e-14.
 const RECOVERED: f64 = 1e-12;
 
-/// Checks every law of a chart, and of its change of chart as a map, at every place inside it.
+/// Checks every law of a chart, and of its change of chart as a map, at every position inside it.
 pub fn chart<C, const D: usize>(chart: &C) -> Report
 where
     C: Chart<D>,
@@ -21,7 +21,7 @@ where
     let mut report = Report::new(short_name::<C>());
     let mut random = Random::default();
     let mut asked = 0;
-    for (at, q) in random.places(D) {
+    for (at, q) in random.positions(D) {
         let q = SVector::<f64, D>::from_column_slice(&q);
         let margin = chart.margin(&q);
         if margin.is_nan() || margin <= CLEARANCE {
@@ -88,7 +88,7 @@ where
         );
     }
     if asked == 0 {
-        report.impossible("domain", "everywhere", "no place is inside the chart");
+        report.impossible("domain", "everywhere", "no position is inside the chart");
     }
     report
 }

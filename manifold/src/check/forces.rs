@@ -57,11 +57,11 @@ pub struct Forces {
     pub energy: Option<f64>,
 }
 
-/// States in statics and in motion at every place.
+/// States in statics and in motion at every position.
 pub fn states(n: usize) -> Vec<(String, State)> {
     let mut random = Random::default();
     let mut out = Vec::new();
-    for (name, x) in random.places(n) {
+    for (name, x) in random.positions(n) {
         let x = DVector::from_vec(x);
         out.push((format!("{name}, at rest"), State::statics(0.37, x.clone())));
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
@@ -72,7 +72,7 @@ pub fn states(n: usize) -> Vec<(String, State)> {
     out
 }
 
-/// Checks forces of `n` coordinates at every place; `evaluate` answers `None` outside its domain.
+/// Checks forces of `n` coordinates at every position; `evaluate` answers `None` outside its domain.
 pub fn forces(
     subject: &str,
     n: usize,

@@ -11,7 +11,7 @@ use nalgebra::SVector;
 const RESIDUAL: f64 = 1e-12;
 /// Charts with a larger condition number lose digits that are not theirs.
 const REGULAR: f64 = 100.0;
-/// Largest distance of the places from q = 0, relative to the sizes of the coordinates.
+/// Largest distance of the positions from q = 0, relative to the sizes of the coordinates.
 const REACH: f64 = 0.1;
 
 /// Checks every law of a solved constraint around the configuration that it is at, at time `t`:
@@ -26,13 +26,13 @@ where
 {
     let mut report = Report::new(short_name::<Solved<H, D, X, M>>());
     let mut random = Random::default();
-    let places = [
+    let positions = [
         ("0", 0.0),
         ("1e-8", 1e-8),
         ("near", 0.3 * REACH),
         ("far", REACH),
     ];
-    for (at, reach) in places {
+    for (at, reach) in positions {
         let Some(q) = inside(map, t, reach, &mut random) else {
             report.impossible("domain", at, "outside the domain");
             continue;
@@ -161,7 +161,7 @@ fn exchange<M, const D: usize, const N: usize>(
     );
 }
 
-/// A place at this distance, or at half of it as often as needed to be inside the domain.
+/// A position at this distance, or at half of it as often as needed to be inside the domain.
 fn inside<H, const D: usize, const X: usize, const M: usize>(
     map: &Solved<H, D, X, M>,
     t: f64,
@@ -187,7 +187,7 @@ where
     None
 }
 
-/// Whether a place is well inside the domain: the steps of the laws stay there too.
+/// Whether a position is well inside the domain: the steps of the laws stay there too.
 fn roomy<H, const D: usize, const X: usize, const M: usize>(
     map: &Solved<H, D, X, M>,
     t: f64,

@@ -19,7 +19,7 @@ pub(super) const TIME: f64 = 0.37;
 /// formula differs in the first digits.
 pub(super) const CLOSED_FORM: f64 = 1e-10;
 
-/// Checks every law of a map at every place within its domain.
+/// Checks every law of a map at every position within its domain.
 pub fn map<M, const D: usize, const N: usize>(map: &M) -> Report
 where
     M: Map<D, N> + Clone + 'static,
@@ -27,16 +27,16 @@ where
     let mut report = Report::new(short_name::<M>());
     let mut random = Random::default();
     let mut asked = 0;
-    for (name, q) in random.places(D) {
+    for (name, q) in random.positions(D) {
         let q = SVector::<f64, D>::from_column_slice(&q);
-        // Written so that a margin that is not a number is skipped, and shows as "no place".
+        // Written so that a margin that is not a number is skipped, and shows as "no position".
         if map.margin(TIME, &q) > CLEARANCE {
             asked += 1;
             laws(&mut report, "", map, name, TIME, &q, &mut random);
         }
     }
     if asked == 0 {
-        report.impossible("domain", "everywhere", "no place is inside the domain");
+        report.impossible("domain", "everywhere", "no position is inside the domain");
     }
     report
 }

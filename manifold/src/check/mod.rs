@@ -28,7 +28,7 @@
 //! which block of which matrix is wrong, by how much, and by which factor ([`Block`]); what is right
 //! there comes from extrapolated central differences.
 //!
-//! Everything is drawn from a seeded generator: two runs give the same report. Places: the origin,
+//! Everything is drawn from a seeded generator: two runs give the same report. Positions: the origin,
 //! 1e-8 from it, random ones, both sides of π, and 0.3 from the edge 2π of a rotation chart; every
 //! three consecutive coordinates have that norm and a random direction, so rotation vectors in any
 //! layout that starts at a multiple of three are exercised at all of them.

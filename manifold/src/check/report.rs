@@ -1,4 +1,4 @@
-//! What the kit hands back: a table of components, laws, places and measurements.
+//! What the kit hands back: a table of components, laws, positions and measurements.
 
 use super::block::Block;
 use std::fmt;
@@ -51,7 +51,7 @@ impl Measure {
     }
 }
 
-/// One law of one component at one place.
+/// One law of one component at one position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// What was checked: the report's subject, or a part of it.
@@ -68,7 +68,7 @@ pub struct Row {
     pub blocks: Vec<Block>,
 }
 
-/// All laws of all components at all places.
+/// All laws of all components at all positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     subject: String,
@@ -140,10 +140,10 @@ impl Report {
     #[must_use]
     pub fn worst(self) -> Self {
         let mut rows: Vec<Row> = Vec::new();
-        let mut places = std::collections::HashMap::new();
+        let mut positions = std::collections::HashMap::new();
         for row in self.rows {
             let key = (row.component.clone(), row.law.clone());
-            let k = *places.entry(key).or_insert(rows.len());
+            let k = *positions.entry(key).or_insert(rows.len());
             match rows.get_mut(k) {
                 None => rows.push(row),
                 Some(kept) if row.measure.strain() > kept.measure.strain() => *kept = row,
@@ -185,7 +185,7 @@ impl Report {
     /// Takes a second opinion where a slope noted last falls short: a defect by differences and what
     /// it is allowed, or nothing. Single numbers can bend a line where two terms cancel by chance.
     ///
-    /// The opinion takes the slope's place if it is that all is well.
+    /// The opinion takes the slope's position if it is that all is well.
     pub fn second_opinion(&mut self, opinion: impl FnOnce() -> Option<(f64, f64)>) {
         let slope = |row: &&mut Row| matches!(row.measure, Measure::Slope { .. }) && !row.passed;
         if let Some(row) = self.rows.last_mut().filter(slope)

@@ -1,4 +1,4 @@
-//! Where laws are checked: a seeded generator and the places every chart must get right.
+//! Where laws are checked: a seeded generator and the positions every chart must get right.
 
 use nalgebra::SVector;
 use std::f64::consts::{PI, TAU};
@@ -6,9 +6,9 @@ use std::f64::consts::{PI, TAU};
 /// Points closer than this to the edge of a domain are not asked.
 pub(super) const CLEARANCE: f64 = 0.02;
 
-/// Names of the places and the norm of every three consecutive coordinates there.
+/// Names of the positions and the norm of every three consecutive coordinates there.
 ///
-/// A `None` stands for a random norm. Several random places: directions matter more than norms.
+/// A `None` stands for a random norm. Several random positions: directions matter more than norms.
 const PLACES: [(&str, Option<f64>); 8] = [
     ("0", Some(0.0)),
     ("1e-8", Some(1e-8)),
@@ -75,7 +75,7 @@ impl Random {
         }
     }
 
-    /// Gives every three consecutive entries the norm of a place and random directions.
+    /// Gives every three consecutive entries the norm of a position and random directions.
     fn triples(&mut self, norm: Option<f64>, out: &mut [f64]) {
         for triple in out.chunks_mut(3) {
             let norm = norm.unwrap_or_else(|| self.range(0.3, 2.8));
@@ -83,8 +83,8 @@ impl Random {
         }
     }
 
-    /// All places in D coordinates, with their names.
-    pub(super) fn places(&mut self, dim: usize) -> Vec<(&'static str, Vec<f64>)> {
+    /// All positions in D coordinates, with their names.
+    pub(super) fn positions(&mut self, dim: usize) -> Vec<(&'static str, Vec<f64>)> {
         PLACES
             .iter()
             .map(|(name, norm)| {

@@ -159,7 +159,7 @@ pub enum Trouble {
     /// An equation that was redundant no longer follows from the others.
     #[error(
         "{equation} was redundant and no longer follows from the others: it is {residual:.3e}; the \
-         parts, or the motions that drive them, do not fit together exactly enough: give places \
+         parts, or the motions that drive them, do not fit together exactly enough: give positions \
          and axes with all their digits, and drive no more than is free"
     )]
     Inconsistent {

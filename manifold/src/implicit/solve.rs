@@ -73,7 +73,7 @@ where
         let J = derived::tangent(&Equations(&constraint), t, &x).B;
         let sizes = sizes(&constraint, &J, &[0.0; M]);
         let found = best(&constraint, &J, &sizes, choice);
-        // Beside equations that do their part one that does not is redundant, or the place singular.
+        // Beside equations that do their part one that does not is redundant, or the position singular.
         let flat = touching(&constraint, t, &x, &J);
         let used = match &found {
             Some((chart, _)) => chart.used,

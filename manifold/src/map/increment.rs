@@ -39,7 +39,7 @@ use std::f64::consts::{PI, TAU};
 /// w and the material Ω̇, which stays as it is when the chart is centred anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
-    /// Rₙ, as the quaternion of the sheet of Ψ in use.
+    /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
     /// What spins rates are once the chart is centred, and whether it has been.
     spinning: Option<Spins>,
@@ -105,7 +105,7 @@ impl<const D: usize> Map<D, D> for Increment {
         false
     }
 
-    /// The sheet on which ψ ≤ π.
+    /// The branch on which ψ ≤ π.
     fn change_charts(&mut self, _t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let beyond = self.turned(q).w < 0.0;
         if beyond {

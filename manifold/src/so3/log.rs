@@ -1,7 +1,7 @@
-//! Unit quaternions and the logarithm on both sheets of the rotation vector chart.
+//! Unit quaternions and the logarithm on both branches of the rotation vector chart.
 //!
 //! A rotation has two rotation vectors with ψ < 2π, Ψ and Ψᶜ = Ψ − 2π e, and two unit quaternions,
-//! ±(w, v). The sign of the quaternion names the sheet: (cos ψ/2, sin(ψ/2) e) has w ≥ 0 for ψ ≤ π and
+//! ±(w, v). The sign of the quaternion names the branch: (cos ψ/2, sin(ψ/2) e) has w ≥ 0 for ψ ≤ π and
 //! w < 0 for π < ψ < 2π, and the two vectors of one rotation have opposite quaternions.
 
 use crate::quotients::{half_angle, log_factor};
@@ -51,7 +51,7 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
-    /// The opposite quaternion: the same rotation on the other sheet.
+    /// The opposite quaternion: the same rotation on the other branch.
     #[must_use]
     pub fn opposite(&self) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl<S: Scalar> Quaternion<S> {
         a + u + u
     }
 
-    /// Inner product; its sign tells whether two nearby rotations are on the same sheet.
+    /// Inner product; its sign tells whether two nearby rotations are on the same branch.
     #[must_use]
     pub fn dot(&self, b: &Self) -> S {
         self.w * b.w + self.v.dot(&b.v)
@@ -144,7 +144,7 @@ pub fn log_quaternion<S: Scalar>(q: &Quaternion<S>) -> Vector3<S> {
     }
 }
 
-/// The rotation vector of R on the sheet of `near`, stable at ψ = 0 and ψ = π.
+/// The rotation vector of R on the branch of `near`, stable at ψ = 0 and ψ = π.
 ///
 /// Of the two vectors, the one whose quaternion has a positive inner product with that of `near`
 /// (ψ < 2π): it depends continuously on R along a motion that passes ψ = π. Not finite where that

@@ -17,7 +17,7 @@ pub struct Body {
     /// configuration: three principal ones, or a symmetric 3×3 tensor row by row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<Tensor>,
-    /// Place of the centre of mass as seen from the node, in global components of the reference
+    /// Position of the centre of mass as seen from the node, in global components of the reference
     /// configuration; the node itself by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 3]>,

@@ -8,24 +8,24 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::{self, Formatter};
 
-/// A joint. It makes a node of its own name that hangs on the parent: lines, bodies, loads and
+/// A joint. It makes a node of its own name that is attached to the parent: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Joint {
-    /// Name of the joint and of the node that hangs on it.
+    /// Name of the joint and of the node that is attached to it.
     pub name: String,
     /// What kind of joint it is: one of the names in the [`Registry`](crate::input::Registry).
     #[serde(rename = "type")]
     pub kind: String,
-    /// Node it hangs on; for a slide give `lines` instead.
+    /// Node it is attached to; for a slide give `lines` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
-    /// Node that is one with the node that hangs on the joint. A node that is still free hangs on
-    /// the joint from now on. One that hangs on something else already, or is supported, closes a
+    /// Node that is one with the node that is attached to the joint. A node that is still free is attached to
+    /// the joint from now on. One that is attached to something else already, or is supported, closes a
     /// loop: the coordinates of the joints along it then follow from those that it leaves free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub child: Option<String>,
-    /// How the node that hangs on the joint and the `child` are made one: by a `map` (the default),
+    /// How the node that is attached to the joint and the `child` are made one: by a `map` (the default),
     /// by Lagrange `multipliers`, or by a `penalty`.
     #[serde(
         default,
@@ -52,7 +52,7 @@ pub struct Joint {
     /// The angle or displacement itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Time>,
-    /// Angle or displacement at the start (dynamics); what hangs on the joint moves along, but not nodes of
+    /// Angle or displacement at the start (dynamics); what is attached to the joint moves along, but not nodes of
     /// their own. In a loop it is kept where the loop closes with it, and a first guess where not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,

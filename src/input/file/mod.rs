@@ -44,7 +44,7 @@ pub struct ModelFile {
     /// Cross-sections by name.
     #[serde(default)]
     pub sections: BTreeMap<String, Section>,
-    /// Nodes by name: reference place [X, Y, Z]. Names may not contain `/`, which marks the inner
+    /// Nodes by name: reference position [X, Y, Z]. Names may not contain `/`, which marks the inner
     /// nodes of lines (`line/1`, `line/2`, ...).
     #[serde(default)]
     pub nodes: BTreeMap<String, [f64; 3]>,

@@ -33,7 +33,7 @@ pub struct Probe {
 pub enum Quantity {
     /// Displacement d of a node.
     displacement,
-    /// Current place of a node.
+    /// Current position of a node.
     position,
     /// Rotation vector Ψ of a node in radians, continued over changes of chart. About a fixed axis
     /// it counts turns; about one that moves no rotation vector does (ask for the joint_coordinate).
@@ -54,9 +54,9 @@ pub enum Quantity {
     joint_rate,
     /// The rate of that.
     joint_acceleration,
-    /// Force with which a joint acts on the node that hangs on it.
+    /// Force with which a joint acts on the node that is attached to it.
     joint_force,
-    /// Moment with which a joint acts on the node that hangs on it.
+    /// Moment with which a joint acts on the node that is attached to it.
     joint_moment,
     /// Force with which the support of a node acts on the structure.
     reaction_force,

@@ -112,7 +112,7 @@ pub struct Mass {
     /// Principal inertias per length about E1, E2, E3, about the mass centre.
     #[serde(default)]
     pub J: [f64; 3],
-    /// Place of the mass centre in the cross-section, along E2 and E3; on the axis by default.
+    /// Position of the mass centre in the cross-section, along E2 and E3; on the axis by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 2]>,
 }

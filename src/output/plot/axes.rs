@@ -144,7 +144,7 @@ const ROW: i32 = 22;
 
 /// Rows that a legend of these entries needs in a width (in units).
 pub(super) fn legend_rows(entries: &[(String, Mark)], room: i32) -> i32 {
-    place(entries, room).last().map_or(0, |(_, row)| row + 1)
+    position(entries, room).last().map_or(0, |(_, row)| row + 1)
 }
 
 /// Height of a number of legend rows, in units.
@@ -153,7 +153,7 @@ pub(super) fn legend_height(rows: i32) -> i32 {
 }
 
 /// Start (in fine pixels) and row of each entry.
-fn place(entries: &[(String, Mark)], room: i32) -> Vec<(i32, i32)> {
+fn position(entries: &[(String, Mark)], room: i32) -> Vec<(i32, i32)> {
     let (mut x, mut row) = (0, 0);
     let mut out = Vec::with_capacity(entries.len());
     for (text, _) in entries {
@@ -175,7 +175,7 @@ pub(super) fn legend(
     entries: &[(String, Mark)],
 ) -> Result<(), PlotError> {
     let style = font(TEXT).pos(Pos::new(HPos::Left, VPos::Center));
-    for ((text, mark), (x, row)) in entries.iter().zip(place(entries, room)) {
+    for ((text, mark), (x, row)) in entries.iter().zip(position(entries, room)) {
         let x = left * FINE + x;
         let y = (top + row * ROW + ROW / 2) * FINE;
         let middle = (x + SAMPLE * FINE / 2, y);

@@ -48,8 +48,8 @@ impl Curve {
         }
     }
 
-    fn drawn_in(&self, place: usize) -> RGBColor {
-        PALETTE[self.color.unwrap_or(place) % PALETTE.len()]
+    fn drawn_in(&self, position: usize) -> RGBColor {
+        PALETTE[self.color.unwrap_or(position) % PALETTE.len()]
     }
 }
 
@@ -117,8 +117,8 @@ pub(super) fn heading(root: &Area<'_>, title: Option<&str>, w: i32) -> Result<()
 fn entries(panel: &Panel) -> Vec<(String, Mark)> {
     let curves = panel.curves.iter().enumerate();
     curves
-        .map(|(place, curve)| {
-            let color = curve.drawn_in(place);
+        .map(|(position, curve)| {
+            let color = curve.drawn_in(position);
             let mark = if curve.scattered {
                 Mark::Dot(color)
             } else {
@@ -163,8 +163,8 @@ fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
     let x = axes::range(all().map(|p| p.0));
     let y = axes::range(all().map(|p| p.1));
     let mut chart = axes::axes(area, x, y, [&panel.x, &panel.y])?;
-    for (place, curve) in panel.curves.iter().enumerate() {
-        let color = curve.drawn_in(place);
+    for (position, curve) in panel.curves.iter().enumerate() {
+        let color = curve.drawn_in(position);
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
         let points: Vec<(f64, f64)> = curve.points.iter().filter(finite).copied().collect();
         let points = if curve.scattered {

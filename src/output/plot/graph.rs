@@ -65,8 +65,8 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
     let mut seen = Vec::new();
     let mut out = Vec::new();
     for graph in graphs {
-        for (place, curve) in graph.curves.iter().enumerate() {
-            let color = curve.color.unwrap_or(place);
+        for (position, curve) in graph.curves.iter().enumerate() {
+            let color = curve.color.unwrap_or(position);
             if !seen.contains(&color) {
                 seen.push(color);
                 let alike = |c: &Curve| c.scattered && c.color == Some(color);
@@ -87,7 +87,8 @@ impl Graph {
     /// Whether colours come again, so that lines without marks could not be told apart.
     fn is_crowded(&self) -> bool {
         let mut curves = self.curves.iter().enumerate();
-        let again = curves.any(|(place, curve)| curve.color.unwrap_or(place) >= PALETTE.len());
+        let again =
+            curves.any(|(position, curve)| curve.color.unwrap_or(position) >= PALETTE.len());
         again && self.curves.iter().all(|curve| !curve.scattered)
     }
 }
@@ -122,14 +123,14 @@ impl Frame {
     }
 }
 
-/// A triangle of a slope: the places of its three corners, the right angle in the middle.
+/// A triangle of a slope: the positions of its three corners, the right angle in the middle.
 type Triangle = (f64, [(f64, f64); 3]);
 
 fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
     let [divide_x, divide_y] = graph.division;
-    let place = |&(x, y): &(f64, f64)| Some((divide_x.position(x)?, divide_y.position(y)?));
+    let position = |&(x, y): &(f64, f64)| Some((divide_x.position(x)?, divide_y.position(y)?));
     let curves: Vec<Vec<(f64, f64)>> = (graph.curves.iter())
-        .map(|c| c.points.iter().filter_map(place).collect())
+        .map(|c| c.points.iter().filter_map(position).collect())
         .collect();
     let level = graph.level.and_then(|y| divide_y.position(y));
     let x = axes::range(curves.iter().flatten().map(|p| p.0));
@@ -150,8 +151,8 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         broken(area, [from, to], y)?;
     }
     let crowded = graph.is_crowded();
-    for (place, (curve, points)) in graph.curves.iter().zip(&curves).enumerate() {
-        let color = curve.color.unwrap_or(place);
+    for (position, (curve, points)) in graph.curves.iter().zip(&curves).enumerate() {
+        let color = curve.color.unwrap_or(position);
         let rgb = PALETTE[color % PALETTE.len()];
         let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
         // Marks of neighbours stand beside each other.
@@ -280,7 +281,7 @@ fn triangles(
     out
 }
 
-/// Height of a curve at a place between its ends.
+/// Height of a curve at a position between its ends.
 fn height(curve: &[(f64, f64)], x: f64) -> Option<f64> {
     let mut pairs = curve.windows(2);
     pairs.find_map(|p| {

@@ -44,7 +44,7 @@ const PALE: RGBColor = RGBColor(150, 150, 150);
 const TEXT: i32 = 15;
 const TITLE: i32 = 18;
 
-/// The library places everything at whole pixels; this many of them are one unit of the figure,
+/// The library positions everything at whole pixels; this many of them are one unit of the figure,
 /// so that curves stay smooth.
 const FINE: i32 = 8;
 

@@ -27,9 +27,9 @@ const FLAT: f64 = 1e-3;
 pub struct Shapes {
     /// Points along each line.
     lines: Vec<Vec<Vector3<f64>>>,
-    /// Places of the nodes.
+    /// Positions of the nodes.
     nodes: Vec<Vector3<f64>>,
-    /// Places of supported nodes.
+    /// Positions of supported nodes.
     supports: Vec<Vector3<f64>>,
     /// Centres of mass of bodies.
     bodies: Vec<Vector3<f64>>,
@@ -41,32 +41,32 @@ impl Shapes {
     /// The configuration that a model is in, with displacements times `scale`: 0 gives the reference
     /// configuration.
     pub fn of(model: &Model, geometry: &Geometry, scale: f64) -> Self {
-        let between = |reference: Vector3<f64>, place: Vector3<f64>| match scale {
+        let between = |reference: Vector3<f64>, position: Vector3<f64>| match scale {
             0.0 => reference,
-            1.0 => place,
-            _ => reference + (place - reference) * scale,
+            1.0 => position,
+            _ => reference + (position - reference) * scale,
         };
-        let place = |node| between(model.reference(node), model.node_state(node).place);
+        let position = |node| between(model.reference(node), model.node_state(node).position);
         let mut out = Self {
-            supports: geometry.supports.iter().map(|&n| place(n)).collect(),
+            supports: geometry.supports.iter().map(|&n| position(n)).collect(),
             ..Self::default()
         };
         for line in &geometry.lines {
-            let nodes: Vec<Vector3<f64>> = line.nodes.iter().map(|&n| place(n)).collect();
+            let nodes: Vec<Vector3<f64>> = line.nodes.iter().map(|&n| position(n)).collect();
             out.lines.push(interpolate(&nodes, line.order));
             out.nodes.extend(nodes);
         }
         for link in &geometry.links {
-            out.links.push(link.map(place));
+            out.links.push(link.map(position));
         }
         for body in &geometry.bodies {
             let state = model.node_state(body.node);
             let center = between(
                 model.reference(body.node) + body.center,
-                state.place + state.R * body.center,
+                state.position + state.R * body.center,
             );
             out.bodies.push(center);
-            out.links.push([place(body.node), center]);
+            out.links.push([position(body.node), center]);
         }
         out
     }
@@ -182,7 +182,7 @@ pub fn deformed(
         axes::LEFT + 2 * axes::MARGIN,
         axes::BOTTOM + 2 * axes::MARGIN,
     ];
-    // Views with the place and size of their plots, in units.
+    // Views with the position and size of their plots, in units.
     let mut views = Vec::new();
     let size = if flat {
         let (a, b) = ([1, 0, 0][across], [2, 2, 1][across]);
@@ -259,7 +259,7 @@ fn between(count: usize) -> impl Iterator<Item = usize> {
 fn entries(reference: &Shapes, shapes: &[(f64, Shapes)]) -> Vec<(String, Mark)> {
     let mut out = vec![("reference".to_owned(), Mark::Line(PALE, 3))];
     if between(shapes.len()).next().is_some() {
-        out.push(("on the way".to_owned(), Mark::Line(pale_blue(), 2)));
+        out.push(("intermediate states".to_owned(), Mark::Line(pale_blue(), 2)));
     }
     if let Some((t, _)) = shapes.last() {
         let t = axes::tick(*t, 0.1);
@@ -313,12 +313,12 @@ fn draw(
     if let Some((_, last)) = shapes.last() {
         outline(&mut chart, view, last, PALETTE[0], 5)?;
         if last.nodes.len() <= MARKED {
-            let places = last.nodes.iter().map(|p| view.project(p));
-            let dots = places.map(|p| Circle::new(p, 5 * FINE / 2, PALETTE[0].filled()));
+            let positions = last.nodes.iter().map(|p| view.project(p));
+            let dots = positions.map(|p| Circle::new(p, 5 * FINE / 2, PALETTE[0].filled()));
             chart.draw_series(dots)?;
         }
-        let places = last.bodies.iter().map(|p| view.project(p));
-        let dots = places.map(|p| Circle::new(p, 4 * FINE, PALETTE[1].filled()));
+        let positions = last.bodies.iter().map(|p| view.project(p));
+        let dots = positions.map(|p| Circle::new(p, 4 * FINE, PALETTE[1].filled()));
         chart.draw_series(dots)?;
     }
     let half = 4.0 * scale;
@@ -339,14 +339,14 @@ fn outline(
 ) -> Result<(), PlotError> {
     let style = color.stroke_width((stroke * FINE / 2) as u32);
     let lines = shapes.lines.iter().map(|line| {
-        let places = line.iter().map(|p| view.project(p));
-        PathElement::new(places.collect::<Vec<_>>(), style)
+        let positions = line.iter().map(|p| view.project(p));
+        PathElement::new(positions.collect::<Vec<_>>(), style)
     });
     chart.draw_series(lines)?;
     let thin = color.stroke_width((stroke * FINE / 4).max(1) as u32);
     let links = shapes.links.iter().map(|link| {
-        let places = link.iter().map(|p| view.project(p));
-        PathElement::new(places.collect::<Vec<_>>(), thin)
+        let positions = link.iter().map(|p| view.project(p));
+        PathElement::new(positions.collect::<Vec<_>>(), thin)
     });
     chart.draw_series(links)?;
     Ok(())

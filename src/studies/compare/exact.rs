@@ -89,7 +89,7 @@ const FIELDS: [&str; 6] = [
 /// the times of the comparison; others may be there.
 ///
 /// # Errors
-/// [`CompareError::Exact`] with the place in the file.
+/// [`CompareError::Exact`] with the position in the file.
 pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, CompareError> {
     let refuse = |problem: String| CompareError::Exact {
         path: path.to_owned(),
@@ -197,7 +197,7 @@ fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
             }
             Column::Node(node, field, k) => {
                 let Pose {
-                    place,
+                    position,
                     velocity,
                     omega,
                     acceleration,
@@ -205,7 +205,7 @@ fn sample(t: f64, row: &[f64], columns: &[Column], nodes: usize) -> Sample {
                     ..
                 } = &mut out.nodes[node];
                 let turn = &mut turns[node];
-                let of = [place, turn, velocity, omega, acceleration, omega_dot];
+                let of = [position, turn, velocity, omega, acceleration, omega_dot];
                 for (known, vector) in of.into_iter().enumerate() {
                     if known == field {
                         vector[k] = *value;

@@ -11,7 +11,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 /// A quantity whose error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Places of nodes, a length.
+    /// Positions of nodes, a length.
     Position,
     /// Rotations of nodes: the angle of the relative rotation, in radians.
     Rotation,
@@ -75,18 +75,18 @@ impl<T: Copy> Values<T> {
         self.0[quantity as usize]
     }
 
-    /// What is the same of places and rotations, of velocities, and of accelerations. The energy is as
-    /// the places: what equations between coordinates leave of velocities is across these
+    /// What is the same of positions and rotations, of velocities, and of accelerations. The energy is as
+    /// the positions: what equations between coordinates leave of velocities is across these
     /// equations, where momenta have no part.
-    pub fn of_levels([place, velocity, acceleration]: [T; 3]) -> Self {
+    pub fn of_levels([position, velocity, acceleration]: [T; 3]) -> Self {
         Self([
-            place,
-            place,
+            position,
+            position,
             velocity,
             velocity,
             acceleration,
             acceleration,
-            place,
+            position,
         ])
     }
 }
@@ -104,8 +104,8 @@ impl<T: Copy + Serialize> Serialize for Values<T> {
 /// A node in motion, global components; nothing here knows of charts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Place.
-    pub place: Vector3<f64>,
+    /// Position.
+    pub position: Vector3<f64>,
     /// Rotation from the reference orientation.
     pub R: Matrix3<f64>,
     /// Velocity.
@@ -121,7 +121,7 @@ pub struct Pose {
 impl From<NodeState> for Pose {
     fn from(node: NodeState) -> Self {
         Self {
-            place: node.place,
+            position: node.position,
             R: node.R,
             velocity: node.velocity,
             omega: node.omega,
@@ -156,7 +156,7 @@ impl Sample {
     pub fn unknown(t: f64, nodes: usize) -> Self {
         let vector = Vector3::repeat(f64::NAN);
         let node = Pose {
-            place: vector,
+            position: vector,
             R: Matrix3::repeat(f64::NAN),
             velocity: vector,
             omega: vector,
@@ -205,7 +205,7 @@ fn angle(a: &Pose, b: &Pose) -> f64 {
 
 fn node_distances(a: &Pose, b: &Pose) -> [f64; QUANTITIES - 1] {
     [
-        (a.place - b.place).norm(),
+        (a.position - b.position).norm(),
         angle(a, b),
         (a.velocity - b.velocity).norm(),
         (a.omega - b.omega).norm(),
@@ -240,7 +240,7 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
     let mut largest = [0.0_f64; QUANTITIES];
     for sample in samples {
         for n in &sample.nodes {
-            let vectors = [n.place, n.velocity, n.omega, n.acceleration, n.omega_dot];
+            let vectors = [n.position, n.velocity, n.omega, n.acceleration, n.omega_dot];
             for (k, size) in [0, 2, 3, 4, 5].into_iter().zip(vectors.map(|x| x.norm())) {
                 largest[k] = largest[k].max(size);
             }
@@ -261,7 +261,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
     let node = |(a, b): (&Pose, &Pose)| {
         let relative = so3::log_rotation(&(a.R.transpose() * b.R), &Vector3::zeros());
         Pose {
-            place: towards(0, &a.place, &b.place),
+            position: towards(0, &a.position, &b.position),
             R: b.R * so3::rotation(&(relative / parts[1])),
             velocity: towards(2, &a.velocity, &b.velocity),
             omega: towards(3, &a.omega, &b.omega),
@@ -286,7 +286,7 @@ pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIE
     let node = |(a, b): (&Pose, &Pose)| {
         let from = |k: usize| if pick[k] { a } else { b };
         Pose {
-            place: from(0).place,
+            position: from(0).position,
             R: from(1).R,
             velocity: from(2).velocity,
             omega: from(3).omega,

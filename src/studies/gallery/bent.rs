@@ -30,7 +30,7 @@ fn stiffer(file: &ModelFile) -> ModelFile {
     file
 }
 
-/// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the places below by
+/// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the positions below by
 /// 4e-6 and how far the middle is off by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which is
 /// left here. The tolerances are twice the sum of both; the independent values are within 4e-6.
 fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
@@ -47,7 +47,7 @@ const INDEPENDENT: &str =
 
 /// How far the watched middle is to the left of the way from one watched end to the other.
 fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
-    let [a, m, b] = [from, middle, to].map(|node| run.at(node, t).place);
+    let [a, m, b] = [from, middle, to].map(|node| run.at(node, t).position);
     let way = b - a;
     way.cross(&(m - a)).dot(&Vector3::z()) / way.norm()
 }
@@ -69,7 +69,7 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
     let to = Run::step(1e-3).to(2.0);
     let rigid = context.motion(&alike, &["coupler tip"], to)?;
     let stiff = context.motion(&stiffer(&file), &["coupler tip"], to)?;
-    let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).place);
+    let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).position);
     let source = "independent: the rigid linkage, whose loop closes implicitly";
     for (k, name) in ["e1", "e2"].into_iter().enumerate() {
         let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
@@ -82,7 +82,7 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
         (1.25, [-0.224_015, 0.665_558, 0.024_064]),
         (2.0, [1.574_806, 1.941_485, -0.003_976]),
     ] {
-        let tip = bent.at(2, t).place;
+        let tip = bent.at(2, t).position;
         let what = format!("tip at t = {t}, bent coupler, along");
         context.compare(format!("{what} e1"), tip.x, x, PLACE, INDEPENDENT);
         context.compare(format!("{what} e2"), tip.y, y, PLACE, INDEPENDENT);
@@ -109,7 +109,7 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
     let what = "slider at t = 1, rod 1000 times stiffer";
     let y = 6.0_f64.sin() * CRANK;
     let way = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
-    context.compare(what, last(&stiff, 0).place.x, way, PLACE, source);
+    context.compare(what, last(&stiff, 0).position.x, way, PLACE, source);
     let watched = ["crank pin", "rod/8", "slider", "rod end"];
     let bent = fine(context, &file, &watched)?;
     // At t = 0.5 half the step changes it by 1e-5 only, twice as many elements by 7e-7.
@@ -119,7 +119,7 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
         (2.0, [1.217_908, -0.005_812], BENDING),
     ] {
         let what = format!("slider at t = {t}, bent rod");
-        let found = bent.at(2, t).place.x;
+        let found = bent.at(2, t).position.x;
         context.compare(what, found, way, PLACE, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
@@ -134,7 +134,7 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
     let what = "largest relative energy defect";
     context.compare(what, off / most, 0.0, 1e-3, source);
-    let way = |node: usize, run: &History| run.curve(node, |s| s.place.x);
+    let way = |node: usize, run: &History| run.curve(node, |s| s.position.x);
     context.figure(
         "Slider-crank mechanism",
         ["time t", "slider"],

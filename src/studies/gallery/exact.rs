@@ -9,10 +9,10 @@ use std::f64::consts::FRAC_PI_2;
 /// The exact motion of a model of the gallery, with its frame nodes as they are named, where one is known:
 /// `pendulum` and `free_body`.
 pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
-    let place = |name: &str| nodes.iter().position(|node| node == name);
+    let position = |name: &str| nodes.iter().position(|node| node == name);
     match model {
         "pendulum" => {
-            let [ground, pivot, rod] = [place("ground"), place("pivot"), place("rod")];
+            let [ground, pivot, rod] = [position("ground"), position("pivot"), position("rod")];
             let (pivot, rod) = (pivot?, rod?);
             Some(Exact::new("Jacobi's elliptic functions", move |sample| {
                 let [hinge, bob] = pendulum(sample.t);
@@ -23,11 +23,11 @@ pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
                 }
                 // It starts at rest at height zero.
                 sample.energy = 0.0;
-                sample.gross_energy = -2.0 * GRAVITY * bob.place.z;
+                sample.gross_energy = -2.0 * GRAVITY * bob.position.z;
             }))
         }
         "free_body" => {
-            let node = place("O")?;
+            let node = position("O")?;
             Some(Exact::new("Jacobi's elliptic functions", move |sample| {
                 sample.nodes[node] = free_body(sample.t);
                 sample.energy = 0.5 * INERTIA.dot(&SPIN.component_mul(&SPIN));
@@ -41,7 +41,7 @@ pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
 
 fn at_rest() -> Pose {
     Pose {
-        place: Vector3::zeros(),
+        position: Vector3::zeros(),
         R: Matrix3::identity(),
         velocity: Vector3::zeros(),
         omega: Vector3::zeros(),
@@ -53,7 +53,7 @@ fn at_rest() -> Pose {
 const GRAVITY: f64 = 9.81;
 
 /// The hinge and the bob of the pendulum of length 1, from rest at the horizontal: with θ from the lowest
-/// place sin(θ/2) = k sn(K − ωt), k = sin 45°.
+/// position sin(θ/2) = k sn(K − ωt), k = sin 45°.
 fn pendulum(t: f64) -> [Pose; 2] {
     let (m, omega) = (0.5_f64, GRAVITY.sqrt());
     let [sn, cn, _] = jacobi(first_kind(FRAC_PI_2, m) - omega * t, m);
@@ -61,18 +61,18 @@ fn pendulum(t: f64) -> [Pose; 2] {
     let rate = -2.0 * m.sqrt() * omega * cn;
     let spin = |rate: f64| Vector3::new(0.0, rate, 0.0);
     let (omega, omega_dot) = (spin(rate), spin(-GRAVITY * theta.sin()));
-    let place = Vector3::new(-theta.sin(), 0.0, -theta.cos());
+    let position = Vector3::new(-theta.sin(), 0.0, -theta.cos());
     let hinge = Pose {
         R: *Rotation3::new(spin(theta - FRAC_PI_2)).matrix(),
         omega,
         omega_dot,
         ..at_rest()
     };
-    let velocity = omega.cross(&place);
+    let velocity = omega.cross(&position);
     let bob = Pose {
-        place,
+        position,
         velocity,
-        acceleration: omega_dot.cross(&place) + omega.cross(&velocity),
+        acceleration: omega_dot.cross(&position) + omega.cross(&velocity),
         ..hinge
     };
     [hinge, bob]
@@ -162,7 +162,7 @@ fn free_body(t: f64) -> Pose {
     }
 }
 
-/// Gauss's rule of five points on [−1, 1]: places and weights.
+/// Gauss's rule of five points on [−1, 1]: positions and weights.
 const GAUSS: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use nalgebra::{Quaternion, UnitQuaternion};
 
-    /// By central differences of the places and rotations.
+    /// By central differences of the positions and rotations.
     fn rates_follow(motion: impl Fn(f64) -> Pose, t: f64) {
         let h = 1e-4;
         let [before, now, after] = [t - h, t, t + h].map(motion);
@@ -220,7 +220,7 @@ mod tests {
         for (found, known) in [
             (turned(&before, &after), now.omega),
             (slope(before.omega, after.omega), now.omega_dot),
-            (slope(before.place, after.place), now.velocity),
+            (slope(before.position, after.position), now.velocity),
             (slope(before.velocity, after.velocity), now.acceleration),
         ] {
             assert!((found - known).norm() < 1e-5, "{t}: {found} {known}");
@@ -233,17 +233,17 @@ mod tests {
         let period = 4.0 * 1.854_074_677_301_37 / GRAVITY.sqrt();
         for t in [0.0, 0.31, 0.97] {
             let [[_, a], [_, b]] = [t, t + 3.0 * period].map(pendulum);
-            assert!((a.place - b.place).norm() < 1e-12);
+            assert!((a.position - b.position).norm() < 1e-12);
             rates_follow(|t| pendulum(t)[0], t);
             rates_follow(|t| pendulum(t)[1], t);
             // At rest in the start.
-            let energy = 0.5 * a.velocity.norm_squared() + GRAVITY * a.place.z;
+            let energy = 0.5 * a.velocity.norm_squared() + GRAVITY * a.position.z;
             assert!(energy.abs() < 1e-13);
         }
         let [_, lowest] = pendulum(0.25 * period);
-        assert!((lowest.place + Vector3::z()).norm() < 1e-13);
+        assert!((lowest.position + Vector3::z()).norm() < 1e-13);
         let [hinge, bob] = pendulum(0.7);
-        assert!((hinge.R * Vector3::new(-1.0, 0.0, 0.0) - bob.place).norm() < 1e-14);
+        assert!((hinge.R * Vector3::new(-1.0, 0.0, 0.0) - bob.position).norm() < 1e-14);
     }
 
     #[test]

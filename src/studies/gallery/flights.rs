@@ -28,7 +28,7 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
         let states = run.t.iter().zip(&run.nodes[0]);
         let seen = states.map(|(&t, s)| {
             let (sin, cos) = drive.at(t)[0].sin_cos();
-            let [x, y] = [s.place.x, s.place.y];
+            let [x, y] = [s.position.x, s.position.y];
             [t, cos * x + sin * y - 10.0, cos * y - sin * x]
         });
         Ok(seen.collect())
@@ -74,7 +74,7 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
         (3.5, [7.3845, 7.0672, 7.8278, 5.0421]),
         (5.0, [9.784, 8.2026, 8.0748, 1.7581]),
     ] {
-        let [a, b] = [0, 1].map(|k| run.at(k, t).place);
+        let [a, b] = [0, 1].map(|k| run.at(k, t).position);
         let computed = [a.x, a.z, b.x, b.z];
         let names = [
             "loaded end e1",
@@ -102,7 +102,7 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
     let path = |k: usize| {
         run.nodes[k]
             .iter()
-            .map(|s| (s.place.x, s.place.z))
+            .map(|s| (s.position.x, s.position.z))
             .collect()
     };
     context.figure(

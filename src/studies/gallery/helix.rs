@@ -32,7 +32,7 @@ const BEND: f64 = 1e2;
 const FORCE: f64 = 50.0;
 const MOMENT: f64 = 200.0 * std::f64::consts::PI;
 
-/// Place and directors along the exact curve.
+/// Position and directors along the exact curve.
 type Frame = (Vector3<f64>, Matrix3<f64>);
 
 /// End of the curve whose tip is assumed at `tip`, by Runge and Kutta's method.

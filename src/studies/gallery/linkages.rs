@@ -101,7 +101,7 @@ fn four_bar_system(crank: Taylor<f64>) -> [Taylor<f64>; 2] {
 /// Largest distance of two watched nodes.
 pub(super) fn gap(run: &History, [a, b]: [usize; 2]) -> f64 {
     let both = run.nodes[a].iter().zip(&run.nodes[b]);
-    both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()))
+    both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()))
 }
 
 /// Largest change of the total energy over the largest kinetic energy.
@@ -150,7 +150,7 @@ fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     };
     let [_, rocker] = closed_form(angle);
     let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
-    let found = at_end(&runs, 0, |s| s.place);
+    let found = at_end(&runs, 0, |s| s.position);
     context.compare("coupler tip at t = 4 along e1", found[0], x.v, 1e-5, SOURCE);
     context.compare("coupler tip at t = 4 along e2", found[1], y.v, 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity);
@@ -163,8 +163,8 @@ fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     let what = "largest relative change of energy";
     context.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
     let path = |node: usize| -> Vec<(f64, f64)> {
-        let places = runs[1].nodes[node].iter();
-        places.map(|s| (s.place.x, s.place.y)).collect()
+        let positions = runs[1].nodes[node].iter();
+        positions.map(|s| (s.position.x, s.position.y)).collect()
     };
     context.figure(
         "Four-bar linkage: path of the coupler's tip",
@@ -209,7 +209,7 @@ fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../../examples/models/slider_crank.toml"))?;
     let runs = halved(context, &file, &["slider", "rod end"], 1e-3)?;
     let [way, rate] = slider_exact(1.5, 2.0);
-    let found = at_end(&runs, 0, |s| s.place)[0];
+    let found = at_end(&runs, 0, |s| s.position)[0];
     context.compare("slider at t = 2", found, way, 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity)[0];
     context.compare("its velocity", found, rate, 1e-4, SOURCE);
@@ -238,7 +238,7 @@ fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
     };
     let [angle, rate] = integrate(&system, [1.2, 0.0], 4.0);
     let (s, c) = angle.sin_cos();
-    let found = at_end(&runs, 0, |s| s.place);
+    let found = at_end(&runs, 0, |s| s.position);
     let source = "exact: a pendulum, Runge-Kutta";
     context.compare(
         "last coupler at t = 4 along e1",

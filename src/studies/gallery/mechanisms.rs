@@ -89,7 +89,7 @@ pub(super) fn joints<const N: usize>(
             }
         }
         for pair in ends.chunks_exact(2) {
-            let [a, b] = [pair[0], pair[1]].map(|n| model.node_state(n).place);
+            let [a, b] = [pair[0], pair[1]].map(|n| model.node_state(n).position);
             gap = gap.max((a - b).norm());
         }
         seen(end[0]);
@@ -266,7 +266,7 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
     for elements in [4, 8, 16] {
         ends.push(turns(elements, 1, &[1.0, 2.0])?[1]);
     }
-    // Bar 1 turns by 0.012 each, so that no other equilibrium is met beyond the flat places.
+    // Bar 1 turns by 0.012 each, so that no other equilibrium is met beyond the flat positions.
     let loads: Vec<f64> = (1..=600).map(|k| 0.02 * f64::from(k)).collect();
     let path = turns(4, 2, &loads)?;
     let found = observed_order(&[ends[0], ends[1], ends[2]]);
@@ -317,11 +317,11 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
     let what = "largest deflection at C across the plane";
     context.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
     // Where the bars lie in one line the bent ones let it turn back as an antiparallelogram.
-    let what = "angle of bar 3 at t = 12, which turns back at the flat places";
+    let what = "angle of bar 3 at t = 12, which turns back at the flat positions";
     context.compare(what, turn(&run, 3).z, -0.918_418_949_6, 1e-7, source);
     let source = "exact: the loop is closed at all times";
     let both = run.nodes[0].iter().zip(&run.nodes[1]);
-    let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.place - b.place).norm()));
+    let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()));
     context.compare("largest gap at C", gap, 0.0, 1e-14, source);
     Ok(())
 }

@@ -92,7 +92,7 @@ fn princeton(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Place and rotation at the end of a rod of constant curvature κ (material components).
+/// Position and rotation at the end of a rod of constant curvature κ (material components).
 fn exact_helix(kappa: &Vector3<f64>, length: f64) -> (Vector3<f64>, Matrix3<f64>) {
     let psi = kappa * length;
     // ∫ R(κ s) ds = L T(κL)ᵀ: T is the mean of the rotations exp(−s Ψ~) over s in [0, 1].
@@ -138,9 +138,9 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
     };
     let mut rows = Vec::new();
     for slenderness in [1e1, 1e2, 1e3, 1e4] {
-        // At full load the coils are whole and errors of the place cancel: it is compared at 0.9.
+        // At full load the coils are whole and errors of the position cancel: it is compared at 0.9.
         for (load, order, tolerance) in [(0.9, 2, 1e-7), (1.0, 1, 1e-9)] {
-            let (place, R) = exact_helix(&(kappa * load), length);
+            let (position, R) = exact_helix(&(kappa * load), length);
             let state = solve(100, order, slenderness, load)?;
             let at = format!("at load {load}, slenderness {slenderness:e}");
             rows.push((
@@ -148,9 +148,9 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
                 (state.R - R).norm(),
                 1e-9,
             ));
-            let error = (Vector3::x() * length + state.d - place).norm() / length;
+            let error = (Vector3::x() * length + state.d - position).norm() / length;
             rows.push((
-                format!("place of the tip over length {at}"),
+                format!("position of the tip over length {at}"),
                 error,
                 tolerance,
             ));

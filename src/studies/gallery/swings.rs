@@ -40,12 +40,12 @@ fn gentle(file: &ModelFile) -> ModelFile {
     file
 }
 
-/// Order in the step of the place of a node at t = 0.5.
+/// Order in the step of the position of a node at t = 0.5.
 fn order(context: &mut Context, file: &ModelFile, node: &str) -> Result<(), CaseError> {
     let file = gentle(file);
     let run = |h: f64| context.motion(&file, &[node], Run::step(h).to(0.5));
     let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
-    let ends = [&a, &b, &c].map(|h| h.at(0, 0.5).place);
+    let ends = [&a, &b, &c].map(|h| h.at(0, 0.5).position);
     let source = "theory: the trapezoidal rule";
     let what = "order in the step, gravity put on smoothly";
     context.compare(what, observed_order(&ends), 2.0, 0.1, source);
@@ -74,17 +74,17 @@ fn pendulum(context: &mut Context) -> Result<(), CaseError> {
         (5.0, [-0.942305435043757, -0.334754338414001]),
         (10.0, [-0.275087462576117, -0.961419205099125]),
     ] {
-        let place = |h: &History| {
-            let place = h.at(0, t).place;
-            [place.x, place.z]
+        let position = |h: &History| {
+            let position = h.at(0, t).position;
+            [position.x, position.z]
         };
-        let computed = richardson(place(&b), place(&c));
+        let computed = richardson(position(&b), position(&c));
         for (k, name) in ["e1", "e3"].into_iter().enumerate() {
-            let what = format!("extrapolated place at t = {t} along {name}");
+            let what = format!("extrapolated position at t = {t} along {name}");
             context.compare(what, computed[k], exact[k], 1e-6, source);
         }
     }
-    let ends = [&a, &b, &c].map(|h| h.at(0, 10.0).place);
+    let ends = [&a, &b, &c].map(|h| h.at(0, 10.0).position);
     let source = "theory: the trapezoidal rule";
     context.compare(
         "order in the step",
@@ -111,7 +111,7 @@ fn elliptic_K(k: f64) -> f64 {
 fn turned(run: &History) -> Vec<f64> {
     let mut turned = 0.0;
     let angles = run.nodes[0].iter().map(|s| {
-        let angle = s.place.x.atan2(-s.place.z);
+        let angle = s.position.x.atan2(-s.position.z);
         turned += (angle - turned + PI).rem_euclid(TAU) - PI;
         turned
     });
@@ -167,8 +167,8 @@ fn double(context: &mut Context) -> Result<(), CaseError> {
     let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
     context.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
     let path = |node: usize| -> Vec<(f64, f64)> {
-        let places = c.nodes[node].iter().map(|s| (s.place.x, s.place.z));
-        places.collect()
+        let positions = c.nodes[node].iter().map(|s| (s.position.x, s.position.z));
+        positions.collect()
     };
     context.figure(
         "Flexible double pendulum",
@@ -184,16 +184,16 @@ fn rubber(context: &mut Context) -> Result<(), CaseError> {
     context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
     order(context, &file, "end")?;
     let mut coarse = file.clone();
-    let mut places: Vec<Vector3<f64>> = Vec::new();
+    let mut positions: Vec<Vector3<f64>> = Vec::new();
     for elements in [4, 8, 16] {
         coarse.lines[0].elements = elements;
         let run = context.motion(&coarse, &["end"], Run::step(1e-3).to(0.5))?;
-        places.push(run.at(0, 0.5).place);
+        positions.push(run.at(0, 0.5).position);
     }
-    let mesh = (places[1] - places[2]).norm();
+    let mesh = (positions[1] - positions[2]).norm();
     let what = "8 and 16 quadratic elements apart at t = 0.5";
     context.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
-    let path = c.nodes[0].iter().map(|s| (s.place.x, s.place.z));
+    let path = c.nodes[0].iter().map(|s| (s.position.x, s.position.z));
     context.figure(
         "Swinging rubber rod",
         ["along e1", "along e3"],

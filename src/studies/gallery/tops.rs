@@ -38,7 +38,7 @@ fn nutation(state: &NodeState) -> f64 {
 struct Gyroscope {
     /// Principal moments about the fixed point.
     J: Vector3<f64>,
-    /// Weight times the place of the centre of mass in axes of the body.
+    /// Weight times the position of the centre of mass in axes of the body.
     arm: Vector3<f64>,
 }
 
@@ -189,9 +189,9 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         let source = "exact: order-8 Runge-Kutta in extended precision, R01";
         for (t, x) in exact {
             let [coarse, fine] = [&b, &c].map(|h| axis(h, t).into());
-            let what = format!("{name}, extrapolated place at t = {t}");
-            let place: [f64; 3] = richardson(coarse, fine);
-            context.compare_vector(&what, place, x, 1e-5, source);
+            let what = format!("{name}, extrapolated position at t = {t}");
+            let position: [f64; 3] = richardson(coarse, fine);
+            context.compare_vector(&what, position, x, 1e-5, source);
         }
         // The attitude turns 24 times: changes of chart at other moments of each step leave more of
         // its error than can be extrapolated.

@@ -104,8 +104,8 @@ fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f
         rates[kind(i)] = rates[kind(i)].max(v.abs());
     }
     let n = state.q.len();
-    let places = (0..n).map(|i| scales[kind(i)]);
-    places.chain((0..n).map(|i| rates[kind(i)])).collect()
+    let positions = (0..n).map(|i| scales[kind(i)]);
+    positions.chain((0..n).map(|i| rates[kind(i)])).collect()
 }
 
 /// Until when without a kink, and what is looked at.

@@ -158,17 +158,20 @@ const MARKS: usize = 10;
 /// Points of a curve at equal distances along an axis; a `shift` by a part of them keeps the marks of
 /// several curves from lying above each other.
 fn marks(points: &[(f64, f64)], division: Division, shift: f64) -> Vec<(f64, f64)> {
-    let place = |p: &(f64, f64)| match division {
+    let position = |p: &(f64, f64)| match division {
         Division::Linear => p.0,
         Division::Logarithmic => p.0.ln(),
     };
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return Vec::new();
     };
-    let (from, step) = (place(first), (place(last) - place(first)) / MARKS as f64);
+    let (from, step) = (
+        position(first),
+        (position(last) - position(first)) / MARKS as f64,
+    );
     let aims = (0..MARKS).map(|k| from + (k as f64 + shift) * step);
     aims.filter_map(|aim| {
-        let gap = |p: &&(f64, f64)| (place(p) - aim).abs();
+        let gap = |p: &&(f64, f64)| (position(p) - aim).abs();
         points
             .iter()
             .min_by(|a, b| gap(a).total_cmp(&gap(b)))

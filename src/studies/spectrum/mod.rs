@@ -41,7 +41,7 @@ const RANGE: [f64; 2] = [1e-12, 1e12];
 /// Why there are no spectra.
 #[derive(Debug, thiserror::Error)]
 pub enum SpectrumError {
-    /// A scheme or a place is refused.
+    /// A scheme or a position is refused.
     #[error("{0}")]
     Scheme(#[from] DynamicsError),
     /// Ω from where to where makes no range.
@@ -294,8 +294,8 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
         Some(x) => format!("{x:.6}"),
     };
     for (scheme, spectrum) in spectra {
-        let places = [TAU / 10.0, 1.0, 10.0, 100.0];
-        for p in run(scheme, &places)?.points {
+        let positions = [TAU / 10.0, 1.0, 10.0, 100.0];
+        for p in run(scheme, &positions)?.points {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 out,

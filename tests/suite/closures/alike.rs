@@ -47,10 +47,10 @@ fn boom(closure: &str) -> String {
 fn values_that_cannot_all_be_are_kept_as_by_the_map() {
     let (by_map, _) = start(&too_far(CLOSURES[0]));
     for closure in &CLOSURES[1..] {
-        let (places, notes) = start(&too_far(closure));
-        assert_eq!(places["A angle"][0], -0.71);
+        let (positions, notes) = start(&too_far(closure));
+        assert_eq!(positions["A angle"][0], -0.71);
         for name in ["A angle", "B angle", "E angle", "D angle"] {
-            let apart = (places[name][0] - by_map[name][0]).abs();
+            let apart = (positions[name][0] - by_map[name][0]).abs();
             assert!(apart < 1e-9, "{closure}: {name} {apart:e}");
         }
         assert!(
@@ -63,8 +63,8 @@ fn values_that_cannot_all_be_are_kept_as_by_the_map() {
 #[test]
 fn a_value_is_kept_far_from_where_the_loop_is_drawn() {
     for closure in CLOSURES {
-        let (places, notes) = start(&boom(closure));
-        let off = (places["B angle"][0] - 0.3).abs();
+        let (positions, notes) = start(&boom(closure));
+        let off = (positions["B angle"][0] - 0.3).abs();
         assert!(off < 1e-14, "{closure}: {off:e}");
         assert!(!notes.iter().any(|n| n.contains("starts at")), "{notes:?}");
     }
@@ -82,9 +82,9 @@ fn a_value_below_a_loop_leaves_the_loop_where_the_map_has_it() {
     let (by_map, _) = start(&turned(CLOSURES[0]));
     assert_eq!(by_map["A angle"][0], 0.144);
     for closure in &CLOSURES[1..] {
-        let (places, _) = start(&turned(closure));
+        let (positions, _) = start(&turned(closure));
         for name in ["A angle", "K angle", "S rotation", "c rotation"] {
-            for (a, b) in places[name].iter().zip(by_map[name]) {
+            for (a, b) in positions[name].iter().zip(by_map[name]) {
                 assert!((a - b).abs() < 1e-9, "{closure}: {name} {a} for {b}");
             }
         }

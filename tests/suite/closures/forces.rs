@@ -80,7 +80,7 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
             a[1] + b[1],
             d[1],
         ];
-        gap = gap.max((model.node_state(tip).place - model.node_state(other).place).norm());
+        gap = gap.max((model.node_state(tip).position - model.node_state(other).position).norm());
         let s = &step.progress.state;
         let at = Point {
             t: s.t,
@@ -399,13 +399,13 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     // drawn where its equations have no full rank.
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
-    let places = [
+    let positions = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
         [2.5, 0.0, 0.0],
         [1.5, 0.0, 0.0],
     ];
-    let [O, P, Q, D] = places;
+    let [O, P, Q, D] = positions;
     let A = link(&mut b, "A", ground, [O, P], (1.0, at_once));
     let B = link(&mut b, "B", A.frame, [P, Q], (1.0, at_once));
     let rocker = link(&mut b, "D", ground, [D, Q], (1.0, at_once));

@@ -48,7 +48,7 @@ const RUNS: &[Run] = &[
     ),
 ];
 
-/// Places of the nodes at the end, and the number of unknowns.
+/// Positions of the nodes at the end, and the number of unknowns.
 fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
     let (name, [to, _], _, nodes) = run;
     let (_, text) = MODELS.iter().find(|m| m.0 == *name).unwrap();
@@ -61,13 +61,13 @@ fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
     let nodes: Vec<_> = nodes.iter().map(|n| job.model.find(n).unwrap()).collect();
     let options = tight(Scheme::chung_hulbert(0.8).unwrap(), *to, step);
     let start = [&job.start.q[..], &job.start.v[..]];
-    let (mut places, mut unknowns) = (Vec::new(), 0);
+    let (mut positions, mut unknowns) = (Vec::new(), 0);
     observed(&mut job.model, start, &options, &mut |model, step| {
-        let place = |n: &_| <[f64; 3]>::from(model.node_state(*n).place);
-        places = nodes.iter().flat_map(place).collect();
+        let position = |n: &_| <[f64; 3]>::from(model.node_state(*n).position);
+        positions = nodes.iter().flat_map(position).collect();
         unknowns = step.progress.state.q.len();
     });
-    (places, unknowns)
+    (positions, unknowns)
 }
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {

@@ -40,7 +40,7 @@ fn flexible(words: &str, step: f64) -> Vec<f64> {
         model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let state = model.node_state(tip);
         let force = model.joint_force(pin).unwrap()[0];
-        out = [state.place, state.velocity, force]
+        out = [state.position, state.velocity, force]
             .iter()
             .flat_map(|x| x.iter().copied())
             .collect();
@@ -55,7 +55,7 @@ fn a_flexible_loop_all_three_ways() {
             .map(|k| gap(&a[3 * k..3 * k + 3], &b[3 * k..3 * k + 3]))
             .collect()
     };
-    let names = ["place", "velocity", "force"];
+    let names = ["position", "velocity", "force"];
     // Different coordinates are integrated: the methods differ by a small part of the steps' error.
     let by = |words: &str, h: f64| flexible(words, h);
     let [map, other] = ["", "closure = \"multipliers\""].map(|words| by(words, 2e-3));
@@ -103,10 +103,10 @@ fn multipliers_go_through_changes_of_chart() {
         let scheme = Scheme::chung_hulbert(0.9).unwrap();
         let options = tight(scheme, 1.5, 1.5 / f64::from(n));
         let ends = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
-        let (mut place, mut residual) = (Vector3::zeros(), 0.0_f64);
+        let (mut position, mut residual) = (Vector3::zeros(), 0.0_f64);
         let run = observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            let [p, q] = ends.map(|n| model.node_state(n).place);
-            place = p;
+            let [p, q] = ends.map(|n| model.node_state(n).position);
+            position = p;
             residual = residual.max((p - q).norm());
         });
         assert!(residual < 1e-11, "{residual:e}");
@@ -115,7 +115,7 @@ fn multipliers_go_through_changes_of_chart() {
             "{}",
             run.summary.chart_changes
         );
-        place
+        position
     };
     let map = |n: u32| {
         let mut b = ModelBuilder::new();
@@ -127,11 +127,11 @@ fn multipliers_go_through_changes_of_chart() {
         model.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
         let options = tight(Scheme::default(), 1.5, 1.5 / f64::from(n));
         let end = model.find("coupler end").unwrap();
-        let mut place = Vector3::zeros();
+        let mut position = Vector3::zeros();
         observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            place = model.node_state(end).place;
+            position = model.node_state(end).position;
         });
-        place
+        position
     };
     // The limit of the map, extrapolated from two steps.
     let [coarse, fine] = [1000, 2000].map(map);
@@ -141,7 +141,7 @@ fn multipliers_go_through_changes_of_chart() {
         .map(|&n| vec![(go(n) - limit).norm()])
         .collect();
     println!("balls by multipliers: {all:?}");
-    assert_slopes("balls", &["place"], &all, 2.0, 0.25);
+    assert_slopes("balls", &["position"], &all, 2.0, 0.25);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let mut b = ModelBuilder::new();
         let angles = linkage_by(&mut b, CRANK_START, at_once, by);
         let tip = b.find("tip of the coupler").unwrap();
-        let from: [f64; 3] = b.place(tip).into();
+        let from: [f64; 3] = b.position(tip).into();
         let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
         let pendulum = link(&mut b, "pendulum", tip, [from, to], (0.4, at_once)).angle;
         let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];

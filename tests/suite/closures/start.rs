@@ -230,8 +230,8 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
         for b in ["velocity = [5, 1, 0]", still] {
             let text = linked(closure, "velocity = [0, 1, 0]", b);
             check(&text, "[[initial]]", "loop closed by joint weld", "rate");
-            let place = refusal(&text).span.unwrap().start;
-            assert_eq!(Some(place), text.rfind("[[initial]]"));
+            let position = refusal(&text).span.unwrap().start;
+            assert_eq!(Some(position), text.rfind("[[initial]]"));
         }
     }
 }
@@ -321,7 +321,7 @@ fn a_loop_ends_at_supports_that_carry_nothing_else() {
             assert!((number(row, "D") + d).abs() < 1e-9, "{closure}: {row:?}");
         }
     }
-    // A rocker without mass hangs on a node that nothing else is fixed to.
+    // A rocker without mass is attached to a node that nothing else is fixed to.
     let text = four_bar(["prescribed = { proportional = 1.2 }", "", ""], CLOSURES[0])
         .replace(&body("D"), "")
         .replace(&arm("foot", "ground", [1.6, 0.0, 0.0]), "");
@@ -346,7 +346,7 @@ fn a_rate_in_a_loop_that_is_locked_is_told_so() {
             &text,
             "2.0",
             "the initial rate of A is not possible: its loop leaves it no freedom",
-            "axes and places",
+            "axes and positions",
         );
     }
 }

@@ -31,7 +31,7 @@ fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
     compare(&make, "four_bar.toml", &options, &Watch::NOBODY).unwrap()
 }
 
-/// Root mean square of the distance of accelerations of places.
+/// Root mean square of the distance of accelerations of positions.
 fn apart(a: &[Sample], b: &[Sample]) -> f64 {
     let nodes = |s: &[Sample]| s.iter().flat_map(|s| s.nodes.clone()).collect::<Vec<_>>();
     let (a, b) = (nodes(a), nodes(b));

@@ -73,7 +73,7 @@ fn what_is_no_scheme_is_refused_at_its_place() {
 
 #[test]
 fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
-    // published.json, R04 (IFToMM A01): cos and sin of the angle from the lowest place at t = 1.
+    // published.json, R04 (IFToMM A01): cos and sin of the angle from the lowest position at t = 1.
     let (x, y) = (0.986_291_751_131_875_f64, -0.165_010_853_125_541_f64);
     for family in SCHEMES {
         // Some take no numbers, some one: a spectral radius.
@@ -93,8 +93,8 @@ fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
         .unwrap();
         // The model's angle is that from (−1, 0), and grows downwards.
         let angle = progress.state.q[0].abs();
-        let place = [-angle.cos(), -angle.sin()];
-        let gap = (place[0] - x).abs().max((place[1] - y).abs());
-        assert!(gap < 2e-4, "{word}: {place:?} {gap:e}");
+        let position = [-angle.cos(), -angle.sin()];
+        let gap = (position[0] - x).abs().max((position[1] - y).abs());
+        assert!(gap < 2e-4, "{word}: {position:?} {gap:e}");
     }
 }

@@ -27,8 +27,8 @@ fn section() -> Section {
 
 fn line(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], section: Section) -> Vec<NodeId> {
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -107,8 +107,13 @@ fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
             .unwrap();
     }
     for (k, nodes) in second.windows(2).enumerate() {
-        let places = [b.place(nodes[0]), b.place(nodes[1])];
-        let load = LineLoad::new(&places, [0.0, 0.0, -9.81], false, Box::new(Constant(1.0)));
+        let positions = [b.position(nodes[0]), b.position(nodes[1])];
+        let load = LineLoad::new(
+            &positions,
+            [0.0, 0.0, -9.81],
+            false,
+            Box::new(Constant(1.0)),
+        );
         b.element(format!("weight {k}"), load.unwrap(), nodes)
             .unwrap();
     }

@@ -134,8 +134,8 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };

@@ -27,8 +27,8 @@ fn beam_with(
     interpolation: Interpolation,
 ) -> Vec<NodeId> {
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -40,10 +40,10 @@ fn beam_with(
     let laid = b.line_with("beam", &axis, ends, &line, interpolation);
     let nodes = laid.unwrap().nodes;
     for (k, pair) in nodes.windows(2).enumerate() {
-        let places = [b.place(pair[0]), b.place(pair[1])];
+        let positions = [b.position(pair[0]), b.position(pair[1])];
         let force = [0.0, 0.0, -9.81 * section.inertia.mass];
-        if force[2] != 0.0 && b.place(ends[0]).norm() > 0.0 {
-            let weight = LineLoad::new(&places, force, false, Box::new(Constant(1.0))).unwrap();
+        if force[2] != 0.0 && b.position(ends[0]).norm() > 0.0 {
+            let weight = LineLoad::new(&positions, force, false, Box::new(Constant(1.0))).unwrap();
             b.element(format!("weight {k}"), weight, pair).unwrap();
         }
     }

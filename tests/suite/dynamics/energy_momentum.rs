@@ -8,7 +8,7 @@ use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::energy::Energies;
 use pullback::elements::joint::{offset, revolute, spherical};
-use pullback::elements::load::{LineLoad, NodalLoad, Which};
+use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
     Dof, Formulation, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
 };
@@ -28,8 +28,8 @@ fn em() -> Scheme {
 /// Four geodesic or total elements along e1 between two nodes.
 fn beam(b: &mut ModelBuilder, ends: [NodeId; 2], stiff: f64, interpolation: Interpolation) {
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -69,8 +69,8 @@ fn model(
 }
 
 fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
-    let places = ends.map(|n| b.place(n));
-    let load = LineLoad::new(&places, [0.0, 0.0, -3.0], false, Box::new(Constant(1.0)));
+    let positions = ends.map(|n| b.position(n));
+    let load = LineLoad::new(&positions, [0.0, 0.0, -3.0], false, Box::new(Constant(1.0)));
     b.element("weight", load.unwrap(), &ends).unwrap();
 }
 
@@ -359,7 +359,7 @@ fn constant_loads_change_momentum_by_their_impulse() {
     let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
         weight(b, ends);
         for (end, force) in ends.into_iter().zip([[0.6, 0.1, 0.3], [-0.4, 0.2, -0.1]]) {
-            let load = NodalLoad::new(Which::DeadForce, force, Constant(1.0));
+            let load = NodalLoad::new(LoadKind::DeadForce, force, Constant(1.0));
             b.element("push", load, &[end]).unwrap();
         }
     };
@@ -446,7 +446,7 @@ fn what_a_load_has_left_is_kept() {
     // A force at one end until 0.5 s, then nothing.
     let push = |b: &mut ModelBuilder, ends: [NodeId; 2]| {
         let pulse = Pulse::new(0.0, 0.5, 1.0).unwrap();
-        let load = NodalLoad::new(Which::DeadForce, [3.0, 0.0, 1.0], pulse);
+        let load = NodalLoad::new(LoadKind::DeadForce, [3.0, 0.0, 1.0], pulse);
         b.element("push", load, &[ends[1]]).unwrap();
     };
     let mut beam = model(1.0, Interpolation::Geodesic, Formulation::Total, push);

@@ -60,12 +60,12 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
     let mut b = ModelBuilder::new();
     let first = b.node("first", [0.0; 3]).unwrap();
     heavy_body(&mut b, "first", first, 1.0, [0.1, 0.2, 0.0]);
-    let place = [1.0, 0.3, -0.2];
+    let position = [1.0, 0.3, -0.2];
     let second = if let Some(s) = stiffness {
-        let second = b.node("second", place).unwrap();
+        let second = b.node("second", position).unwrap();
         let axis = Straight {
-            from: b.place(first),
-            to: b.place(second),
+            from: b.position(first),
+            to: b.position(second),
             second: None,
             twist: 0.0,
         };
@@ -77,7 +77,7 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
         b.line("link", &axis, [first, second], &line).unwrap();
         second
     } else {
-        offset(&mut b, "second", first, place).unwrap()
+        offset(&mut b, "second", first, position).unwrap()
     };
     heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
     let mut model = b.build().unwrap();
@@ -96,7 +96,7 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
 fn an_offset_is_the_limit_of_a_stiff_beam() {
     let rigid = linked(None);
     let gaps = [1e2, 1e3, 1e4].map(|s| distances(&linked(Some(s)), &rigid));
-    // Strains are forces over stiffness, s. They vibrate with frequencies like √s: places differ like
+    // Strains are forces over stiffness, s. They vibrate with frequencies like √s: positions differ like
     // 1/s, velocities like 1/√s, accelerations do not tend to those of the rigid link at all.
     for k in 0..2 {
         assert!(gaps[1][k] < gaps[0][k] / 7.0, "{gaps:?}");
@@ -199,8 +199,8 @@ fn a_double_pendulum_of_bars() {
         let found = ending(&mut model, &progress, &[u, w]);
         // The tip is where the angles say.
         let hang = |angle: f64, l: f64| so3::rotation(&(e * angle)) * Vector3::new(0.0, 0.0, -l);
-        let place = hang(found[0], l[0]) + hang(found[0] + found[2], l[1]);
-        assert!((model.node_state(tip).place - place).norm() < 1e-13);
+        let position = hang(found[0], l[0]) + hang(found[0] + found[2], l[1]);
+        assert!((model.node_state(tip).position - position).norm() < 1e-13);
         gaps(&found, &exact)
     });
     let names = ["first angle", "its rate", "second angle", "its rate"];
@@ -213,7 +213,7 @@ fn a_double_pendulum_of_bars() {
 #[test]
 fn a_spherical_pendulum() {
     // A point mass m at u l and a wheel of inertia j in all directions at the joint: without spin
-    // about u it is the spherical pendulum with (m l² + j) in the place of m l².
+    // about u it is the spherical pendulum with (m l² + j) in the position of m l².
     let (m, l, j) = (1.3, 0.8, 0.05);
     let k = m * G * l / (m * l * l + j);
     let ode = move |_: f64, y: &SVector<f64, 6>| {
@@ -251,12 +251,12 @@ fn a_spherical_pendulum() {
         let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
         configure(&mut model, &progress.state);
         let s = model.node_state(end);
-        let (place, rate) = (exact.fixed_rows::<3>(0) * l, exact.fixed_rows::<3>(3) * l);
-        vec![(s.place - place).norm(), (s.velocity - rate).norm()]
+        let (position, rate) = (exact.fixed_rows::<3>(0) * l, exact.fixed_rows::<3>(3) * l);
+        vec![(s.position - position).norm(), (s.velocity - rate).norm()]
     });
     assert_slopes(
         "spherical pendulum",
-        &["place", "velocity"],
+        &["position", "velocity"],
         &errors,
         2.0,
         0.1,
@@ -359,7 +359,7 @@ fn a_prescribed_angle_is_followed_exactly() {
         let (frame, end) = (model.node_state(hinge.frame), model.node_state(end));
         assert!((frame.R - R).amax() < 1e-13);
         assert!((frame.omega - e * rate).norm() < 1e-12);
-        assert!((end.place - x).norm() < 1e-13);
+        assert!((end.position - x).norm() < 1e-13);
         assert!((end.velocity - along * rate).norm() < 1e-12);
         let acceleration = along * second + across * (rate * rate);
         assert!((end.acceleration - acceleration).norm() < 1e-10);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use pullback::elements::body::PointMass;
-use pullback::elements::load::{NodalLoad, Which};
+use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::model::{Dof, Model, ModelBuilder};
 use pullback::elements::time::TimeFunction;
 use pullback::input::{Plan, assemble_text};
@@ -49,12 +49,12 @@ fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Mod
     b.support(node, &Dof::ALL[1..]);
     b.element("mass", PointMass::new(1.0).unwrap(), &[node])
         .unwrap();
-    let force = NodalLoad::boxed(Which::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
+    let force = NodalLoad::boxed(LoadKind::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
     b.element("force", force, &[node]).unwrap();
     b.build().unwrap()
 }
 
-/// Place and velocity after two seconds in steps of a tenth; `turn` is called after the first.
+/// Position and velocity after two seconds in steps of a tenth; `turn` is called after the first.
 fn after(model: &mut Model, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
     let options = DynamicOptions {
         scheme: word.parse().unwrap(),
@@ -209,7 +209,7 @@ step = 0.01
     begin(&mut model, &plan.options, &mut progress).unwrap();
     let row = |model: &Model| {
         let state = model.node_state(node);
-        [state.place.x, state.velocity.x, state.acceleration.x]
+        [state.position.x, state.velocity.x, state.acceleration.x]
     };
     let mut rows = vec![row(&model)];
     integrate(&mut model, &mut progress, &plan.options, &mut |model, _| {

@@ -39,8 +39,8 @@ impl Joint<7> for Screw {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         let axis = Vector3::new(0.6, 0.0, 0.8);
         Pose::of(q, 0)
-            .moved(&(axis.map(S::constant) * (q[6] * 0.3)))
-            .turned(&Quaternion::about(&axis, q[6]))
+            .translated(&(axis.map(S::constant) * (q[6] * 0.3)))
+            .rotated(&Quaternion::about(&axis, q[6]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -55,8 +55,8 @@ impl Joint<8> for PinInSlot {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
         let (along, pin) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
         Pose::of(q, 0)
-            .moved(&(along.map(S::constant) * q[6]))
-            .turned(&Quaternion::about(&pin, q[7]))
+            .translated(&(along.map(S::constant) * q[6]))
+            .rotated(&Quaternion::about(&pin, q[7]))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -75,7 +75,7 @@ struct PointOnCurve;
 impl Joint<7> for PointOnCurve {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
         let s = q[6];
-        Pose::of(q, 0).moved(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
+        Pose::of(q, 0).translated(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
     }
 
     fn released(&self) -> &'static [Released] {
@@ -94,7 +94,7 @@ const DERIVED: [Hang; 3] = [
 ];
 
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
-/// joint, on that a second beam with a heavy end: every frame that a joint has as master is free.
+/// joint, on that a second beam with a heavy end: every frame that a joint has as parent is free.
 fn thrown_beams(hang: Hang) -> Model {
     let mut b = ModelBuilder::new();
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
@@ -120,8 +120,8 @@ fn thrown_beams(hang: Hang) -> Model {
 
 fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };

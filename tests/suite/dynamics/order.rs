@@ -66,8 +66,8 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     let arm = offset(&mut b, "arm", hinge.frame, [0.3, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.3, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: b.place(arm),
-        to: b.place(tip),
+        from: b.position(arm),
+        to: b.position(tip),
         second: None,
         twist: 0.0,
     };

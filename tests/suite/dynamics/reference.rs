@@ -66,7 +66,7 @@ fn top(joint: bool) -> (Model, NodeId) {
 
 #[test]
 fn the_heavy_top_on_its_point_and_on_a_spherical_joint() {
-    // published.json, R01: Brüls, Cardona & Arnold 2012; place of the centre of mass at 0.2.
+    // published.json, R01: Brüls, Cardona & Arnold 2012; position of the centre of mass at 0.2.
     let exact = Vector3::new(0.6055505613771, 0.5989576817949, -0.52398302743);
     let omega = Vector3::new(0.0, 150.0, -4.61538);
     for scheme in second_order() {
@@ -171,7 +171,7 @@ fn a_free_body_near_its_middle_axis() {
 // Pendulum -------------------------------------------------------------------------------------
 
 /// A point mass a metre below a revolute joint about −e2, so that a positive angle moves it
-/// towards e1: place, angle and rate after `n` steps from an angle and a rate.
+/// towards e1: position, angle and rate after `n` steps from an angle and a rate.
 fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>, [f64; 2], usize) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
@@ -189,7 +189,7 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     configure(&mut model, &progress.state);
     let angle = model.coordinate(hinge.angle, 0).unwrap();
     let changes = progress.summary.chart_changes;
-    (model.node_state(end).place, angle, changes)
+    (model.node_state(end).position, angle, changes)
 }
 
 #[test]
@@ -202,8 +202,8 @@ fn the_pendulum_of_iftomm() {
         for scheme in second_order() {
             let errors = [200, 400, 800].map(|n| {
                 let n = n * to as usize;
-                let (place, _, _) = pendulum(scheme, [-FRAC_PI_2, 0.0], to, n);
-                (place - Vector3::new(x, 0.0, z)).norm()
+                let (position, _, _) = pendulum(scheme, [-FRAC_PI_2, 0.0], to, n);
+                (position - Vector3::new(x, 0.0, z)).norm()
             });
             for slope in slopes(&errors) {
                 assert!((slope - 2.0).abs() < 0.1, "{}: {errors:?}", scheme.name);

@@ -29,14 +29,14 @@ enum By {
 /// A shaft of length 1 along e1 from `root` to `tip`; the tip may slide and turn about e1 only.
 fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
     let mut b = ModelBuilder::new();
-    let places = [Vector3::zeros(), Vector3::x()];
-    let root = b.node("root", places[0].into()).unwrap();
-    let tip = b.node("tip", places[1].into()).unwrap();
+    let positions = [Vector3::zeros(), Vector3::x()];
+    let root = b.node("root", positions[0].into()).unwrap();
+    let tip = b.node("tip", positions[1].into()).unwrap();
     match by {
         By::Beams(elements, order) | By::Geodesic(elements, order) => {
             let axis = Straight {
-                from: places[0],
-                to: places[1],
+                from: positions[0],
+                to: positions[1],
                 second: None,
                 twist: 0.0,
             };
@@ -56,7 +56,7 @@ fn shaft(by: By) -> (ModelBuilder, NodeId, NodeId) {
         By::Bushing => {
             let K = Matrix6::from_diagonal(&[1e3, 1e3, 1e3, GJ, 0.5, 0.5].into());
             let bushing =
-                Bushing::new(&places, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+                Bushing::new(&positions, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
             b.element("bushing", bushing, &[root, tip]).unwrap();
         }
     }
@@ -127,7 +127,7 @@ fn a_torque_twists_one_element_and_lets_it_go() {
             phase: 0.0,
             offset: 0.0,
         };
-        let moment = NodalLoad::new(Which::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
+        let moment = NodalLoad::new(LoadKind::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
         b.element("torque", moment, &[tip]).unwrap();
         let mut model = b.build().unwrap();
         let mut q = Vec::new();

@@ -5,7 +5,7 @@
 use crate::support::dynamics::{observed, slopes};
 use crate::support::program::{command, directory, results, write};
 use nalgebra::{Matrix3, Vector3};
-use pullback::elements::load::{NodalLoad, Which};
+use pullback::elements::load::{LoadKind, NodalLoad};
 use pullback::elements::time::TimeFunction;
 use pullback::integrators::dynamics::{
     DynamicOptions, DynamicsError, Progress, Scheme, Summary, integrate, start,
@@ -60,8 +60,8 @@ fn bar(elements: usize, blow: Blow) -> (Model, Vec<NodeId>) {
     let section = Section::diagonal(EA, [10.0, 10.0], 10.0, [10.0, 10.0]).unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0));
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -71,7 +71,7 @@ fn bar(elements: usize, blow: Blow) -> (Model, Vec<NodeId>) {
         section: section.with_mass(A_RHO, J),
     };
     let nodes = b.line("bar", &axis, ends, &line).unwrap().nodes;
-    let strike = NodalLoad::new(Which::DeadForce, [1.0, 0.0, 0.0], blow);
+    let strike = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], blow);
     b.element("blow", strike, &nodes[..1]).unwrap();
     (b.build().unwrap(), nodes)
 }

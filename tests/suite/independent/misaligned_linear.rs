@@ -13,7 +13,7 @@ use pullback::studies::gallery;
 const THICK: [f64; 3] = [733.5, 1131.0, 16.88e6];
 const THIN: [f64; 3] = [45.84, 70.66, 4.22e6];
 
-/// Stiffness of a beam between two places against the deflection and the rotations about e1 and e2 of both
+/// Stiffness of a beam between two positions against the deflection and the rotations about e1 and e2 of both
 /// ends.
 fn beam(from: Vector2<f64>, to: Vector2<f64>, [GJ, EI, GA]: [f64; 3]) -> Matrix6<f64> {
     let way = to - from;

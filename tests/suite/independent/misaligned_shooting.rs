@@ -1,6 +1,6 @@
 //! Bauchau's linkage with its axis 5 degrees off, in equilibrium: the numbers that the gallery compares with.
 //!
-//! Three rods after Reissner, each an initial value problem for place, rotation and moment along it (the force
+//! Three rods after Reissner, each an initial value problem for position, rotation and moment along it (the force
 //! is constant where nothing acts between the ends), shot from A over B to C and from D to C. Unknown are the
 //! force and the moment at A and at D and the angles of the joints there; what is left open at B and C is to
 //! vanish. Nothing is shared with the program.
@@ -19,7 +19,7 @@ const THIN: [f64; 4] = [13.25e6, 4.22e6, 45.84, 70.66];
 type Unknowns = SVector<f64, 14>;
 const ANGLE: usize = 13;
 
-/// Place, rotation from where it is straight, and moment.
+/// Position, rotation from where it is straight, and moment.
 type Section = (Vector3<f64>, Matrix3<f64>, Vector3<f64>);
 
 /// A section further along: the other end of a straight rod of this direction and length, which carries the
@@ -50,7 +50,7 @@ fn shoot(from: Section, n: Vector3<f64>, way: Vector3<f64>, k: [f64; 4], steps: 
 }
 
 /// What is open: the moment about the axis at B, and at C the gap, the tilt of one axis against the other,
-/// force, moment, and the moment about the axis. Also the place of C.
+/// force, moment, and the moment about the axis. Also the position of C.
 fn open(y: &Unknowns, steps: u32) -> (SVector<f64, 13>, Vector3<f64>) {
     let turned = |angle: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), angle).into_inner();
     let three = |k: usize| y.fixed_rows::<3>(k).into_owned();
@@ -134,7 +134,7 @@ fn path() -> Vec<Unknowns> {
 fn the_numbers_of_the_misaligned_axis() {
     let path = path();
     // Each angle of bar 1 is met once: there is nothing to snap through, and a slow motion stays near the
-    // path. Bar 3 turns back at the first flat place and once more at the second.
+    // path. Bar 3 turns back at the first flat position and once more at the second.
     for pair in path.windows(2) {
         assert!(pair[1][ANGLE] < pair[0][ANGLE], "{}", pair[1]);
     }
@@ -164,7 +164,7 @@ fn the_numbers_of_the_misaligned_axis() {
     let largest = (b - (c - a).powi(2) / (8.0 * (a - 2.0 * b + c))).abs();
     println!("{turned:.12} {largest:.12}");
     assert_published(&rows, "largest deflection", &[largest], 1e-10);
-    // Beyond the flat place the parallelogram is in equilibrium, too, but not on this path.
+    // Beyond the flat position the parallelogram is in equilibrium, too, but not on this path.
     let mut guess = Unknowns::zeros();
     (guess[6], guess[7]) = (1.8, -1.8);
     let (parallel, _) = fixed(&guess, -1.8);

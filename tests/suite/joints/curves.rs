@@ -71,7 +71,7 @@ fn a_bead_on_a_cycloid_takes_the_same_time_from_any_height() {
             })
             .into();
         let what = format!("from {amplitude}");
-        assert_slopes(&what, &["place at the quarter"], &errors, 2.0, 0.1);
+        assert_slopes(&what, &["position at the quarter"], &errors, 2.0, 0.1);
         assert!(errors[2][0] < 1e-4, "{what}: {errors:?}");
     }
 }
@@ -96,8 +96,8 @@ fn a_bead_runs_down_a_helix_with_constant_acceleration() {
     assert!(s < -4.0, "it makes turns: {s}");
     assert!((own[0][0] - s).abs() < 1e-10);
     assert!((own[0][1] - (1.0 + 2.0 * s_ddot)).abs() < 1e-10);
-    let place = Vector3::new(0.7 * s.cos(), 0.7 * s.sin(), 0.2 * s);
-    assert!((state.place - place).norm() < 1e-10);
+    let position = Vector3::new(0.7 * s.cos(), 0.7 * s.sin(), 0.2 * s);
+    assert!((state.position - position).norm() < 1e-10);
 }
 
 /// The parabola z = ½ k x².
@@ -131,7 +131,7 @@ fn a_bead_swings_on_a_parabola_in_the_time_of_an_elliptic_integral() {
             vec![own[0][0].abs(), (own[0][1] + fastest).abs()]
         })
         .into();
-    assert_slopes("parabola", &["place", "rate"], &errors, 2.0, 0.1);
+    assert_slopes("parabola", &["position", "rate"], &errors, 2.0, 0.1);
     assert!(errors[2].iter().all(|e| *e < 1e-4), "{errors:?}");
 }
 
@@ -140,10 +140,10 @@ fn a_bead_sets_out_from_the_end_of_its_curve() {
     let line = Spline::through(&[[0.0; 3], [2.0, 0.0, 0.0]], false, 0.0).unwrap();
     let mut made = bead(|b, on| on_curve(b, "bead", on, line.clone()).unwrap());
     let (state, _) = moved(&mut made, &[[0.0, 1.5]], 0.8, 40);
-    assert!((state.place - Vector3::new(1.2, 0.0, 0.0)).norm() < 1e-10);
+    assert!((state.position - Vector3::new(1.2, 0.0, 0.0)).norm() < 1e-10);
 }
 
-/// The line through the master along e1.
+/// The line through the parent along e1.
 #[derive(Clone)]
 struct Wire;
 
@@ -166,20 +166,20 @@ fn a_bead_is_flung_along_a_wire_that_turns() {
             let (state, _) = moved(&mut made, &[[0.0, 0.0]], to, steps);
             // r̈ = Ω² r.
             let r = 0.5 * (omega * to).cosh();
-            let place = Vector3::new((omega * to).cos(), (omega * to).sin(), 0.0) * r;
+            let position = Vector3::new((omega * to).cos(), (omega * to).sin(), 0.0) * r;
             let rate = 0.5 * omega * (omega * to).sinh();
             let speed = rate.hypot(omega * r);
             vec![
-                (state.place - place).norm(),
+                (state.position - position).norm(),
                 (state.velocity.norm() - speed).abs(),
             ]
         })
         .into();
-    assert_slopes("wire", &["place", "speed"], &errors, 2.0, 0.1);
+    assert_slopes("wire", &["position", "speed"], &errors, 2.0, 0.1);
     assert!(errors[2].iter().all(|e| *e < 1e-3), "{errors:?}");
 }
 
-/// The sphere of this radius about the master, without its poles on e2: angle u about e2 and
+/// The sphere of this radius about the parent, without its poles on e2: angle u about e2 and
 /// latitude v, from the lowest point.
 #[derive(Clone)]
 struct Sphere(f64);
@@ -208,15 +208,15 @@ fn a_point_on_a_sphere_is_a_spherical_pendulum() {
             let (state, _) = moved(&mut made, &first, 2.0, steps);
             let (s, c) = (omega * 2.0).sin_cos();
             let radius = length * theta.sin();
-            let place = Vector3::new(radius * c, radius * s, -length * theta.cos());
+            let position = Vector3::new(radius * c, radius * s, -length * theta.cos());
             let velocity = Vector3::new(-s, c, 0.0) * (radius * omega);
             vec![
-                (state.place - place).norm(),
+                (state.position - position).norm(),
                 (state.velocity - velocity).norm(),
             ]
         })
         .into();
-    assert_slopes("sphere", &["place", "velocity"], &errors, 2.0, 0.1);
+    assert_slopes("sphere", &["position", "velocity"], &errors, 2.0, 0.1);
     assert!(errors[2].iter().all(|e| *e < 1e-3), "{errors:?}");
 }
 
@@ -236,6 +236,6 @@ fn a_point_at_the_edge_of_a_surface_ends_the_motion_by_name() {
         said.contains("joint at node bead left its surface over an edge"),
         "{said}"
     );
-    let reached = made.0.node_state(made.1.frame).place;
+    let reached = made.0.node_state(made.1.frame).position;
     assert!(reached.y > 0.9, "{reached}");
 }

@@ -94,7 +94,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J) {
         let mut r = zeros.clone();
         model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let state = model.node_state(made.frame);
-        let turn = |t: f64| so3::rotation(&so3::log_quaternion(&pose(t).turn));
+        let turn = |t: f64| so3::rotation(&so3::log_quaternion(&pose(t).rotation));
         assert!((state.d - pose(t).d).norm() < 1e-13, "{what} at {t}");
         assert!((state.R - turn(t)).norm() < 1e-13, "{what} at {t}");
         let [velocity, acceleration] = differences(&|t| pose(t).d, t);

@@ -32,11 +32,11 @@ fn run(
 ) -> Result<Progress, DynamicsError> {
     let n = model.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    let places = made.released.iter().flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
-    let places: Vec<_> = places
+    let positions = made.released.iter().flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
+    let positions: Vec<_> = positions
         .filter(|&(r, k)| model.unknown_at(r, k).is_some())
         .collect();
-    for (&(node, k), &rate) in places.iter().zip(rates) {
+    for (&(node, k), &rate) in positions.iter().zip(rates) {
         assert!(model.set(&mut v, node, k, rate));
     }
     let mut progress = Progress::new(start(model, 0.0, &q, &v)?);
@@ -100,7 +100,7 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
                 [&[0.0, beta], &rates],
                 &options,
                 &mut |model, step| {
-                    last = (model.node_state(bob).place, step.progress.state.q[0]);
+                    last = (model.node_state(bob).position, step.progress.state.q[0]);
                 },
             );
             assert!(last.1 > 2.0, "not beyond: {}", last.1);
@@ -177,8 +177,8 @@ fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
     let (mut model, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
     let mut reached = 0.0_f64;
     let ended = run(&mut model, &made, &[2.0], 4.0, &mut |t, state| {
-        reached = state.place.x;
-        assert!((state.place.x - 2.0 * t).abs() < 1e-12);
+        reached = state.position.x;
+        assert!((state.position.x - 2.0 * t).abs() < 1e-12);
     });
     let said = ended.unwrap_err().to_string();
     assert!(
@@ -198,8 +198,8 @@ fn a_spring_along_a_line_lets_its_nodes_turn() {
     let end = b.node("end", [1.0, 0.0, 0.0]).unwrap();
     let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
     b.element("body", sphere, &[end]).unwrap();
-    let places = [ground, end].map(|n| b.place(n));
-    let spring = AxialSpring::new(&places, 1.0, 0.5).unwrap();
+    let positions = [ground, end].map(|n| b.position(n));
+    let spring = AxialSpring::new(&positions, 1.0, 0.5).unwrap();
     b.element("spring", spring, &[ground, end]).unwrap();
     let mut model = b.build().unwrap();
     let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);

@@ -5,7 +5,7 @@ use crate::support::program::{check, directory, history, number, program, write}
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-/// A body on a joint that hangs on the ground.
+/// A body on a joint that is attached to the ground.
 fn model(joint: &str, body: &str, rest: &str) -> String {
     format!(
         r#"
@@ -41,7 +41,7 @@ figures = false
 paraview_every = 0
 
 [[probes]]
-name = "place"
+name = "position"
 quantity = "position"
 node = "joint"
 
@@ -79,8 +79,8 @@ fn a_prismatic_joint_falls_along_its_incline() {
         // The part 4/5 of gravity along the axis.
         let way = 0.5 * 0.8 * G * t * t;
         assert!((number(&row, "joint") - way).abs() < 1e-9);
-        assert!((number(&row, "place.x") - 0.6 * way).abs() < 1e-9);
-        assert!((number(&row, "place.z") + 0.8 * way).abs() < 1e-9);
+        assert!((number(&row, "position.x") - 0.6 * way).abs() < 1e-9);
+        assert!((number(&row, "position.z") + 0.8 * way).abs() < 1e-9);
     }
 }
 
@@ -98,7 +98,7 @@ fn a_nut_runs_down_its_screw() {
     for row in ran("joint_helical", &text) {
         let t = number(&row, "t");
         assert!((number(&row, "joint") - 0.5 * rate * t * t).abs() < 1e-8);
-        assert!((number(&row, "place.z") - 0.5 * rate * lead * t * t).abs() < 1e-9);
+        assert!((number(&row, "position.z") - 0.5 * rate * lead * t * t).abs() < 1e-9);
     }
     assert!(0.5 * rate < -1.5 * TAU, "it makes turns: {rate}");
 }
@@ -138,9 +138,9 @@ fn a_puck_on_a_slope_flies_like_a_stone() {
         assert!((number(&row, "joint displacement 1") - 3.0 * t).abs() < 1e-9);
         assert!((number(&row, "joint displacement 2") - 0.5 * down * t * t).abs() < 1e-9);
         assert!((number(&row, "joint angle") - 4.0 * t).abs() < 1e-9);
-        assert!((number(&row, "place.x") - 3.0 * t).abs() < 1e-9);
+        assert!((number(&row, "position.x") - 3.0 * t).abs() < 1e-9);
         let below = 0.5 * down * t * t / 2.0_f64.sqrt();
-        assert!((number(&row, "place.z") - below).abs() < 1e-9);
+        assert!((number(&row, "position.z") - below).abs() < 1e-9);
     }
 }
 
@@ -170,7 +170,7 @@ fn rounds(name: &str, text: &str, omega: f64) -> Vec<(HashMap<String, String>, f
         let (sine, cosine) = CONE.sin_cos();
         let exact = [sine * turned.cos(), sine * turned.sin(), -cosine];
         for (axis, exact) in ["x", "y", "z"].into_iter().zip(exact) {
-            let found = number(&row, &format!("place.{axis}"));
+            let found = number(&row, &format!("position.{axis}"));
             let off = (found - exact).abs();
             assert!(off < 2e-6, "{name} turned by {turned}: {found} {exact}");
         }
@@ -237,9 +237,9 @@ fn what_is_welded_to_an_arm_turns_with_it() {
         let angle = 0.5 * 3.0 / (0.6 + 2.0 * 0.25) * t * t;
         let (sine, cosine) = angle.sin_cos();
         for (column, exact) in [
-            ("place.x", 0.5 * cosine),
-            ("place.y", 0.5 * sine),
-            ("place.z", 0.0),
+            ("position.x", 0.5 * cosine),
+            ("position.y", 0.5 * sine),
+            ("position.z", 0.0),
             ("turn.x", 0.0),
             ("turn.y", 0.0),
             ("turn.z", angle),

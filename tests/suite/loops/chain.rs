@@ -240,8 +240,8 @@ fn a_beam_is_carried_by_a_loop() {
         bar(&mut b, ground, [2.0, 0.0, 0.0], angles[1], 1.0, 2.0);
         let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
         let axis = Straight {
-            from: b.place(crank),
-            to: b.place(tip),
+            from: b.position(crank),
+            to: b.position(tip),
             second: None,
             twist: 0.0,
         };

@@ -53,7 +53,7 @@ fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) ->
         let both = [0, 1, 3].map(|k| model.coordinate(angles[k], 0).unwrap());
         let [a, b, d] = both;
         end = vec![a[0], a[0] + b[0], d[0], a[1], a[1] + b[1], d[1]];
-        let [p, q] = tips.map(|n| model.node_state(n).place);
+        let [p, q] = tips.map(|n| model.node_state(n).position);
         let turn = model.node_state(frame).R - model.node_state(tips[1]).R;
         residual = residual.max((p - q).norm()).max(turn.norm());
         let note = model.notes()[0].clone();
@@ -115,7 +115,7 @@ fn a_four_bar_linkage_of_bodies_and_joints() {
 /// A pendulum on the tip of the coupler, so that something is free where the crank is driven.
 fn pendulum(b: &mut ModelBuilder) -> NodeId {
     let tip = b.find("tip of the coupler").unwrap();
-    let from: [f64; 3] = b.place(tip).into();
+    let from: [f64; 3] = b.position(tip).into();
     let to = [from[0] + 0.3, from[1] - 0.2, 0.0];
     link(b, "pendulum", tip, [from, to], (0.4, at_once)).angle
 }
@@ -368,7 +368,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
         options.newton.absolute = 1e-13;
         let names = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
         let (mut residual, mut drift, mut start, mut turned) = (0.0_f64, 0.0_f64, None, 0.0_f64);
-        let mut place = Vector3::zeros();
+        let mut position = Vector3::zeros();
         let progress = observed(&mut model, [&zero, &v], &options, &mut |model, step| {
             let s = &step.progress.state;
             let at = Point {
@@ -378,8 +378,8 @@ fn ball_joints_in_a_loop_change_their_charts() {
                 a: &s.a,
             };
             let audit = model.audit(at).unwrap();
-            let [p, q] = names.map(|n| model.node_state(n).place);
-            place = p;
+            let [p, q] = names.map(|n| model.node_state(n).position);
+            position = p;
             residual = residual.max((p - q).norm());
             turned = turned.max(model.coordinate(rotation, 0).unwrap()[0].abs());
             let energy = audit.energies.kinetic + audit.load_potential;
@@ -392,11 +392,12 @@ fn ball_joints_in_a_loop_change_their_charts() {
             changes >= 2 && turned <= std::f64::consts::PI,
             "{changes} {turned}"
         );
-        (vec![drift], place)
+        (vec![drift], position)
     });
     let drifts: Vec<Vec<f64>> = runs.iter().map(|r| r.0.clone()).collect();
     assert_slopes("balls", &["energy"], &drifts, 2.0, 0.25);
-    let places = runs.map(|r| r.1);
-    let order = ((places[0] - places[1]).norm() / (places[1] - places[2]).norm()).log2();
+    let positions = runs.map(|r| r.1);
+    let order =
+        ((positions[0] - positions[1]).norm() / (positions[1] - positions[2]).norm()).log2();
     assert!((order - 2.0).abs() < 0.25, "{order}");
 }

@@ -75,7 +75,7 @@ fn a_loop_without_coordinates_is_redundant_or_does_not_fit() {
         &arm("x", "A", [1.0, 0.0, 0.0]),
     ];
     let base = base.concat() + &body("A") + &angle("A");
-    let second = |place: [f64; 3]| base.clone() + &arm("y", "A", place) + "child = \"x\"\n";
+    let second = |position: [f64; 3]| base.clone() + &arm("y", "A", position) + "child = \"x\"\n";
     let (said, rows) = rows("limits-nothing", &second([1.0, 0.0, 0.0]));
     assert!(
         said.contains("y: nothing can move") && said.contains("redundant"),

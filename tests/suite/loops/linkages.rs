@@ -53,7 +53,7 @@ impl Joint<2> for InPlane {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
         Pose {
             d: Vector3::new(q[0], q[1], S::zero()),
-            turn: Quaternion::about(&Vector3::z(), S::zero()),
+            rotation: Quaternion::about(&Vector3::z(), S::zero()),
         }
     }
 }
@@ -120,7 +120,7 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
         let mut b = ModelBuilder::new();
         let x = b.coordinates("x", &[Kind::Length; 3]).unwrap();
         let shifted = b
-            .mapped_coordinates("place", &[Kind::Length; 3], Shift(at).boxed(), &[x])
+            .mapped_coordinates("position", &[Kind::Length; 3], Shift(at).boxed(), &[x])
             .unwrap();
         slider_crank_bodies(&mut b, shifted);
         match p {
@@ -186,7 +186,7 @@ impl Map<3, 3> for Shift {
 
 /// (x, y, s) and their rates from the crank angle and its rate, in closed form.
 fn slider_crank_exact(to: f64) -> Vec<f64> {
-    let place = |angle: f64| {
+    let position = |angle: f64| {
         let angle = Taylor {
             v: angle,
             d: 1.0,
@@ -196,7 +196,7 @@ fn slider_crank_exact(to: f64) -> Vec<f64> {
         (x, y, x + (-(y * y) + ROD * ROD).sqrt())
     };
     let ode = |_: f64, z: &Vector2<f64>| {
-        let (_, y, s) = place(z[0]);
+        let (_, y, s) = position(z[0]);
         let M = Taylor {
             v: PIN * CRANK * CRANK + SLIDER * s.d * s.d,
             d: 2.0 * SLIDER * s.d * s.dd,
@@ -206,7 +206,7 @@ fn slider_crank_exact(to: f64) -> Vec<f64> {
         Vector2::new(z[1], one_freedom(M, V, z[1]))
     };
     let z = integrate_ode(&ode, Vector2::new(0.0, 12.0), to, 20_000);
-    let (x, y, s) = place(z[0]);
+    let (x, y, s) = position(z[0]);
     assert!(
         z[0] > 2.0 * std::f64::consts::TAU,
         "the crank went {}",

@@ -28,7 +28,7 @@ impl Joint<7> for Counting {
     }
 }
 
-/// Parallelograms hung on one another, with a counting joint at the end; how often that is asked in
+/// Parallelograms attached to one another, with a counting joint at the end; how often that is asked in
 /// one evaluation with a tangent, and in one change of charts, and how many coordinates each loop has.
 fn hung(count: usize) -> [usize; 2] {
     let mut b = ModelBuilder::new();
@@ -99,11 +99,11 @@ fn a_joint_is_asked_as_often_in_many_loops_as_in_few() {
 /// arm to the ground (a loop through the joint of the boom). The joint of the boom stands on the ground, or
 /// on a post there.
 fn boom(base: &str, closure: &str) -> String {
-    let joint = |name: &str, kind: &str, master: &str, more: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
+    let joint = |name: &str, kind: &str, parent: &str, more: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{parent}\"\n{more}\n")
     };
-    let link = |name: &str, master: &str, place: [f64; 3]| {
-        joint(name, "offset", master, &format!("position = {place:?}"))
+    let link = |name: &str, parent: &str, position: [f64; 3]| {
+        joint(name, "offset", parent, &format!("position = {position:?}"))
     };
     let body = |node: &str| {
         format!(

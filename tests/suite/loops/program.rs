@@ -78,7 +78,7 @@ fn a_free_child_hangs_on_its_joint() {
         "{}",
         String::from_utf8_lossy(&ran.stderr)
     );
-    assert!(said.contains("joint C: weight hangs on it"), "{said}");
+    assert!(said.contains("joint C: weight is attached to it"), "{said}");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn what_does_not_close_is_refused_with_the_joint_and_the_gap() {
         said.contains("gap along e3 at joint C") && said.contains("e-1"),
         "{said}"
     );
-    // A free node at another place.
+    // A free node at another position.
     let text = with(&[
         (
             "ground = [0, 0, 0]",
@@ -190,8 +190,8 @@ fn a_singular_start_is_named() {
 /// there to first order is the gap along the guide. The gap out of the plane never does.
 #[test]
 fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
-    let joint = |name: &str, kind: &str, master: &str, more: &str| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
+    let joint = |name: &str, kind: &str, parent: &str, more: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{parent}\"\n{more}\n")
     };
     let hinge = "axis = [0, 0, 1]";
     let text = [
@@ -236,7 +236,7 @@ fn notes(text: &str) -> Vec<String> {
 
 #[test]
 fn the_loop_leaves_the_crank_free_and_what_carries_something() {
-    // The crank by its rate and place; as they are drawn other angles are better by less than 10.
+    // The crank by its rate and position; as they are drawn other angles are better by less than 10.
     assert!(notes(FOUR_BAR)[0].contains("independent: A angle;"));
     let none = with(&[("rate = 4.5", "")]);
     assert!(notes(&none)[0].contains("independent: A angle;"));

@@ -31,8 +31,8 @@ fn circles(carrier: &str, closure: &str) -> String {
 /// Forces at rest are those of the state that was reached, wherever equations are looked at again.
 #[test]
 fn the_ground_bears_a_linkage_in_every_row() {
-    let sprung = |name: &str, master: &str, more: &str| {
-        hinge(name, master, &format!("spring = {{ k = 3 }}\n{more}"))
+    let sprung = |name: &str, parent: &str, more: &str| {
+        hinge(name, parent, &format!("spring = {{ k = 3 }}\n{more}"))
     };
     let linkage = [
         GROUND,

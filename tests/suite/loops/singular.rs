@@ -7,16 +7,16 @@ use std::f64::consts::PI;
 /// Equal cranks of length 1 on a coupler and a ground of length 2: flat where they lie along it. With
 /// bodies on all three bars and nothing else θ̇ is constant, as θ is all there is.
 fn parallelogram(crank: &str, to: f64) -> String {
-    let hinge = |name: &str, master: &str, more: &str| {
+    let hinge = |name: &str, parent: &str, more: &str| {
         format!(
-            "[[joints]]\nname = \"{name}\"\ntype = \"revolute\"\nparent = \"{master}\"\n\
+            "[[joints]]\nname = \"{name}\"\ntype = \"revolute\"\nparent = \"{parent}\"\n\
              axis = [0, 0, 1]\n{more}\n"
         )
     };
-    let arm = |name: &str, master: &str, place: [i32; 3]| {
+    let arm = |name: &str, parent: &str, position: [i32; 3]| {
         format!(
-            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nparent = \"{master}\"\n\
-             position = {place:?}\n"
+            "[[joints]]\nname = \"{name}\"\ntype = \"offset\"\nparent = \"{parent}\"\n\
+             position = {position:?}\n"
         )
     };
     let body = |node: &str| {
@@ -77,8 +77,8 @@ const MULTIPLIERS: &str = "`closure = \"multipliers\"` goes through";
 
 /// Two parallelograms in a row on three cranks (IFToMM's A02): both are flat at once.
 fn two_in_a_row(closure: &str, analysis: &str) -> String {
-    let joint = |name: String, kind: &str, master: String, more: String| {
-        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
+    let joint = |name: String, kind: &str, parent: String, more: String| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{parent}\"\n{more}\n")
     };
     let axis = "axis = [0, 0, 1]\n";
     let body = |node: String| {
@@ -89,12 +89,22 @@ fn two_in_a_row(closure: &str, analysis: &str) -> String {
     let mut text =
         "[nodes]\nground = [0, 0, 0]\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n".to_owned();
     for k in 0..3 {
-        let place = |y: i32| format!("position = [{}, {y}, 0]", 2 * k);
+        let position = |y: i32| format!("position = [{}, {y}, 0]", 2 * k);
         let rate = if k == 0 { "rate = 6" } else { "" };
-        text += &joint(format!("pin {k}"), "offset", "ground".to_owned(), place(0));
+        text += &joint(
+            format!("pin {k}"),
+            "offset",
+            "ground".to_owned(),
+            position(0),
+        );
         let hinge = format!("{axis}{rate}");
         text += &joint(format!("crank {k}"), "revolute", format!("pin {k}"), hinge);
-        text += &joint(format!("tip {k}"), "offset", format!("crank {k}"), place(1));
+        text += &joint(
+            format!("tip {k}"),
+            "offset",
+            format!("crank {k}"),
+            position(1),
+        );
         text += &body(format!("crank {k}"));
         if k > 0 {
             let tip = format!("tip {}", k - 1);
@@ -103,7 +113,7 @@ fn two_in_a_row(closure: &str, analysis: &str) -> String {
                 format!("end {k}"),
                 "offset",
                 format!("coupler {k}"),
-                place(1),
+                position(1),
             );
             let close = format!("{axis}child = \"tip {k}\"\nclosure = \"{closure}\"");
             text += &joint(format!("close {k}"), "revolute", format!("end {k}"), close);

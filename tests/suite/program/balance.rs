@@ -34,10 +34,10 @@ const GRAVITY: &str = "[[loads]]\ngravity = [0, 0, -9.81]";
 #[test]
 fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
     // A scheme that keeps the energy has no defect at steps of a twentieth of the period.
-    let master = "parent = \"ground\"";
+    let parent = "parent = \"ground\"";
     let (rows, said) = arm(
         "kept",
-        master,
+        parent,
         GRAVITY,
         "to = 20\nstep = 0.1\nscheme = \"em\"",
     );
@@ -46,7 +46,7 @@ fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
     assert!(!said.contains("much compared"), "{said}");
     // Steps far beyond the limit of an explicit one: more energy than gravity has.
     let wild = "to = 100\nstep = 1\nscheme = \"central-difference\"";
-    let (_, said) = arm("wild", master, GRAVITY, wild);
+    let (_, said) = arm("wild", parent, GRAVITY, wild);
     assert!(said.contains("much compared"), "{said}");
 }
 

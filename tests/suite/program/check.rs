@@ -251,7 +251,7 @@ penalty_damping = 1e-3
 fn ring(bars: u32) -> String {
     let mut text = String::from("[nodes]\nground = [0, 0, 0]\n");
     let turn = std::f64::consts::TAU / f64::from(bars);
-    let (mut x, mut y, mut master) = (0.0, 0.0, "ground".to_owned());
+    let (mut x, mut y, mut parent) = (0.0, 0.0, "ground".to_owned());
     for k in 0..bars {
         let (s, c) = (turn * (f64::from(k) + 0.5)).sin_cos();
         let (next_x, next_y) = match k + 1 == bars {
@@ -260,17 +260,17 @@ fn ring(bars: u32) -> String {
         };
         let middle = [0.5 * (x + next_x), 0.5 * (y + next_y)];
         text += &format!(
-            "[[joints]]\nname = \"j{k}\"\ntype = \"spherical\"\nparent = \"{master}\"\n\
+            "[[joints]]\nname = \"j{k}\"\ntype = \"spherical\"\nparent = \"{parent}\"\n\
              [[joints]]\nname = \"o{k}\"\ntype = \"offset\"\nparent = \"j{k}\"\n\
              position = [{next_x:?}, {next_y:?}, 0]\n\
              [[bodies]]\nname = \"b{k}\"\nnode = \"j{k}\"\nmass = 1\n\
              center = [{:?}, {:?}, 0]\ninertia = [0.1, 0.2, 0.15]\n",
             middle[0], middle[1],
         );
-        (x, y, master) = (next_x, next_y, format!("o{k}"));
+        (x, y, parent) = (next_x, next_y, format!("o{k}"));
     }
     text + "[[joints]]\nname = \"close\"\ntype = \"spherical\"\nchild = \"ground\"\nparent = \""
-        + &master
+        + &parent
         + "\"\n[[supports]]\nnode = \"ground\"\nfix = \"all\"\n\
            [[loads]]\ngravity = [0, -9.81, -2]\n[analysis.dynamic]\nto = 1\nstep = 0.002\n"
 }

@@ -31,7 +31,7 @@ fn rows_are_at_the_multiples_of_an_interval() {
     let times: Vec<&str> = rows.iter().map(|row| row["t"].as_str()).collect();
     let round = "0.0 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8 0.9 1.0";
     assert_eq!(times, round.split(' ').collect::<Vec<_>>());
-    // Elliptic functions (IFToMM benchmark A01): the place at t = 1.
+    // Elliptic functions (IFToMM benchmark A01): the position at t = 1.
     let last = rows.last().unwrap();
     assert!((number(last, "bob.x") - 0.986291751131875).abs() < 2e-5);
     // 34 steps of 0.1 / 34 between two rows.
@@ -108,7 +108,7 @@ fn what_a_pendulum_records_is_exact_to_the_second_order_of_the_step() {
         };
         // A bob let go from the horizontal pulls with 3 m g sin θ; its kinetic energy is m g L sin θ.
         let fall = |row: &_| 9.81 * number(row, "angle").sin();
-        // Elliptic functions (IFToMM benchmark A01): the place at t = 1.
+        // Elliptic functions (IFToMM benchmark A01): the position at t = 1.
         let row = &rows[n as usize];
         vec![
             largest(&|row| number(row, "tension") - 3.0 * fall(row).abs()),

@@ -1,5 +1,5 @@
 //! Model files with one mistake, drawn at random from those of the examples: each loads or is refused with
-//! a place in the file (or for something that the file lacks), and none panics.
+//! a position in the file (or for something that the file lacks), and none panics.
 
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -24,7 +24,7 @@ static MODELS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
     models
 });
 
-/// A mistake; places are counted among those of its kind in the file.
+/// A mistake; positions are counted among those of its kind in the file.
 #[derive(Clone, Debug)]
 enum Mistake {
     NoLine(Index),
@@ -38,7 +38,7 @@ fn mistakes() -> impl Strategy<Value = Mistake> {
     prop_oneof![
         any::<Index>().prop_map(Mistake::NoLine),
         (any::<Index>(), prop::sample::select(numbers.to_vec()))
-            .prop_map(|(place, number)| Mistake::Number(place, number)),
+            .prop_map(|(position, number)| Mistake::Number(position, number)),
         any::<Index>().prop_map(Mistake::Key),
     ]
 }
@@ -66,24 +66,24 @@ fn words(text: &str) -> Vec<(Range<usize>, bool)> {
 impl Mistake {
     /// The text with the mistake in it.
     fn make(&self, text: &str) -> String {
-        let pick = |place: &Index, keys: bool| {
+        let pick = |position: &Index, keys: bool| {
             let mut words = words(text);
             words.retain(|(word, key)| {
                 *key == keys && (keys || text[word.clone()].parse::<f64>().is_ok())
             });
-            words[place.index(words.len())].0.clone()
+            words[position.index(words.len())].0.clone()
         };
-        let (place, new) = match self {
-            Self::NoLine(place) => {
+        let (position, new) = match self {
+            Self::NoLine(position) => {
                 let lines: Vec<&str> = text.split_inclusive('\n').collect();
-                let gone = place.index(lines.len());
+                let gone = position.index(lines.len());
                 let from: usize = lines[..gone].iter().map(|line| line.len()).sum();
                 (from..from + lines[gone].len(), "")
             }
-            Self::Number(place, number) => (pick(place, false), number.as_str()),
-            Self::Key(place) => (pick(place, true), "renamed"),
+            Self::Number(position, number) => (pick(position, false), number.as_str()),
+            Self::Key(position) => (pick(position, true), "renamed"),
         };
-        [&text[..place.start], new, &text[place.end..]].concat()
+        [&text[..position.start], new, &text[position.end..]].concat()
     }
 }
 
@@ -102,11 +102,11 @@ proptest! {
         let Err(error) = assemble_text(name, &text) else {
             return Ok(());
         };
-        // What a file lacks altogether has no place in it.
+        // What a file lacks altogether has no position in it.
         if !matches!(*error.problem, Problem::Missing { .. }) {
-            let place = error.span.clone();
-            let stands = place.is_some_and(|place| text.get(place).is_some());
-            prop_assert!(stands && error.line_column().is_some(), "{name}: no place for {error}");
+            let position = error.span.clone();
+            let stands = position.is_some_and(|position| text.get(position).is_some());
+            prop_assert!(stands && error.line_column().is_some(), "{name}: no position for {error}");
         }
     }
 }

@@ -134,7 +134,7 @@ component = "z"
         let p = along + (r - along) * theta.cos() + e.cross(&r) * theta.sin();
         let v = e.cross(&p) * rate;
         let a = e.cross(&p) * slope + e.cross(&v) * rate;
-        near(of("p"), p, "place");
+        near(of("p"), p, "position");
         near(of("v"), v, "velocity");
         near(of("a"), a, "acceleration");
         near(of("omega"), e * rate, "angular velocity");

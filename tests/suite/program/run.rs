@@ -188,10 +188,10 @@ fn check_circle(document: &roxmltree::Document<'_>) {
             _ => Vector3::new(sin, 1.0 - cos, 0.0) / phi,
         };
         near("Points", &found[1][k], circle, mesh * s + 1e-9);
-        let place = circle * wider;
+        let position = circle * wider;
         let exact = [
-            place - Vector3::new(s, 0.0, 0.0),
-            place,
+            position - Vector3::new(s, 0.0, 0.0),
+            position,
             Vector3::new(0.0, 0.0, s * phi),
             Vector3::new(cos, sin, 0.0),
             Vector3::new(-sin, cos, 0.0),

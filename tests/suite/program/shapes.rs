@@ -11,7 +11,7 @@ fn run(name: &str, joint: &str, gravity: f64, [to, step]: [f64; 2]) -> Vec<[f64;
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{said}");
     let rows = history(&directory.join("model.out"));
-    let columns = ["t", "place.x", "place.y", "place.z"];
+    let columns = ["t", "position.x", "position.y", "position.z"];
     let numbers = |row| columns.map(|column| number(row, column));
     rows.iter().map(numbers).collect()
 }
@@ -50,7 +50,7 @@ figures = false
 paraview_every = 0
 
 [[probes]]
-name = "place"
+name = "position"
 quantity = "position"
 node = "bead"
 "#
@@ -118,21 +118,24 @@ fn a_point_on_a_cylinder_falls_and_goes_round() {
 fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
     // 30° off the bottom of a sphere of radius 2 it stays at its height with ω² = g/(r cos 30°).
     let (r, angle) = (2.0_f64, PI / 6.0);
-    let place = [r * angle.sin(), 0.0, -r * angle.cos()];
+    let position = [r * angle.sin(), 0.0, -r * angle.cos()];
     let omega = (9.81 / (r * angle.cos())).sqrt();
     let joint = format!(
-        "type = \"on-surface\"\nposition = {place:?}\nsurface = {{ sphere = {{ center = [0, 0, 0] }} }}\n\
+        "type = \"on-surface\"\nposition = {position:?}\nsurface = {{ sphere = {{ center = [0, 0, 0] }} }}\n\
          coordinates = {{ \"parameter 2\" = {{ rate = {:?} }} }}",
         omega * angle.sin()
     );
     let period = 2.0 * PI / omega;
     let rows = run("sphere", &joint, 9.81, [period, period / 800.0]);
     for [t, x, y, z] in &rows {
-        let ring = (x * x + y * y).sqrt() - place[0];
-        assert!(ring.abs().max((z - place[2]).abs()) < 1e-4, "{t}: {ring:e}");
+        let ring = (x * x + y * y).sqrt() - position[0];
+        assert!(
+            ring.abs().max((z - position[2]).abs()) < 1e-4,
+            "{t}: {ring:e}"
+        );
     }
     let [_, x, y, _] = rows[400];
-    assert!((x + place[0]).abs().max(y.abs()) < 1e-4, "{x}, {y}");
+    assert!((x + position[0]).abs().max(y.abs()) < 1e-4, "{x}, {y}");
 }
 
 #[test]
@@ -149,8 +152,8 @@ fn a_point_on_a_plane_slides_down_it() {
 
 #[test]
 fn curves_and_surfaces_that_are_none_are_refused() {
-    let refuse = |joint: &str, place: &str, message: &str| {
-        check(&model(joint, 9.81, [1.0, 0.1]), place, message, "");
+    let refuse = |joint: &str, position: &str, message: &str| {
+        check(&model(joint, 9.81, [1.0, 0.1]), position, message, "");
     };
     let on_curve = |keys: &str| format!("type = \"on-curve\"\n{keys}");
     let named = "[[joints]]";

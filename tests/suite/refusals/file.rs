@@ -1,4 +1,4 @@
-//! Mistakes in a model file are refused with their place and with what would be right.
+//! Mistakes in a model file are refused with their position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{MODEL, check, directory, refusal, with};

@@ -1,4 +1,4 @@
-//! Parts of a model that make no sense are refused with their place and with what would be right.
+//! Parts of a model that make no sense are refused with their position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{check, with};
@@ -7,7 +7,7 @@ use pullback::input::assemble_text;
 #[test]
 fn sections_must_make_sense() {
     let main = "stiffness = { EA = 1e6, GA = [1e6, 1e6], GJ = 2.0, EI = [2.0, 2.0] }";
-    for (old, new, place, message) in [
+    for (old, new, position, message) in [
         ("EA = 1e6", "EA = 0", "0", "axial stiffness EA"),
         ("[1e6, 1e6]", "[-3.0, 1e6]", "-3.0", "shear stiffness GA2"),
         ("[1e6, 1e6]", "[1e6, -3.0]", "-3.0", "shear stiffness GA3"),
@@ -26,7 +26,7 @@ fn sections_must_make_sense() {
         ),
     ] {
         let message = format!("{message} must be positive");
-        check(&with(old, new), place, &message, "number above zero");
+        check(&with(old, new), position, &message, "number above zero");
     }
     check(
         &with(main, ""),

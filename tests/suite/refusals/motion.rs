@@ -1,5 +1,5 @@
 //! What is wrong with joints, bodies, springs, initial conditions and dynamic analyses is refused
-//! with its place and with what would be right.
+//! with its position and with what would be right.
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{check, directory, program, refusal, write};
@@ -200,8 +200,8 @@ fn joints() {
             "",
         ),
     ];
-    for (text, place, message, advice) in &cases {
-        check(text, place, message, advice);
+    for (text, position, message, advice) in &cases {
+        check(text, position, message, advice);
     }
 }
 
@@ -248,8 +248,8 @@ fn bodies_and_springs() {
             "",
         ),
     ];
-    for (text, place, message, advice) in &cases {
-        check(text, place, message, advice);
+    for (text, position, message, advice) in &cases {
+        check(text, position, message, advice);
     }
 }
 
@@ -268,13 +268,13 @@ fn initial_conditions() {
         (
             "node = \"hand\"\nvelocity = [0, 0, 1]",
             "velocity",
-            "hangs on a joint",
+            "is attached to a joint",
             "rate",
         ),
         (
             "node = \"hinge\"\nangular_velocity = [0, 1, 0]",
             "angular_velocity",
-            "hangs on a joint",
+            "is attached to a joint",
             "rate",
         ),
         (
@@ -296,8 +296,8 @@ fn initial_conditions() {
             "",
         ),
     ];
-    for (new, place, message, advice) in cases {
-        check(&with(old, new), place, message, advice);
+    for (new, position, message, advice) in cases {
+        check(&with(old, new), position, message, advice);
     }
     let statics = with(
         "[analysis.dynamic]\nto = 1.0\nstep = 0.1\nscheme = { hht = -0.1 }\n",
@@ -381,12 +381,12 @@ fn analyses_and_probes() {
                 "\"joint_force\"\nnode = \"C\"",
             ),
             "",
-            "hangs on no joint",
+            "is attached to no joint",
             "",
         ),
     ];
-    for (text, place, message, advice) in &cases {
-        check(text, place, message, advice);
+    for (text, position, message, advice) in &cases {
+        check(text, position, message, advice);
     }
 }
 
@@ -490,8 +490,8 @@ fn forms_that_the_parser_knows_by_other_words() {
             "another name",
         ),
     ];
-    for (text, place, message, advice) in &cases {
-        check(text, place, message, advice);
+    for (text, position, message, advice) in &cases {
+        check(text, position, message, advice);
     }
 }
 

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{directory, history, number, write};
-use pullback::elements::joint::{Revolute, Sheet};
+use pullback::elements::joint::{LogBranch, Revolute};
 use pullback::input::{BoxedError, InputError};
 use pullback::manifold::map::Kinematics;
 use pullback::prelude::*;
@@ -36,7 +36,7 @@ impl Joint<9> for Bench {
         let normal = Vector3::from(self.first).cross(&Vector3::from(self.second));
         let way = way * S::constant(self.used.scale.unwrap_or(1.0));
         let turn = Quaternion::about(&normal.normalize(), q[8]);
-        Pose::of(q, 0).moved(&way).turned(&turn)
+        Pose::of(q, 0).translated(&way).rotated(&turn)
     }
 
     fn released(&self) -> &'static [Released] {
@@ -110,7 +110,7 @@ quantity = "joint_coordinate"
 joint = "table turn"
 
 [[probes]]
-name = "place"
+name = "position"
 quantity = "position"
 node = "table"
 "#;
@@ -136,8 +136,8 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
         // A mass on a spring, a turntable under a moment, and a way that is driven.
         let left = 0.2 * (5.0 * t).cos();
         assert!((number(row, "left") - left).abs() < 1e-5);
-        assert!((number(row, "place.x") - left).abs() < 1e-5);
-        assert!((number(row, "place.y") - 2.0 * t).abs() < 1e-12);
+        assert!((number(row, "position.x") - left).abs() < 1e-5);
+        assert!((number(row, "position.y") - 2.0 * t).abs() < 1e-12);
         assert!((number(row, "turn") - (t + 0.25 * t * t)).abs() < 1e-9);
     }
     // It is drawn as everything is.
@@ -179,13 +179,13 @@ impl Joint<7> for Halved {
 
     fn kinematics(
         &self,
-        sheet: Sheet,
+        branch: LogBranch,
         t: f64,
         q: &SVector<f64, 7>,
         v: &SVector<f64, 7>,
         a: &SVector<f64, 7>,
     ) -> Option<Kinematics<7, 6>> {
-        let right = self.0.kinematics(sheet, t, q, v, a)?;
+        let right = self.0.kinematics(branch, t, q, v, a)?;
         Some(Kinematics {
             B_dot: right.B_dot * 0.5,
             ..right
@@ -351,15 +351,15 @@ fn what_is_wrong_with_its_keys_is_pointed_at() {
             "",
         ),
     ];
-    for (old, new, place, message, advice) in cases {
+    for (old, new, position, message, advice) in cases {
         let (error, text) = refused(old, new);
         let said = error.to_string();
         assert!(said.contains(message), "{said:?} lacks {message:?}");
         let help = error.problem.advice().unwrap_or_default();
         assert!(help.contains(advice), "{said}: {help:?} lacks {advice:?}");
-        let span = error.span.clone().expect("a place");
+        let span = error.span.clone().expect("a position");
         assert!(
-            text[span.start..].starts_with(place),
+            text[span.start..].starts_with(position),
             "{said}: {:?}",
             &text[span]
         );

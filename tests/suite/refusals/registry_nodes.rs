@@ -10,7 +10,7 @@ struct Pair;
 
 impl Joint<8> for Pair {
     fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        Pose::of(q, 0).moved(&Vector3::new(q[6], q[7], S::zero()))
+        Pose::of(q, 0).translated(&Vector3::new(q[6], q[7], S::zero()))
     }
 }
 
@@ -52,9 +52,9 @@ fn a_node_of_two_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, _: Empty| {
         let ways = format!("{} ways", at.name);
         let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
-        let place = at.builder.place(at.parent).into();
+        let position = at.builder.position(at.parent).into();
         let all = [at.parent, ways];
-        let frame = at.builder.hang(at.name, place, Pair, &all)?;
+        let frame = at.builder.hang(at.name, position, Pair, &all)?;
         let released = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, released })
     });

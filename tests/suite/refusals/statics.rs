@@ -92,8 +92,8 @@ fn a_mechanism_is_told_at_once_and_first() {
             "support it",
         ],
     );
-    let place = said.find("what moves").unwrap();
-    assert!(said.find("pivot").is_none_or(|p| p > place), "{said}");
+    let position = said.find("what moves").unwrap();
+    assert!(said.find("pivot").is_none_or(|p| p > position), "{said}");
     // Halving is of no use, and is not tried.
     assert!(!said.contains("rejected attempts"), "{said}");
 }

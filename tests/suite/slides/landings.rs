@@ -6,7 +6,7 @@ use crate::support::landing::{G, Track};
 use nalgebra::Vector3;
 use pullback::integrators::dynamics::{Progress, Scheme};
 
-/// Largest errors in place and speed of a bead that starts at s with speed v on its way to time `to`.
+/// Largest errors in position and speed of a bead that starts at s with speed v on its way to time `to`.
 fn errors(
     track: &Track,
     scheme: Scheme,
@@ -23,10 +23,10 @@ fn errors(
         let found = model.coordinate(beads[0].arc_length, 0).unwrap();
         worst[0] = worst[0].max((s + found[0] - exact[0]).abs());
         worst[1] = worst[1].max((found[1] - exact[1]).abs());
-        let place = model.node_state(beads[0].frame).place - track.velocity * t;
+        let position = model.node_state(beads[0].frame).position - track.velocity * t;
         assert!(
-            (place - track.at(s + found[0])).norm() < 1e-9,
-            "{place} at {t}"
+            (position - track.at(s + found[0])).norm() < 1e-9,
+            "{position} at {t}"
         );
     });
     (worst, progress)
@@ -48,7 +48,7 @@ fn a_bead_that_turns_near_a_corner_turns_where_it_should() {
     ] {
         let v = (2.0 * G * (height(1.0 + beyond) - height(0.6))).sqrt();
         let (worst, run) = errors(&track, Scheme::default(), [0.6, v], 0.8, h);
-        // A height known to a few units in its last place decides for how long it is on the next side.
+        // A height known to a few units in its last position decides for how long it is on the next side.
         let excursion = 2.0 * (2.0_f64 * 1e-14 / 3.0).sqrt();
         let allowed = 1e-9 + 2.0 * excursion;
         assert!(

@@ -27,22 +27,22 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
     let mut b = ModelBuilder::new();
     b.formulate(formulation);
     let elements = 8;
-    let mut places = vec![Vector3::zeros()];
+    let mut positions = vec![Vector3::zeros()];
     for k in 0..elements {
         let slope = 0.15 * f64::from(k);
-        let last = places[places.len() - 1];
-        places.push(last + Vector3::new(slope.cos(), slope.sin(), 0.0) * 0.25);
+        let last = positions[positions.len() - 1];
+        positions.push(last + Vector3::new(slope.cos(), slope.sin(), 0.0) * 0.25);
     }
-    let nodes = places.iter().enumerate();
+    let nodes = positions.iter().enumerate();
     let nodes: Vec<NodeId> = nodes
-        .map(|(k, place)| b.node(format!("n{k}"), (*place).into()).unwrap())
+        .map(|(k, position)| b.node(format!("n{k}"), (*position).into()).unwrap())
         .collect();
     let section = Section::diagonal(2e3, [1e3; 2], 20.0, [20.0; 2]).unwrap();
     let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(0.02, 0.01, 0.01)));
-    for k in 0..places.len() - 1 {
+    for k in 0..positions.len() - 1 {
         let axis = Straight {
-            from: places[k],
-            to: places[k + 1],
+            from: positions[k],
+            to: positions[k + 1],
             second: None,
             twist: 0.0,
         };
@@ -93,14 +93,14 @@ impl Chain {
         v
     }
 
-    /// Places of all nodes, the way and its rate.
+    /// Positions of all nodes, the way and its rate.
     fn shape(&mut self, state: &State) -> Vec<f64> {
         configure(&mut self.model, state);
-        let places = self.nodes.iter().flat_map(|n| {
-            let place = self.model.node_state(*n).place;
-            [place.x, place.y, place.z]
+        let positions = self.nodes.iter().flat_map(|n| {
+            let position = self.model.node_state(*n).position;
+            [position.x, position.y, position.z]
         });
-        let mut all: Vec<f64> = places.collect();
+        let mut all: Vec<f64> = positions.collect();
         all.extend(&self.model.coordinate(self.bead.arc_length, 0).unwrap()[..2]);
         all
     }

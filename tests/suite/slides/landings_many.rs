@@ -14,7 +14,7 @@ use pullback::integrators::dynamics::{
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-/// Largest errors in place or speed of beads that start at these places with these speeds.
+/// Largest errors in position or speed of beads that start at these positions with these speeds.
 fn worst(
     (model, beads): &mut (Model, Vec<SlideNodes>),
     ways: &[(&Track, [f64; 2])],
@@ -103,7 +103,7 @@ fn ring(rounds: usize) -> (Model, SlideNodes, Track) {
     let once = Track::of(&sides);
     let mut b = ModelBuilder::new();
     let closed = Track {
-        places: once.places[..12].to_vec(),
+        positions: once.positions[..12].to_vec(),
         ..Track::of(&[])
     };
     let nodes = closed.nodes(&mut b, "ring");
@@ -120,7 +120,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     let options = tight(Scheme::default(), 1.6, 0.01);
     let run = observed(&mut model, [&[], &[11.0]], &options, &mut |model, step| {
         let s = model.node_state(bead.frame);
-        energies.push(0.5 * s.velocity.norm_squared() + G * s.place.z);
+        energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
         last = model.coordinate(bead.arc_length, 0).unwrap()[0];
         let exact = track.exact(0.0, 11.0, step.progress.state.t);
         assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
@@ -154,12 +154,12 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
 fn spring(sides: usize) -> (Model, SlideNodes) {
     let length = 4.0 / sides as f64;
-    let place = |k: usize| {
+    let position = |k: usize| {
         let right = (length * 0.8) * k as f64;
         Vector3::new(right, length * 0.6 * (k % 2) as f64, 0.0)
     };
     let track = Track {
-        places: (0..=sides).map(place).collect(),
+        positions: (0..=sides).map(position).collect(),
         ..Track::of(&[])
     };
     let mut b = ModelBuilder::new();

@@ -77,8 +77,8 @@ fn a_mass_on_an_incline_accelerates_uniformly_over_several_elements() {
             assert!((found[0] - way[0]).abs() < 1e-12, "{found:?} at {t}");
             assert!((found[1] - way[1]).abs() < 1e-11, "{found:?} at {t}");
             let s = model.node_state(bead.frame);
-            let place = incline().from + along * (0.2 + way[0]);
-            assert!((s.place - place).norm() < 1e-12);
+            let position = incline().from + along * (0.2 + way[0]);
+            assert!((s.position - position).norm() < 1e-12);
             assert!((s.velocity - along * way[1]).norm() < 1e-11);
             assert!((s.acceleration - along * (0.6 * G)).norm() < 1e-10);
             changes += step.chart_changes;
@@ -112,8 +112,8 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
         model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let [way, rate, second] = drive.at(s.t);
         let found = model.node_state(bead.frame);
-        let place = incline().from + along * (1.4 + way);
-        assert!((found.place - place).norm() < 1e-13);
+        let position = incline().from + along * (1.4 + way);
+        assert!((found.position - position).norm() < 1e-13);
         assert!((found.velocity - along * rate).norm() < 1e-12);
         let exact = (along * second + Vector3::z() * G) * MASS;
         let [force, moment] = model.joint_force(bead.frame).unwrap();
@@ -140,7 +140,7 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     };
     assert_eq!(what, "joint at node bead");
     assert!(*margin <= 0.0);
-    // The run stands at the last place on the chain: half a metre at 0.6 g takes 0.4122 s.
+    // The run stands at the last position on the chain: half a metre at 0.6 g takes 0.4122 s.
     let at_end = (2.0 * 0.5 / (0.6 * G)).sqrt();
     assert!(
         (progress.state.t - at_end).abs() < 1e-4,
@@ -150,7 +150,7 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     assert!((progress.state.q[0] - 0.5).abs() < 1e-3);
 }
 
-/// A place on the circle, the angle from its lowest point.
+/// A position on the circle, the angle from its lowest point.
 fn at(angle: f64) -> Vector3<f64> {
     Vector3::new(angle.sin(), 0.0, 1.0 - angle.cos()) * RADIUS
 }
@@ -176,7 +176,7 @@ fn on_circle(elements: u32) -> (Model, SlideNodes) {
 
 #[test]
 fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
-    // The mass moves all the time: from rest, or where it turns, the slope of a chord in the place
+    // The mass moves all the time: from rest, or where it turns, the slope of a chord in the position
     // of that of the circle would count more than its error in height, which falls with order 2.
     // The error of the steps falls with order 2 as well: they are quartered where elements are halved.
     let rate = 2.0;
@@ -194,7 +194,7 @@ fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
         let v = [rate * RADIUS];
         let progress = observed(&mut model, [&[], &v], &options, &mut |_, _| ());
         configure(&mut model, &progress.state);
-        (model.node_state(bead.frame).place - at(START)).norm()
+        (model.node_state(bead.frame).position - at(START)).norm()
     });
     for slope in slopes(&errors) {
         assert!((slope - 2.0).abs() < 0.15, "{errors:?}");
@@ -212,7 +212,7 @@ fn the_energy_of_a_mass_on_a_circle_of_wire_is_kept() {
         let options = tight(Scheme::default(), to, to / n);
         let run = observed(&mut model, [&[], &[3.0]], &options, &mut |model, _| {
             let s = model.node_state(bead.frame);
-            energies.push(0.5 * s.velocity.norm_squared() + G * s.place.z);
+            energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
         });
         let left = run.summary.chart_changes;
         let change = |e: &f64| (e - energies[0]).abs();

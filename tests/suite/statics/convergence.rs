@@ -10,11 +10,11 @@ use pullback::prelude::*;
 /// each bar) under a load that presses it down, with another node held `far` away.
 fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
     let mut b = ModelBuilder::new();
-    let places = [[-1.0, 0.0, 0.0], [0.0, rise, 0.0], [1.0, 0.0, 0.0]];
+    let positions = [[-1.0, 0.0, 0.0], [0.0, rise, 0.0], [1.0, 0.0, 0.0]];
     let names = ["left", "crown", "right"];
-    let [left, crown, right] = std::array::from_fn(|k| b.node(names[k], places[k]).unwrap());
+    let [left, crown, right] = std::array::from_fn(|k| b.node(names[k], positions[k]).unwrap());
     for (name, ends) in [("bar 1", [left, crown]), ("bar 2", [crown, right])] {
-        let bar = AxialSpring::new(&ends.map(|n| b.place(n)), 1.0, 0.0).unwrap();
+        let bar = AxialSpring::new(&ends.map(|n| b.position(n)), 1.0, 0.0).unwrap();
         b.element(name, bar, &ends).unwrap();
     }
     b.support(left, &Dof::ALL);
@@ -24,7 +24,7 @@ fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
     b.element("mass", PointMass::new(1.0).unwrap(), &[other])
         .unwrap();
     b.support(other, &Dof::ALL);
-    let force = NodalLoad::new(Which::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
+    let force = NodalLoad::new(LoadKind::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
     b.element("load", force, &[crown]).unwrap();
     let mut model = b.build().unwrap();
     let mut found = 0.0;
@@ -82,7 +82,7 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
             b.element(format!("body {name}"), body, &[node]).unwrap();
             node
         });
-        let spring = AxialSpring::new(&masses.map(|n| b.place(n)), k, 0.0).unwrap();
+        let spring = AxialSpring::new(&masses.map(|n| b.position(n)), k, 0.0).unwrap();
         b.element("spring", spring, &masses).unwrap();
         let mut model = b.build().unwrap();
         let n = model.initial().len();
@@ -113,8 +113,8 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let ends = [("a", 0.0), ("b", length)].map(|(name, x)| b.node(name, [x, 0.0, 0.0]).unwrap());
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -130,9 +130,9 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
     };
     let nodes = b.line("rod", &axis, ends, &line).unwrap().nodes;
     for pair in nodes.windows(2) {
-        let places = [b.place(pair[0]), b.place(pair[1])];
+        let positions = [b.position(pair[0]), b.position(pair[1])];
         let weight = [0.0, -9.81 * rho * area, 0.0];
-        let load = LineLoad::new(&places, weight, false, Box::new(Constant(1.0))).unwrap();
+        let load = LineLoad::new(&positions, weight, false, Box::new(Constant(1.0))).unwrap();
         let name = format!("weight of {}", b.node_name(pair[0]));
         b.element(name, load, pair).unwrap();
     }
@@ -190,8 +190,8 @@ fn a_load_on_a_support_measures_nothing() {
         let root = b.node("root", [0.0; 3]).unwrap();
         let tip = b.node("tip", [1.0, 0.0, 0.0]).unwrap();
         let axis = Straight {
-            from: b.place(root),
-            to: b.place(tip),
+            from: b.position(root),
+            to: b.position(tip),
             second: None,
             twist: 0.0,
         };
@@ -203,7 +203,7 @@ fn a_load_on_a_support_measures_nothing() {
         b.line("beam", &axis, [root, tip], &line).unwrap();
         b.support(root, &Dof::ALL);
         for (name, node, force) in [("load", tip, 10.0), ("pressed", root, -pressed)] {
-            let load = NodalLoad::new(Which::DeadForce, [0.0, force, 0.0], Proportional(1.0));
+            let load = NodalLoad::new(LoadKind::DeadForce, [0.0, force, 0.0], Proportional(1.0));
             b.element(name, load, &[node]).unwrap();
         }
         let mut model = b.build().unwrap();

@@ -12,7 +12,7 @@ const LENGTH: f64 = 2.0;
 const EA: f64 = 300.0;
 const EI: f64 = 4.0;
 
-/// The tip of a cantilever along e1 of n elements under a load at its tip: place and rotation.
+/// The tip of a cantilever along e1 of n elements under a load at its tip: position and rotation.
 fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad) -> NodeState {
     let mut b = ModelBuilder::new();
     let section = Section::diagonal(EA, [100.0, 100.0], 3.0, [EI, EI]).unwrap();
@@ -23,8 +23,8 @@ fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad)
         })
         .collect();
     for (i, ends) in nodes.windows(2).enumerate() {
-        let places = [b.place(ends[0]), b.place(ends[1])];
-        let beam = strain_beam(measure, &places, &Matrix3::identity(), &section).unwrap();
+        let positions = [b.position(ends[0]), b.position(ends[1])];
+        let beam = strain_beam(measure, &positions, &Matrix3::identity(), &section).unwrap();
         b.element(format!("e{i}"), beam, ends).unwrap();
     }
     b.support(nodes[0], &Dof::ALL);
@@ -46,7 +46,7 @@ fn bends_into_an_arc<M: StrainMeasure + Copy + 'static>(measure: M) {
     let arc = Vector3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * (LENGTH / angle);
     let mut errors = Vec::new();
     for n in [4, 8, 16] {
-        let load = NodalLoad::new(Which::SpatialMoment, moment, Proportional(1.0));
+        let load = NodalLoad::new(LoadKind::SpatialMoment, moment, Proportional(1.0));
         let state = tip(measure, n, load);
         assert!((state.psi.z - angle).abs() < 1e-9, "{}", state.psi);
         errors.push((state.d + Vector3::x() * LENGTH - arc).norm());
@@ -66,7 +66,8 @@ fn beams_of_both_measures_bend_into_the_same_arc() {
 #[test]
 fn bars_of_the_two_measures_stretch_by_their_laws() {
     let stretch = 1.2;
-    let pull = |force: f64| NodalLoad::new(Which::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
+    let pull =
+        |force: f64| NodalLoad::new(LoadKind::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
     let elongation = (stretch - 1.0) * LENGTH;
     let state = tip(Reissner, 3, pull(EA * (stretch - 1.0)));
     assert!((state.d.x - elongation).abs() < 1e-9, "{}", state.d);
@@ -89,7 +90,7 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
         b.element("mass", PointMass::new(mass).unwrap(), &[planet])
             .unwrap();
         let gravity = Gravity {
-            place: b.place(planet),
+            position: b.position(planet),
             center: Vector3::zeros(),
             mu,
             mass,

@@ -11,8 +11,8 @@ fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Model, NodeId) {
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: builder.place(root),
-        to: builder.place(tip),
+        from: builder.position(root),
+        to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -28,17 +28,17 @@ fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Model, NodeId) {
 }
 
 fn dead(force: [f64; 3]) -> NodalLoad {
-    NodalLoad::new(Which::DeadForce, force, Proportional(1.0))
+    NodalLoad::new(LoadKind::DeadForce, force, Proportional(1.0))
 }
 
 #[test]
 fn follower_forces_and_spatial_moments_converge_quadratically() {
     // Both have nonsymmetric tangents: an error in them would make convergence linear.
     for (which, vector) in [
-        (Which::FollowerForce, [0.3, 1.0, 0.7]),
-        (Which::SpatialMoment, [0.4, 0.9, -0.8]),
-        (Which::FollowerMoment, [0.4, 0.9, -0.8]),
-        (Which::DeadForce, [0.3, 1.0, 0.7]),
+        (LoadKind::FollowerForce, [0.3, 1.0, 0.7]),
+        (LoadKind::SpatialMoment, [0.4, 0.9, -0.8]),
+        (LoadKind::FollowerMoment, [0.4, 0.9, -0.8]),
+        (LoadKind::DeadForce, [0.3, 1.0, 0.7]),
     ] {
         let load = NodalLoad::new(which, vector, Proportional(1.0));
         let (mut model, _) = cantilever(1e3, 10, load);
@@ -102,7 +102,7 @@ fn reactions_balance_the_loads() {
     let reactions = model.reactions();
     assert_eq!(reactions.len(), 1);
     assert_eq!(reactions[0].node, "root");
-    let moment = model.node_state(tip).place.cross(&force);
+    let moment = model.node_state(tip).position.cross(&force);
     assert!((reactions[0].force + force).norm() < 1e-8);
     assert!((reactions[0].moment + moment).norm() < 1e-7);
 }
@@ -152,8 +152,8 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: builder.place(root),
-        to: builder.place(tip),
+        from: builder.position(root),
+        to: builder.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -174,10 +174,10 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     };
     let observe = &mut |model: &mut Model, step: &Step<'_>| {
         let (s, c) = (angle * step.t).sin_cos();
-        let place = model.node_state(tip).place;
+        let position = model.node_state(tip).position;
         assert!(
-            (place - Vector3::new(c, s, 0.0)).norm() < 1e-9,
-            "{} {place}",
+            (position - Vector3::new(c, s, 0.0)).norm() < 1e-9,
+            "{} {position}",
             step.t
         );
         assert!(model.strain_energy(step.t) < 1e-16);
@@ -194,8 +194,8 @@ fn a_mechanism_is_named_before_and_during_the_solution() {
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: builder.place(root),
-        to: builder.place(tip),
+        from: builder.position(root),
+        to: builder.position(tip),
         second: None,
         twist: 0.0,
     };

@@ -50,7 +50,7 @@ fn located_rows_are_where_they_say_whatever_the_step() {
         )
     };
     let (reference, ..) = run("statics_lee", &lee(&analysis(0.05)));
-    let place = |rows: &Rows, event: &str| -> Vec<f64> {
+    let position = |rows: &Rows, event: &str| -> Vec<f64> {
         let row = rows.iter().find(|r| r["event"] == event).unwrap();
         let columns = row.keys().filter(|k| k.starts_with("load point."));
         let mut columns: Vec<&String> = columns.collect();
@@ -66,7 +66,10 @@ fn located_rows_are_where_they_say_whatever_the_step() {
             if let Some(load) = event.strip_prefix("load = ") {
                 let load: f64 = load.parse().unwrap();
                 assert!((number(row, "t") - load).abs() < 2e-9, "{context}");
-                for (x, y) in place(&rows, event).iter().zip(place(&reference, event)) {
+                for (x, y) in position(&rows, event)
+                    .iter()
+                    .zip(position(&reference, event))
+                {
                     // Of a frame of 120.
                     assert!((x - y).abs() < 1e-5, "{context}: {x} for {y}");
                 }

@@ -64,8 +64,8 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [u.length, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: b.place(root),
-        to: b.place(tip),
+        from: b.position(root),
+        to: b.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -84,7 +84,7 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     b.line("beam", &axis, [root, tip], &line).unwrap();
     b.support(root, &Dof::ALL);
     let force = [0.0, 2.0 * u.force, 1.0 * u.force];
-    let load = NodalLoad::new(Which::DeadForce, force, Proportional(1.0));
+    let load = NodalLoad::new(LoadKind::DeadForce, force, Proportional(1.0));
     b.element("load", load, &[tip]).unwrap();
     let mut model = b.build().unwrap();
     let mut end = Vector3::zeros();
@@ -126,8 +126,8 @@ fn swung(u: Units) -> ([f64; 2], usize) {
     let foot = offset(&mut b, "foot", hinge.frame, [0.5 * u.length, 0.0, 0.0]).unwrap();
     let tip = b.node("tip", [1.5 * u.length, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: b.place(foot),
-        to: b.place(tip),
+        from: b.position(foot),
+        to: b.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -166,7 +166,7 @@ fn a_mechanism_of_any_size_moves_alike() {
 }
 
 /// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
-/// place; a mass that is held `far` away where that is not zero.
+/// position; a mass that is held `far` away where that is not zero.
 fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Model, NodeId) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
@@ -196,7 +196,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Model, NodeId) {
     (b.build().unwrap(), hinge.angle)
 }
 
-/// Arms, and places of another part that has nothing to do with them.
+/// Arms, and positions of another part that has nothing to do with them.
 fn arms() -> impl Iterator<Item = (f64, f64)> {
     let arms = [1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e6];
     (arms.into_iter()).flat_map(|arm| [0.0, 1.0, 1e3, 1e9].map(|far| (arm, far)))
@@ -259,13 +259,14 @@ fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
         let turning = length * length;
         let stiffness = [1.0, 1.0, 1.0, turning, turning, turning];
         let K = Matrix6::from_diagonal(&stiffness.into());
-        let places = [Vector3::zeros(); 2];
-        let bushing = Bushing::new(&places, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+        let positions = [Vector3::zeros(); 2];
+        let bushing =
+            Bushing::new(&positions, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
         b.element("bushing", bushing, &[ground, end]).unwrap();
         let moment = [turning, turning, 0.0];
         for (name, which, load) in [
-            ("moment", Which::SpatialMoment, moment),
-            ("force", Which::FollowerForce, [0.0, length, 0.0]),
+            ("moment", LoadKind::SpatialMoment, moment),
+            ("force", LoadKind::FollowerForce, [0.0, length, 0.0]),
         ] {
             let load = NodalLoad::new(which, load, Proportional(1.0));
             b.element(name, load, &[end]).unwrap();

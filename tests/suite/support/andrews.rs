@@ -104,11 +104,11 @@ fn squeezer(map: Loops) -> (Model, NodeId) {
     b.support(ground, &Dof::ALL);
     // Bodies as they lie where all angles are zero.
     let along = |p: [f64; 3], x: f64, y: f64| [p[0] + x, p[1] + y, 0.0];
-    let mut bar = |k: usize, on: NodeId, place: [f64; 3], angle: usize, center: [f64; 2]| {
-        let pin = offset(&mut b, &format!("pin {k}"), on, place).unwrap();
+    let mut bar = |k: usize, on: NodeId, position: [f64; 3], angle: usize, center: [f64; 2]| {
+        let pin = offset(&mut b, &format!("pin {k}"), on, position).unwrap();
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
         let frame = b
-            .hang(format!("K{k}"), place, hinge, &[pin, angles[angle]])
+            .hang(format!("K{k}"), position, hinge, &[pin, angles[angle]])
             .unwrap();
         let J = Matrix3::from_diagonal(&Vector3::new(0.5, 0.5, 1.0)) * INERTIAS[k - 1];
         let body = RigidBody::new(MASSES[k - 1], J, Vector3::new(center[0], center[1], 0.0));
@@ -125,7 +125,7 @@ fn squeezer(map: Loops) -> (Model, NodeId) {
     bar(6, K7, along(A, 0.0, -U), 5, [ZF - FA, 0.0]);
     let end = offset(&mut b, "spring end", K3, along(B, SD, -SC)).unwrap();
     let foot = offset(&mut b, "spring foot", ground, C).unwrap();
-    let spring = AxialSpring::new(&[b.place(end), b.place(foot)], STIFFNESS, 0.0).unwrap();
+    let spring = AxialSpring::new(&[b.position(end), b.position(foot)], STIFFNESS, 0.0).unwrap();
     let spring = spring.with_rest_length(REST).unwrap();
     b.element("spring", spring, &[end, foot]).unwrap();
     b.element(

@@ -17,21 +17,21 @@ pub const CLOSURES: [&str; 3] = [
     "closure = \"penalty\"\npenalty = 1e7",
 ];
 
-pub fn joint(name: &str, kind: &str, master: &str, more: &str) -> String {
-    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{master}\"\n{more}\n")
+pub fn joint(name: &str, kind: &str, parent: &str, more: &str) -> String {
+    format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nparent = \"{parent}\"\n{more}\n")
 }
 
-pub fn hinge(name: &str, master: &str, more: &str) -> String {
+pub fn hinge(name: &str, parent: &str, more: &str) -> String {
     joint(
         name,
         "revolute",
-        master,
+        parent,
         &format!("axis = [0, 0, 1]\n{more}"),
     )
 }
 
-pub fn arm(name: &str, master: &str, place: [f64; 3]) -> String {
-    joint(name, "offset", master, &format!("position = {place:?}"))
+pub fn arm(name: &str, parent: &str, position: [f64; 3]) -> String {
+    joint(name, "offset", parent, &format!("position = {position:?}"))
 }
 
 pub fn body(node: &str) -> String {

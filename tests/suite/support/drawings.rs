@@ -114,7 +114,7 @@ fn numbers(text: &str) -> Vec<f64> {
     words.map(|w| w.parse().unwrap()).collect()
 }
 
-/// Turns places along a drawing's axis into values, by the labels at two ticks.
+/// Turns positions along a drawing's axis into values, by the labels at two ticks.
 fn axis(
     document: &Document<'_>,
     coordinate: &str,
@@ -133,7 +133,7 @@ fn axis(
     let [[p, a], .., [q, b]] = ticks[..] else {
         panic!("{} labels along {coordinate}", ticks.len());
     };
-    move |place| a + (b - a) * (place - p) / (q - p)
+    move |position| a + (b - a) * (position - p) / (q - p)
 }
 
 /// Least and largest value of each line in the first panel of a run's drawing.

@@ -193,7 +193,7 @@ pub fn history<Y: Modelled>(
 
 /// What a node's state consists of, in the fixed frame: nothing here knows of charts.
 pub const QUANTITIES: [&str; 5] = [
-    "place",
+    "position",
     "rotation",
     "velocity",
     "angular velocity",
@@ -206,7 +206,7 @@ pub fn distances(a: &[NodeState], b: &[NodeState]) -> [f64; 5] {
     let mut sum = [0.0; 5];
     for (a, b) in a.iter().zip(b) {
         for (s, d) in sum.iter_mut().zip([
-            (a.place - b.place).norm_squared(),
+            (a.position - b.position).norm_squared(),
             (a.R - b.R).norm_squared(),
             (a.velocity - b.velocity).norm_squared(),
             (a.omega - b.omega).norm_squared(),
@@ -256,7 +256,7 @@ pub fn richardson(n: usize, history: &mut dyn FnMut(usize) -> Vec<NodeState>) ->
     let pairs = medium.iter().zip(&fine);
     pairs
         .map(|(a, b)| NodeState {
-            place: towards(&a.place, &b.place),
+            position: towards(&a.position, &b.position),
             R: b.R + (b.R - a.R) / 3.0,
             velocity: towards(&a.velocity, &b.velocity),
             omega: towards(&a.omega, &b.omega),

@@ -36,14 +36,14 @@ to = 1
 step = 1e-4
 "#;
 
-/// The order of each method and the place of the centre of mass at t = 1.
+/// The order of each method and the position of the centre of mass at t = 1.
 pub fn assert_heavy_top(text: &str, methods: &[(&str, i32)]) {
     // R01: order-8 Runge-Kutta in extended precision.
     let exact = Vector3::new(0.1733439640984, 0.6400885920706, -0.7484907911336);
     let file = input::parse("top.toml", text).unwrap();
     for &(method, order) in methods {
         let method: Method = method.parse().unwrap();
-        let place = |h: f64| -> Vector3<f64> {
+        let position = |h: f64| -> Vector3<f64> {
             let mut job = input::job_in("top.toml", &file, method.formulation()).unwrap();
             let top = job.model.find("top").unwrap();
             let options = tight(method.scheme(), 1.0, h);
@@ -54,7 +54,7 @@ pub fn assert_heavy_top(text: &str, methods: &[(&str, i32)]) {
             });
             axis
         };
-        let runs = [4e-4, 2e-4, 1e-4].map(place);
+        let runs = [4e-4, 2e-4, 1e-4].map(position);
         let errors = runs.map(|x| (x - exact).norm());
         for slope in slopes(&errors) {
             assert!(

@@ -30,7 +30,7 @@ pub fn compared(file: &ModelFile, options: &Options) -> Result<Comparison, Compa
     compare(&make, "model.toml", options, &Watch::NOBODY)
 }
 
-/// Angle and rate of the pendulum from rest at the horizontal, from the lowest place: a quarter turn
+/// Angle and rate of the pendulum from rest at the horizontal, from the lowest position: a quarter turn
 /// of Jacobi's elliptic functions, k = sin 45°, by the descending Landen transformation.
 pub fn pendulum(t: f64) -> [f64; 2] {
     let (k, omega) = (0.5_f64.sqrt(), 9.81_f64.sqrt());
@@ -54,13 +54,13 @@ pub fn pendulum(t: f64) -> [f64; 2] {
     [2.0 * (k * sn).asin(), -2.0 * k * omega * cn]
 }
 
-/// Place and velocity of its bob, which begins at −e1.
+/// Position and velocity of its bob, which begins at −e1.
 pub fn bob(sample: &mut Sample) {
     let [theta, rate] = pendulum(sample.t);
     let (sin, cos) = theta.sin_cos();
     // The node of the joint comes first, then that of the rod.
     let rod = sample.nodes.len() - 1;
-    sample.nodes[rod].place = Vector3::new(-sin, 0.0, -cos);
+    sample.nodes[rod].position = Vector3::new(-sin, 0.0, -cos);
     sample.nodes[rod].velocity = Vector3::new(-cos, 0.0, sin) * rate;
     sample.energy = 0.0;
     sample.gross_energy = 1.0;

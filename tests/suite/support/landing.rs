@@ -12,7 +12,7 @@ pub const G: f64 = 9.81;
 
 /// A polygon of wire in a vertical plane, held or moved with a constant velocity.
 pub struct Track {
-    pub places: Vec<Vector3<f64>>,
+    pub positions: Vec<Vector3<f64>>,
     /// Velocity of all its nodes.
     pub velocity: Vector3<f64>,
 }
@@ -20,25 +20,28 @@ pub struct Track {
 impl Track {
     /// From the origin, side after side: length, and slope against the horizontal (rad, upwards).
     pub fn of(sides: &[[f64; 2]]) -> Self {
-        let mut places = vec![Vector3::zeros()];
+        let mut positions = vec![Vector3::zeros()];
         for [length, slope] in sides {
             let side = Vector3::new(slope.cos(), 0.0, slope.sin()) * *length;
-            places.push(places[places.len() - 1] + side);
+            positions.push(positions[positions.len() - 1] + side);
         }
         let velocity = Vector3::zeros();
-        Self { places, velocity }
+        Self {
+            positions,
+            velocity,
+        }
     }
 
     /// Arc lengths of the corners.
     pub fn corners(&self) -> Vec<f64> {
         let mut s = vec![0.0];
-        for pair in self.places.windows(2) {
+        for pair in self.positions.windows(2) {
             s.push(s[s.len() - 1] + (pair[1] - pair[0]).norm());
         }
         s
     }
 
-    /// Place of arc length s.
+    /// Position of arc length s.
     pub fn at(&self, s: f64) -> Vector3<f64> {
         let corners = self.corners();
         let k = corners
@@ -46,14 +49,14 @@ impl Track {
             .clamp(1, corners.len() - 1)
             - 1;
         let part = (s - corners[k]) / (corners[k + 1] - corners[k]);
-        self.places[k] + (self.places[k + 1] - self.places[k]) * part
+        self.positions[k] + (self.positions[k + 1] - self.positions[k]) * part
     }
 
     /// Its nodes in a model.
     pub fn nodes(&self, b: &mut ModelBuilder, name: &str) -> Vec<NodeId> {
-        let nodes = self.places.iter().enumerate();
+        let nodes = self.positions.iter().enumerate();
         let nodes: Vec<NodeId> = nodes
-            .map(|(k, place)| b.node(format!("{name} {k}"), (*place).into()).unwrap())
+            .map(|(k, position)| b.node(format!("{name} {k}"), (*position).into()).unwrap())
             .collect();
         for &node in &nodes {
             b.support(node, &Dof::ROTATIONS);
@@ -81,7 +84,7 @@ impl Track {
     /// Tangential accelerations of its sides under its weight.
     fn pulls(&self) -> Vec<f64> {
         let rise = |p: &[Vector3<f64>]| (p[1].z - p[0].z) / (p[1] - p[0]).norm();
-        self.places.windows(2).map(|p| -G * rise(p)).collect()
+        self.positions.windows(2).map(|p| -G * rise(p)).collect()
     }
 
     /// Arc length and its rate at time t of a bead that starts at s with rate v: parabolas from corner

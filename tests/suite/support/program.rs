@@ -91,18 +91,18 @@ pub fn refusal(text: &str) -> InputError {
     }
 }
 
-/// Refuses `text` with a message, advice, and a place whose text begins with `place`.
+/// Refuses `text` with a message, advice, and a position whose text begins with `position`.
 #[track_caller]
-pub fn check(text: &str, place: &str, message: &str, advice: &str) {
+pub fn check(text: &str, position: &str, message: &str, advice: &str) {
     let error = refusal(text);
     let said = error.to_string();
     assert!(said.contains(message), "message {said:?} lacks {message:?}");
     let help = error.problem.advice().unwrap_or_default();
     assert!(help.contains(advice), "advice {help:?} lacks {advice:?}");
-    let span = error.span.clone().expect("a place");
+    let span = error.span.clone().expect("a position");
     assert!(
-        text[span.clone()].starts_with(place),
-        "{said}: place {:?} instead of {place:?}",
+        text[span.clone()].starts_with(position),
+        "{said}: position {:?} instead of {position:?}",
         &text[span.start..(span.end + 20).min(text.len())]
     );
     let (line, column) = error.line_column().unwrap();

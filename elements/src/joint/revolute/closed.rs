@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Joint, Revolute, Sheet};
+use super::{Joint, LogBranch, Revolute};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::map::Kinematics;
@@ -29,7 +29,7 @@ fn solve(T_inverse: &Matrix3<f64>, b: SMatrix<f64, 3, 4>) -> SMatrix<f64, 3, 4> 
 /// T_s B = [R_jᵀT_m, e] (\[M04\] (207)) and its two time derivatives, solved for B, Ḃ and B̈.
 pub(super) fn kinematics(
     joint: &Revolute,
-    sheet: Sheet,
+    branch: LogBranch,
     q: &SVector<f64, 7>,
     v: &SVector<f64, 7>,
     a: &SVector<f64, 7>,
@@ -37,7 +37,7 @@ pub(super) fn kinematics(
     let three = |x: &SVector<f64, 7>, k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
     let four = |x: &SVector<f64, 7>| SVector::<f64, 4>::new(x[3], x[4], x[5], x[6]);
     let (psi_m, e) = (three(q, 3), &joint.axis);
-    let psi = sheet.log(&joint.pose(0.0, q).turn);
+    let psi = branch.log(&joint.pose(0.0, q).rotation);
     let [T, T_dot, T_ddot] = tangents(&psi_m, &three(v, 3), &three(a, 3));
     // R_jᵀ turns with −φ̇ about e: P = R_jᵀ, Ṗ = −φ̇ e~ P.
     let P = so3::rotation(&(e * -q[6]));
@@ -88,13 +88,13 @@ pub(super) fn kinematics(
 /// \[M04\] (212).
 pub(super) fn geometric_stiffness(
     joint: &Revolute,
-    sheet: Sheet,
+    branch: LogBranch,
     q: &SVector<f64, 7>,
     f: &Vector6<f64>,
 ) -> SMatrix<f64, 7, 7> {
     let (psi_m, e) = (Vector3::new(q[3], q[4], q[5]), &joint.axis);
     let f = Vector3::new(f[3], f[4], f[5]);
-    let psi = sheet.log(&joint.pose(0.0, q).turn);
+    let psi = branch.log(&joint.pose(0.0, q).rotation);
     let inverse = InverseQuotients::new(psi.norm());
     let T_inverse = so3::T_inverse(&psi, &inverse);
     let y = T_inverse.tr_mul(&f);

@@ -1,35 +1,35 @@
 //! Rotations between the two nodes of a beam, for joints along it.
 
 use crate::beam::Interpolation;
-use crate::joint::Sheet;
+use crate::joint::LogBranch;
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{complement, log_quaternion, quaternion};
 use std::f64::consts::TAU;
 
-/// How a two-node beam interpolates its rotations, and the sheets on which it does so: the beam changes
+/// How a two-node beam interpolates its rotations, and the branches on which it does so: the beam changes
 /// charts by itself, and the coordinates of its nodes may be on others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
     interpolation: Interpolation,
-    sheets: [Sheet; 2],
+    branches: [LogBranch; 2],
 }
 
 impl Between {
-    /// On the sheets of the coordinates.
+    /// On the branches of the coordinates.
     pub fn new(interpolation: Interpolation) -> Self {
-        let sheets = [Sheet::Same; 2];
+        let branches = [LogBranch::Same; 2];
         Self {
             interpolation,
-            sheets,
+            branches,
         }
     }
 
     /// The rotation vector between those of the two nodes: Σ Nᵢ Ψᵢ, or log(R₁ exp(N₂ log(R₁ᵀ R₂))).
     pub fn at<S: Scalar>(&self, ends: [Vector3<S>; 2], shape: [S; 2]) -> Vector3<S> {
-        let [first, last] = [0, 1].map(|k| match self.sheets[k] {
-            Sheet::Same => ends[k],
-            Sheet::Opposite => complement(&ends[k]),
+        let [first, last] = [0, 1].map(|k| match self.branches[k] {
+            LogBranch::Same => ends[k],
+            LogBranch::Opposite => complement(&ends[k]),
         });
         match self.interpolation {
             Interpolation::Total => first * shape[0] + last * shape[1],
@@ -42,22 +42,22 @@ impl Between {
     }
 
     /// Takes the chart in which the larger of the two angles is smaller, as the beam itself has it, or the
-    /// sheets of the coordinates where these are not known; whether that is another one.
+    /// branches of the coordinates where these are not known; whether that is another one.
     pub fn choose(&mut self, psi: Option<[Vector3<f64>; 2]>) -> bool {
-        let before = self.sheets;
-        self.sheets = psi.map_or([Sheet::Same; 2], |psi| {
+        let before = self.branches;
+        self.branches = psi.map_or([LogBranch::Same; 2], |psi| {
             let angle = psi.map(|p| p.norm());
             match quaternion(&psi[0]).dot(&quaternion(&psi[1])) >= 0.0 {
                 true if angle[0].max(angle[1]) > TAU - angle[0].min(angle[1]) => {
-                    [Sheet::Opposite; 2]
+                    [LogBranch::Opposite; 2]
                 }
-                true => [Sheet::Same; 2],
+                true => [LogBranch::Same; 2],
                 false if angle[0].max(TAU - angle[1]) <= angle[1].max(TAU - angle[0]) => {
-                    [Sheet::Same, Sheet::Opposite]
+                    [LogBranch::Same, LogBranch::Opposite]
                 }
-                false => [Sheet::Opposite, Sheet::Same],
+                false => [LogBranch::Opposite, LogBranch::Same],
             }
         });
-        self.sheets != before
+        self.branches != before
     }
 }

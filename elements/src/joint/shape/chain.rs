@@ -1,4 +1,4 @@
-//! Straight lines through places, one of which a joint is on at a time.
+//! Straight lines through positions, one of which a joint is on at a time.
 
 use nalgebra::Vector3;
 use pullback_manifold::scalar::Scalar;
@@ -12,10 +12,10 @@ const HAIR: f64 = 1e-8;
 /// present one; another takes over where u leaves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// The places that the lines connect, and their arc lengths.
-    places: Vec<Vector3<f64>>,
+    /// The positions that the lines connect, and their arc lengths.
+    positions: Vec<Vector3<f64>>,
     lengths: Vec<f64>,
-    /// Where u = 0: arc length from the beginning of the chain, and place.
+    /// Where u = 0: arc length from the beginning of the chain, and position.
     origin: f64,
     start: Vector3<f64>,
     line: usize,
@@ -24,11 +24,11 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// A chain through these places, entered at the arc length `origin`; `None` when there are fewer
-    /// than two places, neighbours coincide, or `origin` is outside the chain.
-    pub fn new(places: &[Vector3<f64>], origin: f64) -> Option<Self> {
+    /// A chain through these positions, entered at the arc length `origin`; `None` when there are fewer
+    /// than two positions, neighbours coincide, or `origin` is outside the chain.
+    pub fn new(positions: &[Vector3<f64>], origin: f64) -> Option<Self> {
         let mut lengths = vec![0.0];
-        for pair in places.windows(2) {
+        for pair in positions.windows(2) {
             let length = (pair[1] - pair[0]).norm();
             if length.is_nan() || length <= 0.0 {
                 return None;
@@ -36,11 +36,11 @@ impl Chain {
             lengths.push(lengths[lengths.len() - 1] + length);
         }
         let end = *lengths.last()?;
-        if places.len() < 2 || !(0.0..=end).contains(&origin) {
+        if positions.len() < 2 || !(0.0..=end).contains(&origin) {
             return None;
         }
         let mut chain = Self {
-            places: places.to_vec(),
+            positions: positions.to_vec(),
             lengths,
             origin,
             start: Vector3::zeros(),
@@ -60,8 +60,8 @@ impl Chain {
     /// From where it is entered to where u is on the present line.
     pub fn way<S: Scalar>(&self, u: S) -> Vector3<S> {
         let [a, b] = self.shape(u);
-        let place = |k: usize| self.places[self.line + k].map(S::constant);
-        place(0) * a + place(1) * b - self.start.map(S::constant)
+        let position = |k: usize| self.positions[self.line + k].map(S::constant);
+        position(0) * a + position(1) * b - self.start.map(S::constant)
     }
 
     /// The present line, from 0.
@@ -71,7 +71,7 @@ impl Chain {
 
     fn line_at(&self, u: f64) -> usize {
         let after = self.lengths.partition_point(|&s| s <= self.origin + u);
-        after.clamp(1, self.places.len() - 1) - 1
+        after.clamp(1, self.positions.len() - 1) - 1
     }
 
     /// The weights of the ends of the present line.
@@ -139,7 +139,7 @@ impl Chain {
 
     /// Says which line takes over next; false, and nothing, where there is no such line.
     pub fn enter(&mut self, line: f64) -> bool {
-        self.next = (0..self.places.len() - 1).find(|k| line == *k as f64);
+        self.next = (0..self.positions.len() - 1).find(|k| line == *k as f64);
         self.next.is_some()
     }
 

@@ -7,7 +7,7 @@ use pullback_manifold::scalar::Scalar;
 use std::f64::consts::FRAC_PI_2;
 
 /// A plane, a cylinder or a sphere through the point where a joint starts, all as seen from the
-/// master's node; e₁ points from the centre to the start, and e₁, e₂, e₃ are orthonormal.
+/// parent's node; e₁ points from the centre to the start, and e₁, e₂, e₃ are orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quadric {
     /// x = start + u e₂ + v e₃, with the normal e₁.

@@ -55,7 +55,7 @@ pub struct Spline {
 }
 
 impl Spline {
-    /// Through `points`, as seen from the master's node, from the parameter `start` on.
+    /// Through `points`, as seen from the parent's node, from the parameter `start` on.
     ///
     /// # Errors
     /// [`SplineError`].

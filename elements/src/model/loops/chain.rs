@@ -11,7 +11,7 @@ use pullback_manifold::system::Kind;
 /// A loop: its two frames, and where their chains meet.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    /// The frame that hangs on the closing joint, and the frame that it is one with.
+    /// The frame that is attached to the closing joint, and the frame that it is one with.
     pub frame: u32,
     pub child: u32,
     /// The frame that carries both chains; none where they end at different ones that are held.
@@ -26,8 +26,8 @@ pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     let mut at = n;
     while let Source::Mapped(d) = &nodes[at as usize].source {
         let frame = |m: &&u32| nodes[**m as usize].is_frame();
-        let mut masters = d.masters().iter().filter(frame);
-        match (masters.next(), masters.next(), d.segments.len()) {
+        let mut parents = d.parents().iter().filter(frame);
+        match (parents.next(), parents.next(), d.segments.len()) {
             (Some(&m), None, 1) => {
                 out.push(m);
                 at = m;
@@ -80,10 +80,10 @@ impl Chain {
         })
     }
 
-    /// Lets the chains go on above their root, to the frame that it hangs on.
+    /// Lets the chains go on above their root, to the frame that it is attached to.
     ///
     /// # Errors
-    /// [`ModelError::LooseLoop`] where it hangs on several.
+    /// [`ModelError::LooseLoop`] where it is attached to several.
     pub(super) fn lengthen(&mut self, nodes: &[Node]) -> Result<(), ModelError> {
         let Some(root) = self.root else { return Ok(()) };
         self.root = upwards(nodes, root).get(1).copied();
@@ -108,7 +108,7 @@ fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
         Source::Own => false,
         Source::Mapped(d) => {
             let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
-            d.segments.len() == 1 && d.masters().iter().all(no_frame)
+            d.segments.len() == 1 && d.parents().iter().all(no_frame)
         }
     }
 }
@@ -122,7 +122,7 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
             continue;
         }
         match &nodes[n as usize].source {
-            Source::Mapped(d) => waiting.extend(d.masters()),
+            Source::Mapped(d) => waiting.extend(d.parents()),
             Source::Own if nodes[n as usize].form != Form::Frame => out.push(n),
             Source::Own => {}
         }
@@ -133,7 +133,7 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
 }
 
 /// Whether the equations of a loop depend on where its root is. They do not where every joint's
-/// pose turns and moves with its master, which is nearly always so.
+/// pose turns and moves with its parent, which is nearly always so.
 pub(super) fn root_matters(
     nodes: &[Node],
     chain: &Chain,

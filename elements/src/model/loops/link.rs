@@ -24,10 +24,10 @@ pub(super) struct Link {
     pub map: Box<dyn Parametrization>,
     /// Where the coordinates come from, and how many there.
     pub reads: Vec<(Read, usize)>,
-    /// The inputs that it depends on, ascending, and for each read the places of those of its source
+    /// The inputs that it depends on, ascending, and for each read the positions of those of its source
     /// among them.
     pub columns: Vec<usize>,
-    pub places: Vec<Vec<usize>>,
+    pub positions: Vec<Vec<usize>>,
     pub n: usize,
     pub d: usize,
     /// Coordinates and their rates, values and theirs.
@@ -66,13 +66,13 @@ impl Link {
             let out = &mut self.all[k];
             out.fill(0.0);
             let mut column = 0;
-            for (&(read, len), places) in self.reads.iter().zip(&self.places) {
+            for (&(read, len), positions) in self.reads.iter().zip(&self.positions) {
                 match read {
                     Read::Nothing => {}
                     Read::Input(_) => {
                         let from = self.own[k][column * n..(column + len) * n].chunks_exact(n);
-                        for (&place, B) in places.iter().zip(from) {
-                            let out = &mut out[place * n..(place + 1) * n];
+                        for (&position, B) in positions.iter().zip(from) {
+                            let out = &mut out[position * n..(position + 1) * n];
                             out.iter_mut().zip(B).for_each(|(o, b)| *o += b);
                         }
                     }
@@ -80,8 +80,8 @@ impl Link {
                         for (inner, &factor) in BINOMIAL[k].iter().enumerate().take(k + 1) {
                             let outer = &self.own[k - inner][column * n..(column + len) * n];
                             let from = before[j].all[inner].chunks_exact(len);
-                            for (&place, B) in places.iter().zip(from) {
-                                let out = &mut out[place * n..(place + 1) * n];
+                            for (&position, B) in positions.iter().zip(from) {
+                                let out = &mut out[position * n..(position + 1) * n];
                                 add_product([n, len], factor, outer, B, out);
                             }
                         }

@@ -1,7 +1,7 @@
 //! Closed loops of joints: frames that are one and the same ([`ModelBuilder::close`]).
 //!
-//! Where the second frame is still free it hangs on the first from now on: an ordinary joint. Where
-//! its coordinates are used up (it hangs on something else, or is held) the two chains of joints
+//! Where the second frame is still free it is attached to the first from now on: an ordinary joint. Where
+//! its coordinates are used up (it is attached to something else, or is held) the two chains of joints
 //! make a loop: the joint coordinates of the loop become the unknowns x of the equations that the
 //! frames coincide ([`Coincide`]), and follow from D coordinates q of their own
 //! ([`Closed`](pullback_manifold::implicit::Closed), \[M04\] (171)–(173)):
@@ -43,10 +43,10 @@ pub(super) const EQUATIONS: [&str; 6] = [
     "the misalignment about e3",
 ];
 
-/// Distance of the places of two frames that are one, relative to the size of the model.
+/// Distance of the positions of two frames that are one, relative to the size of the model.
 const APART: f64 = 1e-9;
 
-/// Two frames that are one: the one that hangs on the closing joint, and its child.
+/// Two frames that are one: the one that is attached to the closing joint, and its child.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closing {
     pub frame: NodeId,
@@ -81,9 +81,9 @@ impl Report {
 }
 
 impl ModelBuilder {
-    /// Makes two frames one and the same: `frame`, which hangs on a joint as a rule, and `child`.
+    /// Makes two frames one and the same: `frame`, which is attached to a joint as a rule, and `child`.
     ///
-    /// A child that is free hangs on the frame from now on. One that hangs on something else, or
+    /// A child that is free is attached to the frame from now on. One that is attached to something else, or
     /// is held, closes a loop: the builder then makes the coordinates of the joints along the loop
     /// follow from as many independent ones as it leaves free, which change in the run where others
     /// become better. [`Model::notes`](super::Model::notes) tells what became of it.
@@ -177,7 +177,7 @@ pub(super) fn close(
             loops.push(closing);
             continue;
         }
-        let apart = a.place - b.place;
+        let apart = a.position - b.position;
         if apart.norm() > APART * length {
             return Err(ModelError::Apart {
                 joint: a.name.clone(),
@@ -185,7 +185,7 @@ pub(super) fn close(
                 gap: apart.norm(),
             });
         }
-        let words = format!("joint {}: {} hangs on it", a.name, b.name);
+        let words = format!("joint {}: {} is attached to it", a.name, b.name);
         reports.push(Report::say(words));
         let same = Hung::new(Offset {
             c: Vector3::zeros(),
@@ -202,7 +202,7 @@ pub(super) fn close(
 /// Where the coordinates of loops would start if maps closed them: node, number and value of each.
 /// Nothing of loops that no map can close, over beams or bodies that fly. Where there are none of
 /// these also the values of coordinates that no loop moves.
-pub(super) fn places(
+pub(super) fn positions(
     nodes: &[Node],
     closings: &[Closing],
     held: &Held<'_>,
@@ -217,21 +217,21 @@ pub(super) fn places(
         return Vec::new();
     }
     let mut known = HashMap::new();
-    let mut places = Vec::new();
+    let mut positions = Vec::new();
     for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
         if copies[n as usize].is_own() {
             if closings.len() == all {
                 let own = wishes.starts.iter().filter(|((node, _), _)| node.0 == n);
-                places.extend(own.map(|(&(_, k), &x)| (n, k, x)));
+                positions.extend(own.map(|(&(_, k), &x)| (n, k, x)));
             }
             continue;
         }
         let Some(x) = value(&copies, n, held, wishes.starts, &mut known) else {
             return Vec::new();
         };
-        places.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
+        positions.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
     }
-    places
+    positions
 }
 
 /// The coordinates of a node at t = 0 with everything free where it starts, as drawn or with its
@@ -257,7 +257,7 @@ fn value(
         }
         Source::Mapped(d) => {
             let mut q = Vec::new();
-            for &m in d.masters() {
+            for &m in d.parents() {
                 q.extend(value(nodes, m, held, starts, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];

@@ -65,8 +65,8 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
     for chain in chains {
         let ends =
             [chain.frame, chain.child].map(|n| add(nodes, n, chain, inputs, &mut tree, &mut made));
-        let place = |n: u32| nodes[n as usize].place;
-        let apart = place(chain.frame) - place(chain.child);
+        let position = |n: u32| nodes[n as usize].position;
+        let apart = position(chain.frame) - position(chain.child);
         closures.push((Coincide { apart }, ends));
     }
     for (between, ends) in closures {
@@ -94,7 +94,7 @@ fn add(
     if let Some(&read) = made.get(&key) {
         return read;
     }
-    let reads = (d.masters().iter())
+    let reads = (d.parents().iter())
         .map(|&m| {
             let read = add(nodes, m, chain, inputs, tree, made);
             (read, nodes[m as usize].dim)
@@ -164,7 +164,7 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     let mut words = String::new();
     for chain in chains {
         let (a, b) = (&nodes[chain.frame as usize], &nodes[chain.child as usize]);
-        let gap = (a.place - b.place).norm();
+        let gap = (a.position - b.position).norm();
         if gap > APART * length {
             words += &format!("; {} and {} were drawn {gap:.3e} apart", a.name, b.name);
         }
@@ -181,7 +181,7 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> 
             let below = path.iter().position(|f| Some(*f) == chain.root);
             let below = &path[..below.unwrap_or(path.len())];
             let reads = |f: &u32| match &nodes[*f as usize].source {
-                Source::Mapped(d) => d.masters().contains(&n),
+                Source::Mapped(d) => d.parents().contains(&n),
                 Source::Own => false,
             };
             below.iter().rev().position(reads)
@@ -269,7 +269,7 @@ pub(super) fn close_set(
     let (count, D) = (kinds.len(), map.freedoms());
     let first = map.independent().and_then(|k| k.first().copied());
     let kind = first.map_or(Kind::Angle, |k| kinds[k]);
-    let mut masters: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
+    let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
     if D > 0 {
         let name = format!("loop of {joints}");
         nodes.push(Node::new(
@@ -278,16 +278,16 @@ pub(super) fn close_set(
             &vec![kind; D],
             Source::Own,
         ));
-        masters.insert(0, nodes.len() as u32 - 1);
+        parents.insert(0, nodes.len() as u32 - 1);
     }
-    if masters.len() > assembly::MAX_NODES {
+    if parents.len() > assembly::MAX_NODES {
         return Err(ModelError::TooManyNodes {
             element: format!("(loop of {joints})"),
-            found: masters.len(),
+            found: parents.len(),
             limit: assembly::MAX_NODES,
         });
     }
-    let all = Dependence::new(Box::new(map), vec![masters], D + p.len());
+    let all = Dependence::new(Box::new(map), vec![parents], D + p.len());
     let source = Source::Mapped(Box::new(all));
     let name = format!("coordinates of {joints}");
     nodes.push(Node::new(name, Form::Coordinates, &kinds, source));

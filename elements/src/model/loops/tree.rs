@@ -15,7 +15,7 @@ use pullback_manifold::system::ChartChanges;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Two frames are one: what frame b sees of the gap to frame a, and twice the vector part of the
-/// quaternion with a positive scalar part that turns b into a: the sheets of the rotation vectors
+/// quaternion with a positive scalar part that turns b into a: the branches of the rotation vectors
 /// do not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::model) struct Coincide {
@@ -26,9 +26,9 @@ pub(in crate::model) struct Coincide {
 impl Map<12, 6> for Coincide {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 12>) -> SVector<S, 6> {
         let (a, b) = (Pose::of(q, 0), Pose::of(q, 6));
-        let back = b.turn.conjugate();
+        let back = b.rotation.conjugate();
         let gap = back.rotate(&(a.d - b.d + self.apart.map(S::constant)));
-        let turn = back.product(&a.turn);
+        let turn = back.product(&a.rotation);
         let turn = turn.v * S::constant(2.0_f64.copysign(turn.w.re()));
         SVector::<S, 6>::new(gap.x, gap.y, gap.z, turn.x, turn.y, turn.z)
     }
@@ -75,9 +75,9 @@ impl Tree {
         let mut columns = sources.concat();
         columns.sort_unstable();
         columns.dedup();
-        let place = |input: &usize| columns.partition_point(|c| c < input);
-        let places = sources.iter().map(|s| s.iter().map(place).collect());
-        let places = places.collect();
+        let position = |input: &usize| columns.partition_point(|c| c < input);
+        let positions = sources.iter().map(|s| s.iter().map(position).collect());
+        let positions = positions.collect();
         let N = columns.len();
         let z = |len: usize| [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
         tree.K.resize(tree.K.len().max(d * d), 0.0);
@@ -87,7 +87,7 @@ impl Tree {
             map,
             reads,
             columns,
-            places,
+            positions,
             n,
             d,
             q: z(d),
@@ -184,18 +184,18 @@ impl Inner {
             let stack = &mut self.stack[..d * columns.len()];
             stack.fill(0.0);
             let mut column = 0;
-            for (&(read, len), places) in link.reads.iter().zip(&link.places) {
+            for (&(read, len), positions) in link.reads.iter().zip(&link.positions) {
                 match read {
                     Read::Nothing => {}
                     Read::Input(_) => {
-                        for (i, &place) in places.iter().enumerate() {
-                            stack[column + i + place * d] += 1.0;
+                        for (i, &position) in positions.iter().enumerate() {
+                            stack[column + i + position * d] += 1.0;
                         }
                     }
                     Read::Link(j) => {
                         let from = before[j].all[0].chunks_exact(len);
-                        for (&place, from) in places.iter().zip(from) {
-                            let at = place * d + column;
+                        for (&position, from) in positions.iter().zip(from) {
+                            let at = position * d + column;
                             stack[at..at + len].copy_from_slice(from);
                         }
                         let B = &link.own[0][column * link.n..];
@@ -237,7 +237,7 @@ impl Parametrization for Tree {
         Box::new(copy)
     }
 
-    /// Each link chooses the sheet of its rotation vector, from the root outwards.
+    /// Each link chooses the branch of its rotation vector, from the root outwards.
     fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
         let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         let mut all = ChartChanges::default();

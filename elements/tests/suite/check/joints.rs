@@ -18,7 +18,7 @@ macro_rules! joint {
         impl Joint<$dim> for $name {
             fn pose<S: Scalar>(&self, _t: S, $q: &SVector<S, $dim>) -> Pose<S> {
                 let (way, turn): Posed<S> = $pose;
-                Pose::of($q, 0).moved(&way).turned(&turn)
+                Pose::of($q, 0).translated(&way).rotated(&turn)
             }
 
             fn released(&self) -> &'static [Released] {
@@ -115,11 +115,11 @@ fn coordinates_released_too_many_and_too_few() {
         check::map(&Hung::new(Superfluous)),
     ];
     for (report, count) in reports.iter().zip([0, 2]) {
-        let (law, places, why) = only(report);
-        assert_eq!((law.as_str(), places.len()), (RELEASED, 1), "{report}");
+        let (law, positions, why) = only(report);
+        assert_eq!((law.as_str(), positions.len()), (RELEASED, 1), "{report}");
         let expected = format!(
             "it takes 7 coordinates, {count} of them by Joint::released: the others must be those of \
-             its masters, six of each"
+             its parents, six of each"
         );
         assert_eq!(why, expected);
     }
@@ -141,11 +141,11 @@ fn a_quaternion_that_is_not_of_unit_length() {
 #[test]
 fn coordinates_without_effect() {
     let report = check::map(&Hung::new(Idle));
-    let (law, places, why) = only(&report);
-    assert_eq!((law.as_str(), places.len()), (MOVES, 8), "{report}");
+    let (law, positions, why) = only(&report);
+    assert_eq!((law.as_str(), positions.len()), (MOVES, 8), "{report}");
     assert_eq!(why, "it does not move with b (coordinate 8) there");
-    let (law, places, why) = only(&check::map(&Hung::new(Turning)));
-    assert_eq!((law.as_str(), places), (MOVES, vec!["0".to_owned()]));
+    let (law, positions, why) = only(&check::map(&Hung::new(Turning)));
+    assert_eq!((law.as_str(), positions), (MOVES, vec!["0".to_owned()]));
     assert_eq!(why, "it does not move with s (coordinate 7) there");
 }
 

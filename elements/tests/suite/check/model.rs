@@ -9,7 +9,7 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::check::{self, Options};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::joint::{offset, revolute, slide, spherical, universal};
-use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, Straight};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::{Constant, Sine};
@@ -40,8 +40,8 @@ fn everything() -> Model {
         ("leg", [corner, tip], 1, section()),
     ] {
         let axis = Straight {
-            from: b.place(ends[0]),
-            to: b.place(ends[1]),
+            from: b.position(ends[0]),
+            to: b.position(ends[1]),
             second: None,
             twist: 0.3,
         };
@@ -74,18 +74,18 @@ fn everything() -> Model {
     let leg = b.find("leg/1").unwrap();
     let runner = slide(&mut b, "runner", &[corner, leg, tip], 0.3).unwrap();
     b.element("runner body", body, &[runner.frame]).unwrap();
-    let places = [tip, root].map(|n| b.place(n));
-    let rope = AxialSpring::new(&places, 4.0, 0.3).unwrap();
+    let positions = [tip, root].map(|n| b.position(n));
+    let rope = AxialSpring::new(&positions, 4.0, 0.3).unwrap();
     b.element("rope", rope, &[tip, root]).unwrap();
-    let places = [far, root].map(|n| b.place(n));
+    let positions = [far, root].map(|n| b.position(n));
     let K = Matrix6::from_diagonal(&[5.0, 6.0, 7.0, 0.5, 0.6, 0.7].into());
-    let mount = Bushing::new(&places, &Matrix3::identity(), &K, &(K * 0.1)).unwrap();
+    let mount = Bushing::new(&positions, &Matrix3::identity(), &K, &(K * 0.1)).unwrap();
     b.element("mount", mount, &[far, root]).unwrap();
     for (which, k) in [
-        (Which::FollowerForce, 0.0),
-        (Which::SpatialMoment, 1.0),
-        (Which::DeadForce, 2.0),
-        (Which::FollowerMoment, 3.0),
+        (LoadKind::FollowerForce, 0.0),
+        (LoadKind::SpatialMoment, 1.0),
+        (LoadKind::DeadForce, 2.0),
+        (LoadKind::FollowerMoment, 3.0),
     ] {
         let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
         b.element(format!("load {k}"), load, &[tip]).unwrap();
@@ -123,8 +123,8 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let root = b.node("root", [5.0 * length, 0.0, 0.0]).unwrap();
         let tip = b.node("tip", [6.0 * length, 0.0, 0.0]).unwrap();
         let axis = Straight {
-            from: b.place(root),
-            to: b.place(tip),
+            from: b.position(root),
+            to: b.position(tip),
             second: None,
             twist: 0.2,
         };
@@ -142,7 +142,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         let J = Matrix3::from_diagonal(&Vector3::new(1.0, 1.5, 2.0)) * (1e-7 * length * length);
         let body = RigidBody::new(1e-6, J, Vector3::zeros()).unwrap();
         b.element("tip mass", body, &[tip]).unwrap();
-        let soft = AxialSpring::new(&[root, tip].map(|n| b.place(n)), 1e-10 * EA, 0.0).unwrap();
+        let soft = AxialSpring::new(&[root, tip].map(|n| b.position(n)), 1e-10 * EA, 0.0).unwrap();
         b.element("soft", soft, &[root, tip]).unwrap();
         let mut model = b.build().unwrap();
         for seed in 0..8 {
@@ -172,7 +172,7 @@ fn the_same_seed_gives_the_same_report_and_states_outside_are_told() {
         )
     );
     // The slide is beyond the end of its chain.
-    let way = model.find("runner way").unwrap();
+    let way = model.find("runner arc_length").unwrap();
     let mut q = vec![0.0; pullback_manifold::system::System::pattern(&model).dim()];
     q[model.unknown_at(way, 0).unwrap()] = 100.0;
     let report = check::model(&mut model, &Options { q, ..options });

@@ -98,15 +98,15 @@ fn body() -> RigidBody {
 /// Three lines with a corner between free bodies, and a body that runs along them; driven or free.
 fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u64) -> Report {
     let mut b = ModelBuilder::new();
-    let places = [[0.0; 3], [1.0, 0.0, 0.0], [1.6, 0.7, 0.0], [2.0, 0.9, 0.5]];
-    let nodes: Vec<NodeId> = (places.iter().enumerate())
-        .map(|(k, place)| b.node(format!("n{k}"), *place).unwrap())
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [1.6, 0.7, 0.0], [2.0, 0.9, 0.5]];
+    let nodes: Vec<NodeId> = (positions.iter().enumerate())
+        .map(|(k, position)| b.node(format!("n{k}"), *position).unwrap())
         .collect();
     for (k, node) in nodes.iter().enumerate() {
         b.element(format!("b{k}"), body(), &[*node]).unwrap();
     }
     let way = b.coordinates("way", &[Kind::Length]).unwrap();
-    let chain = Chain::new(&places.map(Vector3::from), 0.7).unwrap();
+    let chain = Chain::new(&positions.map(Vector3::from), 0.7).unwrap();
     let start = chain.start();
     let map = Along(Slide::new(chain, interpolation), planted);
     let segments: Vec<[NodeId; 3]> = nodes.windows(2).map(|p| [p[0], p[1], way]).collect();

@@ -23,7 +23,7 @@ enum Planted {
     LostFactor,
     /// K_σ of the joint has the other sign.
     SwappedSign,
-    /// The frame does not turn with its master's rotation, but about fixed axes.
+    /// The frame does not turn with its parent's rotation, but about fixed axes.
     FixedAxes,
     /// C of the body is missing: nothing but gyroscopic terms.
     MissingTangent,
@@ -118,8 +118,8 @@ fn report(planted: Planted, seed: u64) -> Report {
     let root = b.node("root", [0.0; 3]).unwrap();
     let tip = b.node("tip", [1.0, 0.2, 0.1]).unwrap();
     let axis = Straight {
-        from: b.place(root),
-        to: b.place(tip),
+        from: b.position(root),
+        to: b.position(tip),
         second: None,
         twist: 0.0,
     };
@@ -129,7 +129,7 @@ fn report(planted: Planted, seed: u64) -> Report {
     };
     b.line("arm", &axis, [root, tip], &beams).unwrap();
     b.support(root, &Dof::ALL);
-    let end = b.place(tip) + Vector3::from(C);
+    let end = b.position(tip) + Vector3::from(C);
     let far = b
         .mapped_node("far", end.into(), Link(planted).boxed(), &[tip])
         .unwrap();
@@ -189,7 +189,7 @@ fn a_lost_factor_in_the_rate_of_the_operator() {
         assert_eq!(block.columns, "rotation of node tip");
         assert!((block.factor - 0.5).abs() < 1e-6, "{block}");
         assert!((block.defect / block.right - 0.5).abs() < 1e-6, "{block}");
-        // 2 Bᵀ M Ḃ of what hangs on the tip.
+        // 2 Bᵀ M Ḃ of what is attached to the tip.
         let row = failure(&report, "model", "C = -dr/dv");
         assert!(row.blocks[0].columns.ends_with("node tip"), "{report}");
         assert!(row.blocks[0].rows.ends_with("node tip"), "{report}");
@@ -246,9 +246,9 @@ fn a_frame_that_does_not_turn_with_its_master() {
         let report = report(Planted::FixedAxes, seed);
         let rows = report.failures().into_iter();
         let failed: Vec<[&str; 2]> = rows.map(|r| [&r.component[..], &r.law[..]]).collect();
-        // A place that depends on a component of Ψ depends on its chart too.
+        // A position that depends on a component of Ψ depends on its chart too.
         let expected = [
-            ["joint far (link)", "frames move rigidly with their masters"],
+            ["joint far (link)", "frames move rigidly with their parents"],
             ["model", "change of charts: forces stay"],
             ["model", "change of charts: motion stays"],
             ["model", "change of charts: energies and powers stay"],
@@ -263,9 +263,12 @@ struct Fixed;
 
 impl Joint<7> for Fixed {
     fn pose<S: Scalar>(&self, _: S, q: &SVector<S, 7>) -> Pose<S> {
-        let master = Pose::of(q, 0);
-        let turn = so3::Quaternion::about(&Vector3::z(), q[6]).product(&master.turn);
-        Pose { turn, ..master }
+        let parent = Pose::of(q, 0);
+        let turn = so3::Quaternion::about(&Vector3::z(), q[6]).product(&parent.rotation);
+        Pose {
+            rotation: turn,
+            ..parent
+        }
     }
 
     fn released(&self) -> &'static [pullback_elements::joint::Released] {
@@ -283,5 +286,5 @@ fn a_joint_with_an_axis_fixed_in_space() {
     let report = check::model(&mut b.build().unwrap(), &Options::default());
     assert_eq!(broken(&report), ["joint hinge (fixed)"], "{report}");
     let laws: Vec<&str> = report.failures().iter().map(|r| r.law.as_str()).collect();
-    assert_eq!(laws, ["frames move rigidly with their masters"]);
+    assert_eq!(laws, ["frames move rigidly with their parents"]);
 }

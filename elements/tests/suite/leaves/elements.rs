@@ -8,7 +8,7 @@ use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
 use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::inertia::Inertia;
-use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::time::{Constant, Sine};
 
@@ -21,7 +21,7 @@ fn sine() -> Sine {
     }
 }
 
-/// Places on a quarter of a helix, equidistant in the parameter.
+/// Positions on a quarter of a helix, equidistant in the parameter.
 fn helix(nodes: usize) -> Vec<Vector3<f64>> {
     (0..nodes)
         .map(|i| {
@@ -97,10 +97,10 @@ fn the_coupling_of_the_model_tests() {
 #[test]
 fn nodal_loads() {
     for which in [
-        Which::DeadForce,
-        Which::FollowerForce,
-        Which::SpatialMoment,
-        Which::FollowerMoment,
+        LoadKind::DeadForce,
+        LoadKind::FollowerForce,
+        LoadKind::SpatialMoment,
+        LoadKind::FollowerMoment,
     ] {
         check::element(&NodalLoad::new(which, [0.8, -1.4, 2.2], sine())).assert();
     }
@@ -246,12 +246,12 @@ fn beams_refuse_rotations_at_the_edge_of_the_chart() {
 #[test]
 fn a_rigid_motion_of_all_nodes_strains_nothing() {
     // With the same Ψ at all nodes the interpolation is exact, and so must be Γ = Rᵀx′ − X′ = 0.
-    let places = helix(4);
-    let beam = Beam::along(&places, &along_helix, &coupled()).unwrap();
+    let positions = helix(4);
+    let beam = Beam::along(&positions, &along_helix, &coupled()).unwrap();
     let psi = Vector3::new(1.4, -2.0, 0.7);
     let R = pullback_manifold::so3::rotation(&psi);
     let mut x = Vec::new();
-    for p in &places {
+    for p in &positions {
         let d = R * p - p + Vector3::new(3.0, -2.0, 1.0);
         x.extend_from_slice(d.as_slice());
         x.extend_from_slice(psi.as_slice());
@@ -270,10 +270,10 @@ fn loads_are_those_of_their_definition() {
         pullback_manifold::so3::tangent(&psi),
     );
     for (which, first, expected) in [
-        (Which::DeadForce, 0, m),
-        (Which::FollowerForce, 0, R * m),
-        (Which::SpatialMoment, 3, T * m),
-        (Which::FollowerMoment, 3, T.transpose() * m),
+        (LoadKind::DeadForce, 0, m),
+        (LoadKind::FollowerForce, 0, R * m),
+        (LoadKind::SpatialMoment, 3, T * m),
+        (LoadKind::FollowerMoment, 3, T.transpose() * m),
     ] {
         let load = NodalLoad::new(which, m.into(), Constant(2.0));
         assert!(load.is_load());
@@ -287,14 +287,15 @@ fn loads_are_those_of_their_definition() {
 
 #[test]
 fn impossible_beams_are_refused_with_their_reason() {
-    let refused = |places: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| match Beam::along(
-        places,
-        frame,
-        &section(),
-    ) {
-        Err(error) => error,
-        Ok(_) => panic!("accepted"),
-    };
+    let refused =
+        |positions: &[Vector3<f64>], frame: &dyn Fn(f64) -> Matrix3<f64>| match Beam::along(
+            positions,
+            frame,
+            &section(),
+        ) {
+            Err(error) => error,
+            Ok(_) => panic!("accepted"),
+        };
     let x = |x: f64| Vector3::new(x, 0.0, 0.0);
     let straight = |_: f64| Matrix3::identity();
     assert_eq!(refused(&[x(0.0)], &straight), BeamError::Nodes(1));
@@ -302,13 +303,13 @@ fn impossible_beams_are_refused_with_their_reason() {
         refused(&[1.0, 2.0, 3.0, 4.0, 5.0].map(x), &straight),
         BeamError::Nodes(5)
     );
-    for places in [
+    for positions in [
         vec![x(1.0), x(1.0)],
         vec![x(1.0), x(1.0), x(2.0)],
         vec![x(0.0), x(1.0), x(0.0)],
         vec![x(0.0), x(1.0), x(1.0), x(2.0)],
     ] {
-        let error = refused(&places, &straight);
+        let error = refused(&positions, &straight);
         assert!(matches!(error, BeamError::ZeroLength { .. }), "{error:?}");
         assert!(error.to_string().contains("its length is zero"), "{error}");
     }

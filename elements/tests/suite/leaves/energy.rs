@@ -13,18 +13,18 @@ use pullback_elements::energy::{
     Reissner, StrainBeam, strain_beam,
 };
 use pullback_elements::inertia::Inertia;
-use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::Sine;
 use pullback_manifold::scalar::Scalar;
 
-fn places() -> [Vector3<f64>; 2] {
+fn positions() -> [Vector3<f64>; 2] {
     [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)]
 }
 
 fn frame() -> Matrix3<f64> {
-    let [a, b] = places();
+    let [a, b] = positions();
     frame_along(&(b - a), Some(&Vector3::new(0.3, 0.2, 0.9)))
 }
 
@@ -50,14 +50,14 @@ fn sections() -> [Section; 4] {
 }
 
 fn reissner(section: &Section) -> StrainBeam<Reissner> {
-    strain_beam(Reissner, &places(), &frame(), section).unwrap()
+    strain_beam(Reissner, &positions(), &frame(), section).unwrap()
 }
 
 #[test]
 fn beams_in_two_measures_obey_the_laws_of_elements() {
     for section in sections() {
         check::element(&reissner(&section)).assert();
-        let other = strain_beam(GreenLagrange, &places(), &frame(), &section).unwrap();
+        let other = strain_beam(GreenLagrange, &positions(), &frame(), &section).unwrap();
         check::element(&other).assert();
     }
 }
@@ -65,20 +65,20 @@ fn beams_in_two_measures_obey_the_laws_of_elements() {
 #[test]
 fn reissners_beam_is_the_one_that_was_derived_by_hand() {
     for section in sections() {
-        let hand = Beam::<2>::new(&places(), &|_| frame(), &section).unwrap();
+        let hand = Beam::<2>::new(&positions(), &|_| frame(), &section).unwrap();
         check::same(&reissner(&section), &hand).assert();
     }
     // Another strain is another beam.
-    let other = strain_beam(GreenLagrange, &places(), &frame(), &section()).unwrap();
+    let other = strain_beam(GreenLagrange, &positions(), &frame(), &section()).unwrap();
     assert!(!check::same(&other, &reissner(&section())).is_ok());
 }
 
 #[test]
 fn impossible_beams_are_refused() {
-    let one = [places()[0]; 2];
+    let one = [positions()[0]; 2];
     let error = strain_beam(Reissner, &one, &frame(), &section()).unwrap_err();
     assert!(matches!(error, BeamError::ZeroLength { .. }));
-    let error = strain_beam(Reissner, &places(), &-frame(), &section()).unwrap_err();
+    let error = strain_beam(Reissner, &positions(), &-frame(), &section()).unwrap_err();
     assert!(matches!(error, BeamError::Orientation { .. }));
 }
 
@@ -98,25 +98,25 @@ fn a_rigid_body_by_its_kinetic_energy() {
 #[test]
 fn springs() {
     let spring = PolynomialSpring {
-        places: places(),
+        positions: positions(),
         rest_length: 1.1,
         k: [3.0],
         c: 0.7,
     };
-    let hand = AxialSpring::new(&places(), 3.0, 0.7).unwrap();
+    let hand = AxialSpring::new(&positions(), 3.0, 0.7).unwrap();
     let hand = hand.with_rest_length(1.1).unwrap();
     check::same(&spring.into_element(), &hand).assert();
     let hardening = PolynomialSpring {
         k: [3.0, -0.4, 0.9],
-        places: spring.places,
+        positions: spring.positions,
         rest_length: 0.8,
         c: 0.3,
     };
     check::element(&hardening.into_element()).assert();
     // e = 2 at l = 2.8: N = 6 − 1.6 + 7.2, U = 6 − 0.4·8/3 + 0.9·4.
     let mut x = [0.0; 12];
-    let along = (places()[1] - places()[0]).normalize();
-    x[6..9].copy_from_slice((along * 2.8 + places()[0] - places()[1]).as_slice());
+    let along = (positions()[1] - positions()[0]).normalize();
+    x[6..9].copy_from_slice((along * 2.8 + positions()[0] - positions()[1]).as_slice());
     let element = hardening.into_element();
     let r = residual(&element, &x).unwrap();
     for k in 0..3 {
@@ -125,7 +125,7 @@ fn springs() {
     }
     let energy = element.energy(&rest(&x));
     assert!((energy - (6.0 - 3.2 / 3.0 + 3.6)).abs() < 1e-13);
-    x[6..9].copy_from_slice((places()[0] - places()[1]).as_slice());
+    x[6..9].copy_from_slice((positions()[0] - positions()[1]).as_slice());
     assert_eq!(
         residual(&element, &x).unwrap_err(),
         ElementError::ZeroLength { length: 0.0 }
@@ -164,13 +164,13 @@ fn a_bushing() {
         let A = Matrix6::from_fn(|i, j| ((6 * i + j) as f64 + seed).sin());
         A * A.transpose() + Matrix6::identity()
     };
-    let [a, b] = places();
+    let [a, b] = positions();
     let joint = ElasticJoint {
         u0: b - a,
         K: full(0.3),
         D: full(1.7),
     };
-    let hand = Bushing::new(&places(), &Matrix3::identity(), &joint.K, &joint.D).unwrap();
+    let hand = Bushing::new(&positions(), &Matrix3::identity(), &joint.K, &joint.D).unwrap();
     let joint = joint.into_element();
     check::element(&joint).assert();
     check::same(&joint, &hand).assert();
@@ -210,7 +210,7 @@ fn a_load_has_its_rate() {
     check::element(&pull).assert();
     let mut x = [0.3; 6];
     x[1] = -0.8;
-    let hand = NodalLoad::new(Which::DeadForce, f.into(), sine);
+    let hand = NodalLoad::new(LoadKind::DeadForce, f.into(), sine);
     let [(r, r_t), (r_hand, r_t_hand)] = [&pull as &dyn Element, &hand].map(|e| loaded(e, &x));
     for k in 0..6 {
         assert!((r[k] - r_hand[k]).abs() < 1e-14, "{r:?}");
@@ -221,7 +221,7 @@ fn a_load_has_its_rate() {
 #[test]
 fn gravity_pulls_with_the_square_of_the_distance() {
     let gravity = Gravity {
-        place: Vector3::new(3.0, 0.0, 4.0),
+        position: Vector3::new(3.0, 0.0, 4.0),
         center: Vector3::zeros(),
         mu: 50.0,
         mass: 2.0,

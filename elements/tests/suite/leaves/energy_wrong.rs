@@ -111,17 +111,17 @@ impl Element for SwappedSign {
 
 #[test]
 fn a_swapped_sign_in_a_geometric_stiffness() {
-    let places = [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)];
-    let spring = AxialSpring::new(&places, 3.0, 0.0).unwrap();
+    let positions = [Vector3::new(0.4, -0.9, 0.2), Vector3::new(1.5, 0.3, -0.4)];
+    let spring = AxialSpring::new(&positions, 3.0, 0.0).unwrap();
     let spring = spring.with_rest_length(1.1).unwrap();
     let twin = PolynomialSpring {
-        places,
+        positions,
         rest_length: 1.1,
         k: [3.0],
         c: 0.0,
     };
     check::same(&spring, &twin.into_element()).assert();
-    let wrong = SwappedSign(spring, places);
+    let wrong = SwappedSign(spring, positions);
     let found = failing(&wrong);
     assert!(found.contains(&"K = -dr/dx".to_owned()), "{found:?}");
     assert_eq!(laws(&check::same(&wrong, &twin.into_element())), ["K"]);

@@ -40,7 +40,7 @@ const DAMPING: Damping = Damping {
 
 /// The two-node geodesic beam by its energies: nothing is shared with the one by hand.
 struct ByEnergy {
-    places: [Vector3<f64>; 2],
+    positions: [Vector3<f64>; 2],
     R0: Matrix3<f64>,
     section: Section,
 }
@@ -51,14 +51,14 @@ fn triple<S: Scalar>(y: &SVector<S, 12>, i: usize) -> Vector3<S> {
 
 impl ByEnergy {
     fn length(&self) -> f64 {
-        (self.places[1] - self.places[0]).norm()
+        (self.positions[1] - self.positions[0]).norm()
     }
 
     /// Strains in the middle, in the section axes.
     fn strains<S: Scalar>(&self, y: &SVector<S, 12>) -> SVector<S, 6> {
         let [d1, psi1, d2, psi2] = [0, 3, 6, 9].map(|i| triple(y, i));
-        let (X, L) = (self.places[1] - self.places[0], self.length());
-        let place = (X.map(S::constant) + d2 - d1) * S::constant(1.0 / L);
+        let (X, L) = (self.positions[1] - self.positions[0], self.length());
+        let position = (X.map(S::constant) + d2 - d1) * S::constant(1.0 / L);
         let between = so3::quaternion(&psi1)
             .conjugate()
             .product(&so3::quaternion(&psi2));
@@ -67,7 +67,7 @@ impl ByEnergy {
             so3::turned(&-psi, a, &TangentQuotients::new(psi.dot(psi)))
         };
         let Gamma =
-            back(&(theta * S::constant(0.5)), &back(&psi1, &place)) - (X / L).map(S::constant);
+            back(&(theta * S::constant(0.5)), &back(&psi1, &position)) - (X / L).map(S::constant);
         // T(θ/2) θ = θ.
         let K = theta * S::constant(1.0 / L);
         let R0 = self.R0.transpose().map(S::constant);
@@ -125,12 +125,15 @@ impl Energies<12> for ByEnergy {
 
 #[test]
 fn the_element_by_hand_is_the_one_by_its_energies() {
-    let places = [Vector3::new(0.2, -0.1, 0.3), Vector3::new(0.9, 0.5, 0.7)];
-    let R0 = frame_along(&(places[1] - places[0]), Some(&Vector3::new(0.1, 0.9, 0.3)));
+    let positions = [Vector3::new(0.2, -0.1, 0.3), Vector3::new(0.9, 0.5, 0.7)];
+    let R0 = frame_along(
+        &(positions[1] - positions[0]),
+        Some(&Vector3::new(0.1, 0.9, 0.3)),
+    );
     for section in [massive(Damping::default()), massive(DAMPING)] {
-        let hand = Beam::<2, Geodesic<2>>::new(&places, &|_| R0, &section).unwrap();
+        let hand = Beam::<2, Geodesic<2>>::new(&positions, &|_| R0, &section).unwrap();
         let energies = ByEnergy {
-            places,
+            positions,
             R0,
             section,
         };
@@ -138,7 +141,7 @@ fn the_element_by_hand_is_the_one_by_its_energies() {
     }
 }
 
-/// Motion of one element's nodes in the fixed frame: place, rotation, their velocities (ẋ, Ω
+/// Motion of one element's nodes in the fixed frame: position, rotation, their velocities (ẋ, Ω
 /// material) and accelerations (ẍ, Ω̇).
 #[derive(Clone)]
 struct Node {
@@ -159,7 +162,7 @@ impl Node {
         }
     }
 
-    /// Coordinates, velocities, accelerations; the rotation vector on the sheet of `near`.
+    /// Coordinates, velocities, accelerations; the rotation vector on the branch of `near`.
     fn coordinates(&self, near: &Vector3<f64>) -> [[Vector3<f64>; 2]; 3] {
         let psi = so3::log_rotation(&self.R, near);
         let T_inverse = so3::tangent_inverse(&psi);
@@ -183,7 +186,7 @@ struct Answer {
     forces: Vec<[Vector3<f64>; 2]>,
 }
 
-/// The element's answer; all rotation vectors on the sheet of `near`, or in the other chart.
+/// The element's answer; all rotation vectors on the branch of `near`, or in the other chart.
 fn answer(element: &dyn Element, nodes: &[Node], near: &Vector3<f64>, other: bool) -> Answer {
     let mut motion = [Vec::new(), Vec::new(), Vec::new()];
     let mut vectors = Vec::new();
@@ -244,7 +247,7 @@ fn gap(a: &Answer, b: &Answer, Q: &Matrix3<f64>) -> f64 {
         compare(s.K, t.K, s.K.norm());
         compare(s.N, t.N, s.N.norm());
         compare(s.M, t.M, s.M.norm());
-        compare(Q * s.place, t.place, 1.0);
+        compare(Q * s.position, t.position, 1.0);
         for k in 0..3 {
             let [e, f] = [s, t].map(|s| s.frame.column(k).into_owned());
             compare(Q * e, f, 1.0);
@@ -282,13 +285,14 @@ fn a_rigid_rotation_or_another_chart_changes_nothing_geodesic() {
     for count in 2..=4 {
         for _ in 0..10 {
             let nodes = nodes(count, &mut random);
-            let places: Vec<_> = nodes.iter().map(|n| n.X).collect();
+            let positions: Vec<_> = nodes.iter().map(|n| n.X).collect();
             let turned: Vec<_> = nodes.iter().map(|n| n.turned(&Q)).collect();
             let wind = |i| {
-                let load = LineLoad::new(&places, [0.3, 1.0, -0.4], true, Box::new(Constant(1.0)));
+                let load =
+                    LineLoad::new(&positions, [0.3, 1.0, -0.4], true, Box::new(Constant(1.0)));
                 load.unwrap().with_interpolation(i)
             };
-            let beam = |i: Interpolation| i.beam(&places, &frame, &massive(DAMPING)).unwrap();
+            let beam = |i: Interpolation| i.beam(&positions, &frame, &massive(DAMPING)).unwrap();
             let elements = |i| -> [Box<dyn Element>; 2] { [beam(i), Box::new(wind(i))] };
             let zero = Vector3::zeros();
             for element in elements(Interpolation::Geodesic) {
@@ -318,7 +322,7 @@ fn a_rigid_rotation_or_another_chart_changes_nothing_geodesic() {
 /// rotation by `turn` makes.
 fn strain_error(interpolation: Interpolation, elements: usize, turn: &Vector3<f64>) -> f64 {
     let Q = so3::rotation(turn);
-    // Rotation and place on the way s of the deformed curve; the reference is straight.
+    // Rotation and position on the way s of the deformed curve; the reference is straight.
     let at = |s: f64| {
         let R = so3::rotation(&Vector3::new(0.9 * s, 0.6 * s * s, 0.8 * s));
         let x = Vector3::new(s.sin(), 1.0 - s.cos(), 0.3 * s * s);
@@ -339,8 +343,8 @@ fn strain_error(interpolation: Interpolation, elements: usize, turn: &Vector3<f6
                 }
             })
             .into();
-        let places: Vec<_> = nodes.iter().map(|n| n.X).collect();
-        let beam = interpolation.beam(&places, &|_| Matrix3::identity(), &coupled());
+        let positions: Vec<_> = nodes.iter().map(|n| n.X).collect();
+        let beam = interpolation.beam(&positions, &|_| Matrix3::identity(), &coupled());
         let beam = beam.unwrap();
         let turned: Vec<_> = nodes.iter().map(|n| n.turned(&Q)).collect();
         let plain = answer(&*beam, &nodes, &Vector3::zeros(), false);
@@ -374,8 +378,8 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     let ends = [[0.0; 3], [1.0, 0.2, 0.1]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -426,9 +430,9 @@ fn at_rest(x: &[f64]) -> Motion<'_> {
 
 #[test]
 fn nodes_may_turn_against_each_other_by_less_than_one_turn() {
-    let places = [Vector3::zeros(), Vector3::x()];
+    let positions = [Vector3::zeros(), Vector3::x()];
     let section = Section::new(Matrix6::identity()).unwrap();
-    let beam = Interpolation::Geodesic.beam(&places, &|_| Matrix3::identity(), &section);
+    let beam = Interpolation::Geodesic.beam(&positions, &|_| Matrix3::identity(), &section);
     let beam = beam.unwrap();
     // Through half a turn without a jump.
     for alpha in [0.0, 1e-9, 1.0, PI - 1e-6, PI, PI + 1e-6, 5.0, TAU - 0.01] {

@@ -41,8 +41,8 @@ fn six(d: [f64; 3], psi: [f64; 3]) -> Vec<f64> {
     [d, psi].concat()
 }
 
-fn pose<J: Joint<D>, const D: usize>(joint: &J, master: &[f64], own: &[f64]) -> Pose<f64> {
-    let q = [master, own].concat();
+fn pose<J: Joint<D>, const D: usize>(joint: &J, parent: &[f64], own: &[f64]) -> Pose<f64> {
+    let q = [parent, own].concat();
     joint.pose(0.0, &SVector::<f64, D>::from_column_slice(&q))
 }
 
@@ -71,31 +71,31 @@ fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
 #[test]
 fn poses_are_what_the_joints_mean() {
     let (d, psi) = ([0.3, -0.2, 0.5], [0.4, 0.9, -0.7]);
-    let master = six(d, psi);
+    let parent = six(d, psi);
     let R = so3::rotation(&Vector3::from(psi));
     let axis = Vector3::new(1.0, -2.0, 0.5).normalize();
     let turn = |angle: f64| so3::rotation(&(axis * angle));
-    let rotation = |p: &Pose<f64>| so3::rotation(&so3::log_quaternion(&p.turn));
+    let rotation = |p: &Pose<f64>| so3::rotation(&so3::log_quaternion(&p.rotation));
     let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-14, "{a} {b}");
 
     let screw = joint::Helical::new(axis.into(), 0.7).unwrap();
     // Three and a quarter turns.
-    let p = pose(&screw, &master, &[3.25 * TAU]);
+    let p = pose(&screw, &parent, &[3.25 * TAU]);
     close(p.d, Vector3::from(d) + R * axis * (3.25 * 0.7));
     assert!((rotation(&p) - R * turn(3.25 * TAU)).norm() < 1e-13);
 
     let both = joint::Cylindrical::new(axis.into()).unwrap();
-    let p = pose(&both, &master, &[0.6, 1.9]);
+    let p = pose(&both, &parent, &[0.6, 1.9]);
     close(p.d, Vector3::from(d) + R * axis * 0.6);
     assert!((rotation(&p) - R * turn(1.9)).norm() < 1e-14);
 
     let slide = joint::Prismatic::new(axis.into()).unwrap();
-    let p = pose(&slide, &master, &[0.6]);
+    let p = pose(&slide, &parent, &[0.6]);
     close(p.d, Vector3::from(d) + R * axis * 0.6);
     assert!((rotation(&p) - R).norm() < 1e-14);
 
     let plane = joint::Planar::new(axis.into(), [1.0, 0.0, 0.0]).unwrap();
-    let p = pose(&plane, &master, &[0.6, -0.4, 1.2]);
+    let p = pose(&plane, &parent, &[0.6, -0.4, 1.2]);
     let moved = R.transpose() * (p.d - Vector3::from(d));
     assert!(moved.dot(&axis).abs() < 1e-15, "it leaves the plane");
     assert!((moved.norm() - 0.6_f64.hypot(0.4)).abs() < 1e-15);
@@ -105,19 +105,19 @@ fn poses_are_what_the_joints_mean() {
     // Tilted shafts meet in a plane that mirrors one into the other: the relative rotation takes
     // the axis a to b, and its vector is along a × b.
     let coupling = joint::ConstantVelocity::new([axis.into(); 2]).unwrap();
-    let p = pose(&coupling, &master, &[0.5, -0.8]);
+    let p = pose(&coupling, &parent, &[0.5, -0.8]);
     let relative = so3::log_rotation(&(R.transpose() * rotation(&p)), &Vector3::zeros());
     assert!(relative.dot(&axis).abs() < 1e-14);
     assert!((relative.norm() - 0.5_f64.hypot(0.8)).abs() < 1e-14);
 
     let cross = joint::Universal::new([axis.into(), [0.0, 0.0, 1.0]]).unwrap();
-    let p = pose(&cross, &master, &[0.7, -2.0]);
+    let p = pose(&cross, &parent, &[0.7, -2.0]);
     let second = so3::rotation(&(Vector3::z() * -2.0));
     assert!((rotation(&p) - R * turn(0.7) * second).norm() < 1e-14);
 
     let on = joint::OnCurve::new(Helix);
     let own = [2.0, 0.1, 0.2, 0.3];
-    let p = pose(&on, &master, &own);
+    let p = pose(&on, &parent, &own);
     let at = |s: f64| Vector3::new(s.cos(), s.sin(), 0.3 * s);
     close(p.d, Vector3::from(d) + R * at(2.0) - at(0.0));
     assert!((rotation(&p) - so3::rotation(&Vector3::new(0.1, 0.2, 0.3))).norm() < 1e-14);
@@ -192,25 +192,28 @@ fn released_coordinates_are_nodes_with_names() {
     let made = universal(&mut b, "u", A, [z, [1.0, 0.0, 0.0]]).unwrap();
     assert_eq!(names(&b, &made), ["u angle 1", "u angle 2"]);
     let made = cylindrical(&mut b, "c", made.frame, z).unwrap();
-    assert_eq!(names(&b, &made), ["c way", "c angle"]);
+    assert_eq!(names(&b, &made), ["c displacement", "c angle"]);
     let made = prismatic(&mut b, "p", made.frame, z).unwrap();
-    assert_eq!(names(&b, &made), ["p way"]);
+    assert_eq!(names(&b, &made), ["p displacement"]);
     let made = planar(&mut b, "q", made.frame, z, [1.0, 0.0, 0.0]).unwrap();
-    assert_eq!(names(&b, &made), ["q way 1", "q way 2", "q angle"]);
+    assert_eq!(
+        names(&b, &made),
+        ["q displacement 1", "q displacement 2", "q angle"]
+    );
     let made = helical(&mut b, "h", made.frame, z, 1.0).unwrap();
     assert_eq!(names(&b, &made), ["h angle"]);
     let made = constant_velocity(&mut b, "v", made.frame, [z; 2]).unwrap();
     assert_eq!(names(&b, &made), ["v tilt 1", "v tilt 2"]);
     let made = on_curve(&mut b, "o", made.frame, Helix).unwrap();
     assert_eq!(names(&b, &made), ["o parameter", "o rotation"]);
-    assert_eq!(b.place(made.frame), Vector3::new(2.0, 2.0, 3.0));
+    assert_eq!(b.position(made.frame), Vector3::new(2.0, 2.0, 3.0));
     let made = on_surface(&mut b, "s", made.frame, Saddle).unwrap();
     assert_eq!(
         names(&b, &made),
         ["s parameter 1", "s parameter 2", "s rotation"]
     );
     let welded = weld(&mut b, "w", made.frame).unwrap();
-    assert_eq!(b.place(welded), b.place(made.frame));
+    assert_eq!(b.position(welded), b.position(made.frame));
 }
 
 #[test]
@@ -254,7 +257,7 @@ fn a_joint_that_forgets_a_coordinate_is_told_so() {
     let mut b = ModelBuilder::new();
     let A = b.node("A", [0.0; 3]).unwrap();
     let error = b.join("w", [0.0; 3], Wrong, &[A]).unwrap_err();
-    let expected = "joint w takes 8 coordinates, but its masters (A) have 6 and `Joint::released` \
+    let expected = "joint w takes 8 coordinates, but its parents (A) have 6 and `Joint::released` \
                     names 1: name there what the joint has of its own, no more and no less";
     assert!(matches!(error, ModelError::Released { .. }), "{error}");
     assert_eq!(error.to_string(), expected);

@@ -16,9 +16,9 @@ fn every_joint_obeys_the_laws_of_a_map() {
     check::map(&Hung::new(Offset { c })).assert();
     check::map(&Hung::new(Revolute::new([1.0, -2.0, 0.5]).unwrap())).assert();
     check::map(&Hung::new(Spherical)).assert();
-    let places = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
+    let positions = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-        let chain = Chain::new(&places, 1.2).unwrap();
+        let chain = Chain::new(&positions, 1.2).unwrap();
         check::map(&Slide::new(chain, interpolation)).assert();
     }
 }
@@ -73,7 +73,7 @@ fn the_revolute_joint_of_the_reference() {
         let f = Vector6::new(0.3, -0.1, 0.8, f[0], f[1], f[2]);
         let K = map.geometric_stiffness(0.0, &seven("q"), &f);
         compare(&row, "K_sigma", &K.fixed_view::<4, 4>(3, 3).into_owned());
-        assert!(joint.pose(0.0, &seven("q")).turn.w > 0.0);
+        assert!(joint.pose(0.0, &seven("q")).rotation.w > 0.0);
     }
 }
 

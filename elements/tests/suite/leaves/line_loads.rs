@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 const FORCE: [f64; 3] = [1.0, -2.0, 4.0];
 
 /// Equidistant nodes along e1.
-fn places(nodes: usize) -> Vec<Vector3<f64>> {
+fn positions(nodes: usize) -> Vec<Vector3<f64>> {
     (0..nodes)
         .map(|i| Vector3::new(1.5 * i as f64 / (nodes - 1) as f64, 0.0, 2.0))
         .collect()
@@ -24,22 +24,22 @@ fn resultant(r: &[f64]) -> [f64; 6] {
 #[test]
 fn a_line_load_adds_up_to_force_times_length() {
     for nodes in 2..=4 {
-        let places = places(nodes);
-        let load = LineLoad::new(&places, FORCE, false, Box::new(Constant(1.0)));
+        let positions = positions(nodes);
+        let load = LineLoad::new(&positions, FORCE, false, Box::new(Constant(1.0)));
         let (r, _) = at_rest(&load.unwrap(), &vec![0.2; 6 * nodes]).unwrap();
         let expected = [1.5, -3.0, 6.0, 0.0, 0.0, 0.0];
         for (sum, f) in resultant(&r).iter().zip(expected) {
             assert!((sum - f).abs() < 1e-14, "{nodes} nodes: {sum} for {f}");
         }
         // The resultant acts at the middle.
-        let arms = places.iter().zip(r.chunks(6));
+        let arms = positions.iter().zip(r.chunks(6));
         let moment: f64 = arms.map(|(p, r)| p.x * r[1]).sum();
         assert!(
             (moment + 3.0 * 0.75).abs() < 1e-14,
             "{nodes} nodes: {moment}"
         );
     }
-    let one = LineLoad::new(&places(2)[..1], FORCE, false, Box::new(Constant(1.0)));
+    let one = LineLoad::new(&positions(2)[..1], FORCE, false, Box::new(Constant(1.0)));
     assert_eq!(one.unwrap_err(), BeamError::Nodes(1));
 }
 
@@ -53,7 +53,7 @@ fn a_follower_line_load_turns_with_a_rigid_rotation() {
     ] {
         for nodes in 2..=4 {
             for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
-                let load = LineLoad::new(&places(nodes), FORCE, true, Box::new(Constant(2.0)));
+                let load = LineLoad::new(&positions(nodes), FORCE, true, Box::new(Constant(2.0)));
                 let load = load.unwrap().with_interpolation(interpolation);
                 let x = [[0.2; 3], psi].concat().repeat(nodes);
                 let (r, _) = at_rest(&load, &x).unwrap();

@@ -13,20 +13,20 @@ fn beam_is_that_of_the_reference() {
     let rows = reference("beam");
     assert_eq!(rows.len(), 3);
     for row in &rows {
-        let places: Vec<Vector3<f64>> = row["nodes"]
+        let positions: Vec<Vector3<f64>> = row["nodes"]
             .as_array()
             .expect("nodes")
             .iter()
             .map(|p| Vector3::from_vec(numbers(p)))
             .collect();
         let length = row["length"].as_f64().expect("number");
-        assert!(((places[1] - places[0]).norm() - length).abs() < 1e-14);
+        assert!(((positions[1] - positions[0]).norm() - length).abs() < 1e-14);
         let R0 = matrix(&row["R0"]);
         let R0 = Matrix3::from_fn(|i, j| R0[(i, j)]);
         let N = numbers(&row["EA_GA2_GA3"]);
         let M = numbers(&row["GJ_EI2_EI3"]);
         let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
-        let beam = Beam::along(&places, &|_| R0, &section).unwrap();
+        let beam = Beam::along(&positions, &|_| R0, &section).unwrap();
         let x = numbers(&row["q"]);
         let at = Motion {
             t: 0.0,
@@ -66,7 +66,7 @@ fn beam_is_that_of_the_reference() {
 #[test]
 fn inertia_of_the_beam_is_that_of_the_reference() {
     for row in &reference("beam") {
-        let places: Vec<Vector3<f64>> = row["nodes"]
+        let positions: Vec<Vector3<f64>> = row["nodes"]
             .as_array()
             .expect("nodes")
             .iter()
@@ -89,7 +89,7 @@ fn inertia_of_the_beam_is_that_of_the_reference() {
         for soft in [1.0, 1e-20] {
             let [N, M] = [&N, &M].map(|c| [0, 1, 2].map(|k| soft * c[k]));
             let section = Section::diagonal(N[0], [N[1], N[2]], M[0], [M[1], M[2]]).unwrap();
-            let beam = Beam::along(&places, &|_| R0, &section.with_mass(A_rho, J)).unwrap();
+            let beam = Beam::along(&positions, &|_| R0, &section.with_mass(A_rho, J)).unwrap();
             let mut r = DVector::zeros(12);
             let [mut K, mut C, mut M] = [(); 3].map(|()| DMatrix::zeros(12, 12));
             let mut out = Response {

@@ -9,7 +9,7 @@ use pullback_elements::spring::{
 };
 use pullback_manifold::so3;
 
-fn places() -> [Vector3<f64>; 2] {
+fn positions() -> [Vector3<f64>; 2] {
     [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
 }
 
@@ -88,7 +88,7 @@ fn impossible_bodies_are_refused_with_their_reason() {
 #[test]
 fn impossible_springs_are_refused_with_their_reason() {
     let message = |r: Result<AxialSpring, SpringError>| r.unwrap_err().to_string();
-    let ends = places();
+    let ends = positions();
     assert_eq!(
         message(AxialSpring::new(&ends, -1.0, 0.0)),
         "the stiffness k must be zero or positive, got -1"
@@ -115,7 +115,7 @@ fn impossible_springs_are_refused_with_their_reason() {
             1.0,
             0.0
         )),
-        "a place must be finite, got inf"
+        "a position must be finite, got inf"
     );
     assert_eq!(
         message(
@@ -166,7 +166,7 @@ fn impossible_springs_are_refused_with_their_reason() {
 fn impossible_bushings_are_refused_with_their_reason() {
     let (none, one) = (Matrix6::zeros(), Matrix6::identity());
     let refused = |axes: &Matrix3<f64>, K: &Matrix6<f64>, D: &Matrix6<f64>| {
-        Bushing::new(&places(), axes, K, D).unwrap_err()
+        Bushing::new(&positions(), axes, K, D).unwrap_err()
     };
     let I = Matrix3::identity();
     assert_eq!(refused(&I, &none, &none), SpringError::Nothing);
@@ -178,7 +178,7 @@ fn impossible_bushings_are_refused_with_their_reason() {
         "the stiffness K must be symmetric, but entries (2, 5) and (5, 2) are 0.5 and 0"
     );
     skewed[(4, 1)] = 0.5;
-    assert!(Bushing::new(&places(), &I, &one, &skewed).is_ok());
+    assert!(Bushing::new(&positions(), &I, &one, &skewed).is_ok());
     for c in [1.5, -1.5] {
         skewed[(1, 4)] = c;
         skewed[(4, 1)] = c;
@@ -208,13 +208,13 @@ fn impossible_bushings_are_refused_with_their_reason() {
                 .contains("must be the columns of a rotation")
         );
     }
-    // A place at infinity.
+    // A position at infinity.
     let far = [Vector3::zeros(), Vector3::new(f64::NAN, 0.0, 0.0)];
     assert_eq!(
         Bushing::new(&far, &I, &one, &none).unwrap_err().to_string(),
-        "a place must be finite, got NaN"
+        "a position must be finite, got NaN"
     );
     // Zero rows are directions without stiffness, in any units.
     let K = Matrix6::from_diagonal(&Vector6::new(1e9, 0.0, 1e9, 1e-6, 0.0, 0.0));
-    assert!(Bushing::new(&places(), &axes(), &K, &none).is_ok());
+    assert!(Bushing::new(&positions(), &axes(), &K, &none).is_ok());
 }

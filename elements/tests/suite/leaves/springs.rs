@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 
 type Vector12 = SVector<f64, 12>;
 
-fn places() -> [Vector3<f64>; 2] {
+fn positions() -> [Vector3<f64>; 2] {
     [Vector3::new(0.2, -0.3, 0.5), Vector3::new(1.1, 0.4, -0.2)]
 }
 
@@ -29,11 +29,11 @@ fn axes() -> Matrix3<f64> {
 }
 
 fn bushing() -> Bushing {
-    Bushing::new(&places(), &axes(), &full(0.3), &full(1.1)).unwrap()
+    Bushing::new(&positions(), &axes(), &full(0.3), &full(1.1)).unwrap()
 }
 
 fn axial() -> AxialSpring {
-    AxialSpring::new(&places(), 3.0, 0.7)
+    AxialSpring::new(&positions(), 3.0, 0.7)
         .unwrap()
         .with_rest_length(0.9)
         .unwrap()
@@ -71,9 +71,9 @@ fn moving<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
 #[test]
 fn springs_obey_the_laws_of_elements() {
     check::element(&axial()).assert();
-    check::element(&AxialSpring::new(&places(), 0.0, 1.3).unwrap()).assert();
+    check::element(&AxialSpring::new(&positions(), 0.0, 1.3).unwrap()).assert();
     check::element(&bushing()).assert();
-    let elastic = Bushing::new(&places(), &axes(), &full(0.3), &Matrix6::zeros()).unwrap();
+    let elastic = Bushing::new(&positions(), &axes(), &full(0.3), &Matrix6::zeros()).unwrap();
     check::element(&elastic).assert();
     let law = CoordinateLaw {
         k: 2.0,
@@ -114,10 +114,10 @@ fn the_kit_finds_a_wrong_dissipation() {
     assert!(failing(-1.0).contains(&"dissipation >= 0".to_owned()));
 }
 
-/// Place, rotation and their rates of one node after the motion of space x → y(t) + Q(t) x, R → Q R,
+/// Position, rotation and their rates of one node after the motion of space x → y(t) + Q(t) x, R → Q R,
 /// Q(t) = R(turn + spin t), by jets at t = 0.
 fn superpose(
-    place: &Vector3<f64>,
+    position: &Vector3<f64>,
     x: &[f64],
     v: &[f64],
     turn: &Vector3<f64>,
@@ -125,7 +125,7 @@ fn superpose(
 ) -> [[f64; 6]; 2] {
     let jet = |v: f64, d: f64| Taylor { v, d, dd: 0.0 };
     let turning = Vector3::from_fn(|i, _| jet(turn[i], spin[i]));
-    let X = place.map(Taylor::<f64>::constant);
+    let X = position.map(Taylor::<f64>::constant);
     let d = Vector3::from_fn(|i, _| jet(x[i], v[i]));
     let psi = Vector3::from_fn(|i, _| jet(x[3 + i], v[3 + i]));
     let shift = Vector3::new(jet(0.3, 0.9), jet(-0.7, 0.2), jet(0.5, -1.1));
@@ -162,9 +162,9 @@ fn springs_turn_with_a_moving_observer() {
         let (x, v): (Vector12, Vector12) = (random.vector(), random.vector());
         let (x, v) = (x.as_slice(), v.as_slice());
         let (mut moved_x, mut moved_v) = ([0.0; 12], [0.0; 12]);
-        for (i, place) in places().iter().enumerate() {
+        for (i, position) in positions().iter().enumerate() {
             let node = 6 * i..6 * i + 6;
-            let [p, w] = superpose(place, &x[node.clone()], &v[node.clone()], &turn, &spin);
+            let [p, w] = superpose(position, &x[node.clone()], &v[node.clone()], &turn, &spin);
             moved_x[node.clone()].copy_from_slice(&p);
             moved_v[node].copy_from_slice(&w);
         }
@@ -197,9 +197,9 @@ fn springs_are_in_equilibrium_with_themselves() {
         let (x, v): (Vector12, Vector12) = (random.vector(), random.vector());
         let r = residual(&*element, x.as_slice(), v.as_slice()).unwrap();
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for (i, place) in places().iter().enumerate() {
+        for (i, position) in positions().iter().enumerate() {
             let [f, m] = spatial(&x.as_slice()[6 * i..], &r.as_slice()[6 * i..]);
-            let at: Vector3<f64> = place + x.fixed_rows::<3>(6 * i);
+            let at: Vector3<f64> = position + x.fixed_rows::<3>(6 * i);
             force += f;
             moment += m + at.cross(&f);
         }
@@ -213,13 +213,13 @@ fn rigid_motions_of_all_nodes_strain_nothing() {
     let still = Vector3::zeros();
     let turn = Vector3::new(1.4, -2.0, 0.7);
     let mut x = [0.0; 12];
-    for (i, place) in places().iter().enumerate() {
-        let [moved, _] = superpose(place, &[0.0; 6], &[0.0; 6], &turn, &still);
+    for (i, position) in positions().iter().enumerate() {
+        let [moved, _] = superpose(position, &[0.0; 6], &[0.0; 6], &turn, &still);
         x[6 * i..6 * i + 6].copy_from_slice(&moved);
     }
     let r = residual(&bushing(), &x, &[]).unwrap();
     assert!(r.amax() < 1e-14, "{r}");
-    let relaxed = AxialSpring::new(&places(), 3.0, 0.7).unwrap();
+    let relaxed = AxialSpring::new(&positions(), 3.0, 0.7).unwrap();
     let r = residual(&relaxed, &x, &[]).unwrap();
     assert!(r.amax() < 1e-14, "{r}");
 }
@@ -247,7 +247,7 @@ fn a_spring_pulls_along_its_line() {
     v[7] = 5.0;
     near(&residual(&spring, &x, &v).unwrap(), [10.8, 14.4, 0.0]);
     assert!((spring.dissipation(&moving(&x, &v)) - 32.0).abs() < 1e-13);
-    // At the place of the first node there is no direction.
+    // At the position of the first node there is no direction.
     let mut x = [0.0; 12];
     x[6..8].copy_from_slice(&[-3.0, -4.0]);
     let error = residual(&spring, &x, &v).unwrap_err();
@@ -287,7 +287,7 @@ fn a_bushing_answers_in_its_axes() {
     // Diagonal stiffness in axes turned by 90° about e3: E1 = e2, E2 = −e1, E3 = e3.
     let turned = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
     let K = Matrix6::from_diagonal(&Vector6::new(10.0, 20.0, 30.0, 1.0, 2.0, 3.0));
-    let b = Bushing::new(&places(), &turned, &K, &Matrix6::zeros()).unwrap();
+    let b = Bushing::new(&positions(), &turned, &K, &Matrix6::zeros()).unwrap();
     let mut x = [0.0; 12];
     x[6..9].copy_from_slice(&[0.1, 0.2, 0.3]);
     let r = residual(&b, &x, &[]).unwrap();
@@ -305,7 +305,7 @@ fn a_bushing_answers_in_its_axes() {
             x[5] += common;
             x[11] += common;
             let c = so3::rotation(&Vector3::new(0.0, 0.0, common));
-            let arm = places()[1] - places()[0];
+            let arm = positions()[1] - positions()[0];
             x[6..9].copy_from_slice((c * arm - arm).as_slice());
             let r = residual(&b, &x, &[]).unwrap();
             assert!((r[11] + 3.0 * angle).abs() < 1e-13, "{r}");
@@ -314,7 +314,7 @@ fn a_bushing_answers_in_its_axes() {
             assert!((energy - 1.5 * angle * angle).abs() < 1e-13);
         }
     }
-    // Both rotation vectors of a node are one place only on their own sides of 2π.
+    // Both rotation vectors of a node are one position only on their own sides of 2π.
     let mut x = [0.0; 12];
     x[5] = -PI;
     x[11] = PI - 1e-4;
@@ -332,7 +332,7 @@ fn a_bushing_without_rotation_is_an_axial_spring_of_any_direction() {
     for k in 0..3 {
         K[(k, k)] = 5.0;
     }
-    let b = Bushing::new(&places(), &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
+    let b = Bushing::new(&positions(), &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
     let mut x = [0.0; 12];
     x[6..12].copy_from_slice(&[0.3, -0.8, 0.5, 0.9, 1.2, -0.4]);
     let r = residual(&b, &x, &[]).unwrap();

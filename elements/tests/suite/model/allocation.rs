@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
 use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
-use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
@@ -21,8 +21,8 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     let root = b.node("root", [0.0; 3]).unwrap();
     let end = b.node("end", [3.0, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: b.place(root),
-        to: b.place(end),
+        from: b.position(root),
+        to: b.position(end),
         second: None,
         twist: 0.2,
     };
@@ -38,52 +38,59 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         stiffness: 0.2,
     };
     let section = coupled().with_mass(2.0, Matrix3::identity());
-    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
-    let frame = frame_along(&(places[1] - places[0]), None);
+    let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
+    let frame = frame_along(&(positions[1] - positions[0]), None);
     for section in [section, section.with_damping(damping).unwrap()] {
         for count in [2, 3] {
-            let beam = Interpolation::Geodesic.beam(&places[..count], &|_| frame, &section);
+            let beam = Interpolation::Geodesic.beam(&positions[..count], &|_| frame, &section);
             let name = format!("geodesic {count} {}", section.damping.mass);
             b.boxed_element(name, beam.unwrap(), &nodes[..count])
                 .unwrap();
         }
     }
     let offset = Offset([0.0, 0.3, 0.4]).boxed();
-    let slave = b
-        .mapped_node("slave", [3.0, 0.3, 0.4], offset, &[end])
+    let dependent = b
+        .mapped_node("dependent", [3.0, 0.3, 0.4], offset, &[end])
         .unwrap();
-    b.element("coupling", Coupling, &[nodes[2], slave]).unwrap();
-    let load = NodalLoad::new(Which::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
-    b.element("load", load, &[slave]).unwrap();
+    b.element("coupling", Coupling, &[nodes[2], dependent])
+        .unwrap();
+    let load = NodalLoad::new(LoadKind::FollowerMoment, [1.0, 2.0, 3.0], Proportional(1.0));
+    b.element("load", load, &[dependent]).unwrap();
     let body = RigidBody::new(2.0, Matrix3::identity(), Vector3::x()).unwrap();
     let weight = body.weight([0.0, 0.0, -9.81], Box::new(Proportional(1.0)));
-    b.element("body", body, &[slave]).unwrap();
-    b.element("weight", weight, &[slave]).unwrap();
-    let ends = [b.place(nodes[1]), b.place(slave)];
+    b.element("body", body, &[dependent]).unwrap();
+    b.element("weight", weight, &[dependent]).unwrap();
+    let ends = [b.position(nodes[1]), b.position(dependent)];
     let spring = AxialSpring::new(&ends, 3.0, 1.0).unwrap();
-    b.element("spring", spring, &[nodes[1], slave]).unwrap();
+    b.element("spring", spring, &[nodes[1], dependent]).unwrap();
     let (axes, one) = (Matrix3::identity(), Matrix6::identity());
     let bushing = Bushing::new(&ends, &axes, &one, &one).unwrap();
-    b.element("bushing", bushing, &[nodes[1], slave]).unwrap();
+    b.element("bushing", bushing, &[nodes[1], dependent])
+        .unwrap();
     let ramp = Table::ramp(0.0, 1.0, 2.0).unwrap();
-    let places = [nodes[0], nodes[1], nodes[2]].map(|n| b.place(n));
-    let wind = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
-    let turning = LineLoad::new(&places, [0.0, 1.0, 0.0], true, Box::new(Proportional(1.0)));
+    let positions = [nodes[0], nodes[1], nodes[2]].map(|n| b.position(n));
+    let wind = LineLoad::new(&positions, [0.0, 1.0, 0.0], true, Box::new(ramp)).unwrap();
+    let turning = LineLoad::new(
+        &positions,
+        [0.0, 1.0, 0.0],
+        true,
+        Box::new(Proportional(1.0)),
+    );
     let turning = turning.unwrap().with_interpolation(Interpolation::Geodesic);
     b.element("wind", wind, &nodes[..3]).unwrap();
     b.element("geodesic wind", turning, &nodes[..3]).unwrap();
     let by_energy = PolynomialSpring {
-        places: ends,
+        positions: ends,
         rest_length: 1.0,
         k: [3.0, 0.5],
         c: 0.2,
     };
-    b.element("energy", by_energy.into_element(), &[nodes[1], slave])
+    b.element("energy", by_energy.into_element(), &[nodes[1], dependent])
         .unwrap();
     let massive = coupled().with_mass(2.0, Matrix3::identity());
     let frame = frame_along(&(ends[1] - ends[0]), None);
     let beam = strain_beam(Reissner, &ends, &frame, &massive).unwrap();
-    b.element("beam", beam, &[nodes[1], slave]).unwrap();
+    b.element("beam", beam, &[nodes[1], dependent]).unwrap();
     b.support(root, &[Dof::X, Dof::Y]);
     for dof in Dof::ROTATIONS {
         b.prescribe(root, dof, Constant(1.0));

@@ -33,11 +33,11 @@ fn model() -> (Model, [NodeId; 3]) {
     }
     let point = PointMass::new(0.7).unwrap();
     b.element("point", point, &[mass]).unwrap();
-    let ends = [first, second].map(|n| b.place(n));
+    let ends = [first, second].map(|n| b.position(n));
     let (K, D) = (Matrix6::identity() * 4.0, Matrix6::identity() * 0.3);
     let bushing = Bushing::new(&ends, &Matrix3::identity(), &K, &D).unwrap();
     b.element("bushing", bushing, &[first, second]).unwrap();
-    let ends = [second, mass].map(|n| b.place(n));
+    let ends = [second, mass].map(|n| b.position(n));
     let spring = AxialSpring::new(&ends, 5.0, 0.4).unwrap();
     b.element("spring", spring, &[second, mass]).unwrap();
     b.support(mass, &Dof::ROTATIONS);

@@ -64,11 +64,11 @@ fn structures_that_can_move_as_rigid_bodies() {
     let (mut b, ends) = simple();
     b.support(ends[0], &Dof::ALL);
     let offset = Offset([0.0, 1.0, 0.0]).boxed();
-    let slave = b
-        .mapped_node("slave", [1.0, 1.0, 0.0], offset, &ends[1..])
+    let dependent = b
+        .mapped_node("dependent", [1.0, 1.0, 0.0], offset, &ends[1..])
         .unwrap();
     let far = b.node("far", [1.0, 2.0, 0.0]).unwrap();
-    beam(&mut b, "second", [slave, far]);
+    beam(&mut b, "second", [dependent, far]);
     assert!(b.build().unwrap().check_supports().is_ok());
 }
 
@@ -190,7 +190,7 @@ fn a_line_makes_nodes_and_elements_in_order() {
     let names: Vec<&str> = made.nodes.iter().map(|&n| b.node_name(n)).collect();
     assert_eq!(names, ["a", "l/1", "l/2", "l/3", "l/4", "l/5", "b"]);
     for (k, &n) in made.nodes.iter().enumerate() {
-        assert_eq!(b.place(n), Vector3::new(k as f64, 0.0, 0.0));
+        assert_eq!(b.position(n), Vector3::new(k as f64, 0.0, 0.0));
     }
     let model = b.build().unwrap();
     assert_eq!(

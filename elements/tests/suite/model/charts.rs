@@ -17,10 +17,10 @@ use std::f64::consts::PI;
 
 const EXACT: f64 = 1e-12;
 
-/// Reference places of five nodes: two elements of order two, or four of order one.
+/// Reference positions of five nodes: two elements of order two, or four of order one.
 const NODES: usize = 5;
 
-fn place(k: usize) -> Vector3<f64> {
+fn position(k: usize) -> Vector3<f64> {
     Vector3::new(0.5 * k as f64, 0.0, 0.0)
 }
 
@@ -40,7 +40,7 @@ fn same(what: &str, a: &Physical, b: &Physical) {
     assert_eq!(a.states.len(), b.states.len());
     for (x, y) in a.states.iter().zip(&b.states) {
         for (name, x, y) in [
-            ("place", x.place, y.place),
+            ("position", x.position, y.position),
             ("Gamma", x.Gamma, y.Gamma),
             ("K", x.K, y.K),
             ("N", x.N, y.N),
@@ -61,7 +61,7 @@ fn same(what: &str, a: &Physical, b: &Physical) {
 }
 
 /// Displacements and rotation vectors: bent, stretched, and turned by θ about e as a whole; `psi` on
-/// the sheet of θ e.
+/// the branch of θ e.
 fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
     let mut e = Vector3::zeros();
     random.direction(1.0, e.as_mut_slice());
@@ -69,9 +69,9 @@ fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
     (0..NODES)
         .map(|k| {
             let bend: Vector3<f64> = random.vector::<3>() * 0.3;
-            let moved = turn * (place(k) + random.vector::<3>() * 0.05);
+            let moved = turn * (position(k) + random.vector::<3>() * 0.05);
             let R = turn * so3::rotation(&bend);
-            [moved - place(k), so3::log_rotation(&R, &(e * theta))]
+            [moved - position(k), so3::log_rotation(&R, &(e * theta))]
         })
         .collect()
 }
@@ -79,11 +79,11 @@ fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
 /// A beam of `NODES` nodes, with inner nodes on a line in the builder's order.
 fn model(order: usize) -> (Model, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
-    let from = b.node("from", place(0).into()).unwrap();
-    let to = b.node("to", place(NODES - 1).into()).unwrap();
+    let from = b.node("from", position(0).into()).unwrap();
+    let to = b.node("to", position(NODES - 1).into()).unwrap();
     let axis = Straight {
-        from: place(0),
-        to: place(NODES - 1),
+        from: position(0),
+        to: position(NODES - 1),
         second: None,
         twist: 0.0,
     };
@@ -152,8 +152,8 @@ fn by_elements(values: &[[Vector3<f64>; 2]], order: usize) -> Physical {
     let frame = frame_along(&Vector3::x(), None);
     for first in (0..NODES - 1).step_by(order) {
         let own = first..=first + order;
-        let places: Vec<Vector3<f64>> = own.clone().map(place).collect();
-        let beam = Beam::along(&places, &|_| frame, &coupled()).unwrap();
+        let positions: Vec<Vector3<f64>> = own.clone().map(position).collect();
+        let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
         let largest = |switch: bool| {
             own.clone()
                 .map(|k| chart(&values[k][1], switch).norm())
@@ -251,7 +251,7 @@ fn changes_of_chart_leave_everything_physical_alone() {
 
 #[test]
 fn the_way_a_node_is_stored_does_not_matter() {
-    // Every second node follows a master that stores the complement: no element can do without a
+    // Every second node follows a parent that stores the complement: no element can do without a
     // change of chart, whatever the angle.
     let mut random = Random::new(22);
     for theta in ANGLES {
@@ -261,18 +261,24 @@ fn the_way_a_node_is_stored_does_not_matter() {
         let mut own = Vec::new();
         let mut beam_nodes = Vec::new();
         for k in 0..NODES {
-            let node = b.node(format!("n{k}"), place(k).into()).unwrap();
+            let node = b.node(format!("n{k}"), position(k).into()).unwrap();
             own.push(node);
             beam_nodes.push(if k % 2 == 1 {
-                b.mapped_node(format!("twin {k}"), place(k).into(), Twin.boxed(), &[node])
-                    .unwrap()
+                b.mapped_node(
+                    format!("twin {k}"),
+                    position(k).into(),
+                    Twin.boxed(),
+                    &[node],
+                )
+                .unwrap()
             } else {
                 node
             });
         }
         let frame = frame_along(&Vector3::x(), None);
         for k in 0..NODES - 1 {
-            let beam = Beam::along(&[place(k), place(k + 1)], &|_| frame, &coupled()).unwrap();
+            let beam =
+                Beam::along(&[position(k), position(k + 1)], &|_| frame, &coupled()).unwrap();
             b.boxed_element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
                 .unwrap();
         }
@@ -343,9 +349,9 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
     // In the plane: RX and RY are held at zero, and stay so under the change.
     let build = |held: Box<dyn TimeFunction>| {
         let mut b = ModelBuilder::new();
-        let ends = [0, 1].map(|k| b.node(format!("n{k}"), place(k).into()).unwrap());
+        let ends = [0, 1].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
         let frame = frame_along(&Vector3::x(), None);
-        let beam = Beam::along(&[place(0), place(1)], &|_| frame, &coupled()).unwrap();
+        let beam = Beam::along(&[position(0), position(1)], &|_| frame, &coupled()).unwrap();
         b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
         b.prescribe_boxed(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
@@ -391,11 +397,11 @@ fn reactions(angle: f64, changes: usize) {
     let Gamma = Vector3::new(0.1, 0.05, -0.02);
     let g = Vector3::x() + Gamma;
     let (mut b, C) = (ModelBuilder::new(), coupled().C);
-    let nodes = [0, 1, 2].map(|k| b.node(format!("n{k}"), place(k).into()).unwrap());
-    let displaced = |k: usize| R * g * place(k).x - place(k);
+    let nodes = [0, 1, 2].map(|k| b.node(format!("n{k}"), position(k).into()).unwrap());
+    let displaced = |k: usize| R * g * position(k).x - position(k);
     for k in 0..2 {
-        let places = [place(k), place(k + 1)];
-        let beam = Beam::along(&places, &|_| Matrix3::identity(), &coupled()).unwrap();
+        let positions = [position(k), position(k + 1)];
+        let beam = Beam::along(&positions, &|_| Matrix3::identity(), &coupled()).unwrap();
         b.boxed_element(format!("beam {k}"), beam, &nodes[k..k + 2])
             .unwrap();
         for i in 0..3 {

@@ -13,10 +13,10 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     // Between rotations about two axes the interpolated one depends on the chart, and with it strains
     // and energy: by the square of the angle between the nodes, 0.1.
     let mut b = ModelBuilder::new();
-    let places = [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)];
-    let ends = [0, 1].map(|k| b.node(format!("n{k}"), places[k].into()).unwrap());
+    let positions = [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)];
+    let ends = [0, 1].map(|k| b.node(format!("n{k}"), positions[k].into()).unwrap());
     let frame = frame_along(&Vector3::x(), None);
-    let beam = Beam::along(&places, &|_| frame, &coupled()).unwrap();
+    let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
     b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
     let mut m = b.build().unwrap();
     let turned = |angle: f64| {

@@ -7,7 +7,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::constant_velocity;
-use pullback_elements::load::{NodalLoad, Which};
+use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Model, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
 use pullback_manifold::implicit::{Choice, Implicit, Solved};
@@ -46,7 +46,7 @@ fn nodes_that_cannot_be() {
     );
     assert_eq!(b.find("a"), Ok(a));
     assert_eq!(
-        (b.node_name(a), b.place(a)),
+        (b.node_name(a), b.position(a)),
         ("a", Vector3::new(1.0, 2.0, 3.0))
     );
     says(b.find("x"), "there is no node x; known nodes: a, b");
@@ -78,8 +78,8 @@ fn elements_that_do_not_fit() {
         "element stray refers to a node of another model builder",
     );
     says(
-        b.mapped_node("slave", [0.0; 3], Twin.boxed(), &[foreign]),
-        "joint at node slave refers to a node of another model builder",
+        b.mapped_node("dependent", [0.0; 3], Twin.boxed(), &[foreign]),
+        "joint at node dependent refers to a node of another model builder",
     );
     b.prescribe(foreign, Dof::X, Constant(0.0));
     says(
@@ -92,20 +92,20 @@ fn elements_that_do_not_fit() {
 fn joints_that_do_not_fit() {
     let (mut b, ends) = simple();
     says(
-        b.mapped_node("slave", [0.0; 3], Twin.boxed(), &ends),
-        "the map of the joint at node slave takes 6 coordinates to 6, but it must take the 12 of \
-         its masters (a, b) to 6",
+        b.mapped_node("dependent", [0.0; 3], Twin.boxed(), &ends),
+        "the map of the joint at node dependent takes 6 coordinates to 6, but it must take the 12 of \
+         its parents (a, b) to 6",
     );
-    let slave = b
-        .mapped_node("slave", [0.0; 3], Twin.boxed(), &ends[..1])
+    let dependent = b
+        .mapped_node("dependent", [0.0; 3], Twin.boxed(), &ends[..1])
         .unwrap();
-    b.support(slave, &[Dof::RY]);
-    let load = NodalLoad::new(Which::DeadForce, [1.0; 3], Constant(1.0));
-    b.element("load", load, &[slave]).unwrap();
+    b.support(dependent, &[Dof::RY]);
+    let load = NodalLoad::new(LoadKind::DeadForce, [1.0; 3], Constant(1.0));
+    b.element("load", load, &[dependent]).unwrap();
     says(
         b.build(),
-        "node slave, rotation about e2 follows from other nodes through a joint and cannot be \
-         prescribed; prescribe a coordinate of its masters a",
+        "node dependent, rotation about e2 follows from other nodes through a joint and cannot be \
+         prescribed; prescribe a coordinate of its parents a",
     );
 }
 
@@ -132,7 +132,7 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
         (
             Choice::Fixed,
             "bead x follows from other nodes through a joint and cannot be prescribed; \
-             prescribe a coordinate of its masters q",
+             prescribe a coordinate of its parents q",
         ),
     ];
     for (choice, message) in cases {
@@ -229,7 +229,7 @@ fn supports_that_cannot_be() {
 fn nodes_that_nothing_holds_on_to() {
     let (mut b, _) = simple();
     let lost = b.node("lost", [5.0; 3]).unwrap();
-    let load = NodalLoad::new(Which::DeadForce, [1.0; 3], Constant(1.0));
+    let load = NodalLoad::new(LoadKind::DeadForce, [1.0; 3], Constant(1.0));
     b.element("load", load, &[lost]).unwrap();
     says(
         b.build(),
@@ -237,12 +237,12 @@ fn nodes_that_nothing_holds_on_to() {
     );
     let (mut b, ends) = simple();
     let offset = Offset([0.0, 1.0, 0.0]).boxed();
-    let slave = b
-        .mapped_node("slave", [1.0, 1.0, 0.0], offset, &ends[1..])
+    let dependent = b
+        .mapped_node("dependent", [1.0, 1.0, 0.0], offset, &ends[1..])
         .unwrap();
-    // A load alone is what an offset is for, or nothing at all: a place to look at.
-    let load = || NodalLoad::new(Which::DeadForce, [1.0, 2.0, 4.0], Constant(1.0));
-    b.element("load", load(), &[slave]).unwrap();
+    // A load alone is what an offset is for, or nothing at all: a position to look at.
+    let load = || NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 4.0], Constant(1.0));
+    b.element("load", load(), &[dependent]).unwrap();
     let mut model = b.build().unwrap();
     let n = model.pattern().dim();
     assert_eq!(n, 12);
@@ -254,10 +254,10 @@ fn nodes_that_nothing_holds_on_to() {
         a: &[],
     };
     model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-    // The force and its moment c × f about the master, c = (0, 1, 0).
+    // The force and its moment c × f about the parent, c = (0, 1, 0).
     assert_eq!(r[6..], [1.0, 2.0, 4.0, 4.0, 0.0, -1.0]);
     let (mut b, ends) = simple();
-    b.mapped_node("slave", [1.0, 1.0, 0.0], Twin.boxed(), &ends[1..])
+    b.mapped_node("dependent", [1.0, 1.0, 0.0], Twin.boxed(), &ends[1..])
         .unwrap();
     b.build().unwrap();
 }
@@ -324,17 +324,17 @@ fn points_outside_a_domain_are_refused_by_name() {
          element or a load has no value or derivative there (`check` names it)"
     );
     let (mut b, ends) = simple();
-    let slave = b
-        .mapped_node("slave", [1.0, 0.0, 0.0], Bounded.boxed(), &ends[1..])
+    let dependent = b
+        .mapped_node("dependent", [1.0, 0.0, 0.0], Bounded.boxed(), &ends[1..])
         .unwrap();
-    b.element("idle", Idle(6), &[slave]).unwrap();
+    b.element("idle", Idle(6), &[dependent]).unwrap();
     let mut model = b.build().unwrap();
     let mut q = vec![0.0; 12];
     assert_eq!(evaluate(&mut model, &q), "fine");
     q[6] = 1.5;
     assert_eq!(
         evaluate(&mut model, &q),
-        "joint at node slave left the domain of its chart (it moved or turned too far at once): take \
+        "joint at node dependent left the domain of its chart (it moved or turned too far at once): take \
          smaller steps"
     );
 }

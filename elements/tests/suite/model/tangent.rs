@@ -4,7 +4,7 @@
 
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::load::{LineLoad, NodalLoad, Which};
+use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
 use pullback_manifold::check::{self, Random, State, dense};
@@ -27,8 +27,8 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
     let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
     let tip = b.node("tip", [1.0, 1.0, 0.5]).unwrap();
     let straight = |b: &ModelBuilder, from, to| Straight {
-        from: b.place(from),
-        to: b.place(to),
+        from: b.position(from),
+        to: b.position(to),
         second: None,
         twist: 0.3,
     };
@@ -45,17 +45,17 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
         .line("leg", &axis, [corner, tip], &line(2, 1, section()))
         .unwrap();
     for (which, k) in [
-        (Which::FollowerForce, 0.0),
-        (Which::SpatialMoment, 1.0),
-        (Which::DeadForce, 2.0),
-        (Which::FollowerMoment, 3.0),
+        (LoadKind::FollowerForce, 0.0),
+        (LoadKind::SpatialMoment, 1.0),
+        (LoadKind::DeadForce, 2.0),
+        (LoadKind::FollowerMoment, 3.0),
     ] {
         let load = NodalLoad::new(which, [1.0 + k, -2.0, 0.5 * k], sine(1.0 + k));
         b.element(format!("load {k}"), load, &[tip]).unwrap();
     }
     let own = [leg.nodes[0], leg.nodes[1]];
-    let places = own.map(|n| b.place(n));
-    let wind = LineLoad::new(&places, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let positions = own.map(|n| b.position(n));
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
     b.element("wind", wind, &own).unwrap();
     [root, corner, tip]
 }
@@ -160,14 +160,14 @@ fn a_rotation_driven_past_a_turn() {
 
 #[test]
 fn nodes_that_follow_through_maps() {
-    // The leg hangs on the corner by an offset that grows with time; the tip follows two masters.
+    // The leg is attached to the corner by an offset that grows with time; the tip follows two parents.
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let corner = b.node("corner", [1.0, 0.0, 0.0]).unwrap();
     let angle = b.coordinates("angle", &[Kind::Angle]).unwrap();
     let offset = Offset([0.0, 0.3, 0.4]).boxed();
-    let slave = b
-        .mapped_node("slave", [1.0, 0.3, 0.4], offset, &[corner])
+    let dependent = b
+        .mapped_node("dependent", [1.0, 0.3, 0.4], offset, &[corner])
         .unwrap();
     let tip = b.node("tip", [1.0, 1.0, 1.0]).unwrap();
     let pin = b
@@ -176,14 +176,14 @@ fn nodes_that_follow_through_maps() {
     let far = b.node("far", [-1.0, 0.5, 1.0]).unwrap();
     for (name, ends) in [
         ("arm", [root, corner]),
-        ("leg", [slave, tip]),
+        ("leg", [dependent, tip]),
         ("hand", [pin, far]),
-        // Slave and master in one element: their blocks meet.
-        ("brace", [corner, slave]),
+        // Slave and parent in one element: their blocks meet.
+        ("brace", [corner, dependent]),
     ] {
         let axis = Straight {
-            from: b.place(ends[0]),
-            to: b.place(ends[1]),
+            from: b.position(ends[0]),
+            to: b.position(ends[1]),
             second: None,
             twist: 0.0,
         };
@@ -195,10 +195,10 @@ fn nodes_that_follow_through_maps() {
         b.line(name, &axis, ends, &line).unwrap();
     }
     // Residuals that depend on velocities and accelerations, symmetric in nothing.
-    b.element("coupling", Coupling, &[slave, pin]).unwrap();
+    b.element("coupling", Coupling, &[dependent, pin]).unwrap();
     b.element("coupling 2", Coupling, &[corner, tip]).unwrap();
-    let load = NodalLoad::new(Which::FollowerForce, [1.0, -2.0, 0.5], sine(1.0));
-    b.element("load", load, &[slave]).unwrap();
+    let load = NodalLoad::new(LoadKind::FollowerForce, [1.0, -2.0, 0.5], sine(1.0));
+    b.element("load", load, &[dependent]).unwrap();
     b.support(root, &Dof::ALL);
     b.prescribe(corner, Dof::RZ, sine(0.4));
     b.prescribe(corner, Dof::X, sine(0.2));
@@ -214,8 +214,8 @@ fn chain(count: usize) -> (Model, Vec<NodeId>) {
     let from = b.node("0", [0.0; 3]).unwrap();
     let to = b.node("end", [count as f64, 0.0, 0.0]).unwrap();
     let axis = Straight {
-        from: b.place(from),
-        to: b.place(to),
+        from: b.position(from),
+        to: b.position(to),
         second: None,
         twist: 0.0,
     };
@@ -228,8 +228,8 @@ fn chain(count: usize) -> (Model, Vec<NodeId>) {
     for pair in nodes.windows(2) {
         b.element("coupling", Coupling, pair).unwrap();
     }
-    let places = [b.place(nodes[0]), b.place(nodes[1])];
-    let wind = LineLoad::new(&places, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
+    let positions = [b.position(nodes[0]), b.position(nodes[1])];
+    let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
     b.element("wind", wind, &nodes[..2]).unwrap();
     (b.build().unwrap(), nodes)
 }
@@ -258,18 +258,18 @@ fn nodes_astride_pi() {
 
 #[test]
 fn mapped_nodes_stored_in_the_other_chart() {
-    // Twin stores the complement of its master's rotation: elements must change charts of nodes
+    // Twin stores the complement of its parent's rotation: elements must change charts of nodes
     // that have no coordinates of their own, and pull back twice.
     let mut b = ModelBuilder::new();
-    let places = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.5, 0.0]];
-    let masters = [0, 1, 2].map(|k| b.node(format!("m{k}"), places[k]).unwrap());
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.5, 0.0]];
+    let parents = [0, 1, 2].map(|k| b.node(format!("m{k}"), positions[k]).unwrap());
     let twin = b
-        .mapped_node("twin", places[1], Twin.boxed(), &masters[1..2])
+        .mapped_node("twin", positions[1], Twin.boxed(), &parents[1..2])
         .unwrap();
-    for (name, ends) in [("a", [masters[0], twin]), ("b", [twin, masters[2]])] {
+    for (name, ends) in [("a", [parents[0], twin]), ("b", [twin, parents[2]])] {
         let axis = Straight {
-            from: b.place(ends[0]),
-            to: b.place(ends[1]),
+            from: b.position(ends[0]),
+            to: b.position(ends[1]),
             second: None,
             twist: 0.0,
         };
@@ -282,7 +282,7 @@ fn mapped_nodes_stored_in_the_other_chart() {
         b.element(format!("coupling {name}"), Coupling, &ends)
             .unwrap();
     }
-    b.prescribe(masters[1], Dof::RY, sine(0.3));
+    b.prescribe(parents[1], Dof::RY, sine(0.3));
     let mut model = b.build().unwrap();
     let mut q = turned(&model, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
     model.start(0.6, q.as_slice());
@@ -341,8 +341,8 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.5, 0.0]].map(|p| b.node(format!("{p:?}"), p).unwrap());
     let axis = Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     };
@@ -352,7 +352,7 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
         section: coupled(),
     };
     let nodes = b.line("line", &axis, ends, &line).unwrap().nodes;
-    let load = NodalLoad::new(Which::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
+    let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
     b.element("load", load, &ends[1..]).unwrap();
     let mut model = b.build().unwrap();
     assert!(model.is_symmetric());

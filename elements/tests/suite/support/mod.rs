@@ -136,8 +136,8 @@ impl Element for Coupling {
 
 pub fn straight(b: &ModelBuilder, ends: [NodeId; 2]) -> Straight {
     Straight {
-        from: b.place(ends[0]),
-        to: b.place(ends[1]),
+        from: b.position(ends[0]),
+        to: b.position(ends[1]),
         second: None,
         twist: 0.0,
     }

@@ -27,7 +27,7 @@ impl Scheme {
     /// ([`Kept::unsure`](crate::dynamics::Kept::unsure)) where they do; not at all while something is
     /// driven, when the energy is known no better than by the step. And the momenta along the symmetries of the system
     /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)), those of a free model,
-    /// of one that is pinned at a point or hung on an axis. The projection is orthogonal in the
+    /// of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
     pub(super) fn keeping(self, argument: Option<f64>) -> Self {
         let claims = Claims {

@@ -36,7 +36,7 @@ pub const STAGES: usize = 3;
 /// A stage of a step: the row of a table. See the [module](self).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
-    /// Its place c in the step, 1 at the end.
+    /// Its position c in the step, 1 at the end.
     pub c: f64,
     /// Weights Q of h² y in the coordinates: of the old acceleration, then of those of the stages.
     pub q: [f64; 1 + STAGES],
@@ -198,13 +198,13 @@ impl Scheme {
         self.claims.order
     }
 
-    /// Orders of accuracy of places, velocities and accelerations where multipliers hold equations
+    /// Orders of accuracy of positions, velocities and accelerations where multipliers hold equations
     /// between the coordinates (index 3), which some schemes differentiate with a loss.
     pub fn orders_with_multipliers(&self) -> [usize; 3] {
         self.held.unwrap_or([self.order(); 3])
     }
 
-    /// The same scheme, said to have these orders of places, velocities and accelerations where multipliers
+    /// The same scheme, said to have these orders of positions, velocities and accelerations where multipliers
     /// hold equations; an order of zero where they do not converge. Without this they are
     /// said to be those without multipliers.
     #[must_use]

@@ -15,7 +15,7 @@ pub(super) const RADAU: Family = Family {
 impl Scheme {
     /// The two-stage Radau IIA method (Hairer & Wanner, *Solving Ordinary Differential Equations
     /// II*, table IV.5.5), of order 3 for coordinates and velocities, L-stable. Its stages at
-    /// tₙ + h/3 and tₙ₊₁ are solved together. With multipliers the orders of place, velocity and
+    /// tₙ + h/3 and tₙ₊₁ are solved together. With multipliers the orders of position, velocity and
     /// acceleration are 3, 2 and 1: 2s − 1, s and s − 1 with s stages (Hairer, Lubich & Roche, *The
     /// Numerical Solution of Differential-Algebraic Systems by Runge-Kutta Methods*, 1989).
     pub fn radau() -> Self {

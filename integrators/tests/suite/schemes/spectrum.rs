@@ -93,10 +93,10 @@ fn spectral_radius_elongation_and_damping_are_those_of_the_table() {
     let table = table.as_object().unwrap();
     assert_eq!(table.len(), 5);
     for (word, rows) in table {
-        let places = [std::f64::consts::TAU / 10.0, 1.0, 10.0, 100.0];
+        let positions = [std::f64::consts::TAU / 10.0, 1.0, 10.0, 100.0];
         let rows = rows.as_array().unwrap();
-        assert_eq!(rows.len(), places.len());
-        for (row, Omega) in rows.iter().zip(places) {
+        assert_eq!(rows.len(), positions.len());
+        for (row, Omega) in rows.iter().zip(positions) {
             let Numbers {
                 radius,
                 damping,
@@ -248,10 +248,10 @@ fn first_steps_overshoot_as_they_should() {
     };
     for r in [0.0, 0.3, 0.5, 0.8, 1.0] {
         let step = first(&format!("ga:{r}"));
-        close(step.from_rest[0], r * (r * r - 3.0) / 2.0, "CH place");
+        close(step.from_rest[0], r * (r * r - 3.0) / 2.0, "CH position");
         let rate = -(1.0 - r) * (1.0 - r) / 4.0;
         close(step.from_rest[1] / Omega, rate, "CH velocity");
-        close(step.from_origin[0] / Omega, 0.0, "CH place by velocity");
+        close(step.from_origin[0] / Omega, 0.0, "CH position by velocity");
         close(
             step.from_origin[1],
             (r * r - 2.0 * r - 1.0) / 2.0,

@@ -249,7 +249,7 @@ impl Core {
         let mut x = vec![0.0; X];
         let (mut x_dot, mut fall) = (x.clone(), x.clone());
         let (mut B, mut B_dot, mut B_ddot) = (vec![0.0; X * Q], vec![0.0; X * Q], vec![0.0; X * Q]);
-        // The factorisation in the old chart, at the same place.
+        // The factorisation in the old chart, at the same position.
         self.refresh(t, q);
         let out = KinematicsMut {
             x: &mut x,

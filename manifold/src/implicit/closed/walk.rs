@@ -41,7 +41,7 @@ impl Core {
         })
     }
 
-    /// Why the way ends where it has, the parked place: at the end of what is driven, where the
+    /// Why the way ends where it has, the parked position: at the end of what is driven, where the
     /// slopes of x with it grow like the condition number, or at a singular configuration, where they
     /// do not.
     fn explained(&mut self, trouble: Trouble) -> Trouble {
@@ -109,7 +109,7 @@ impl Core {
     }
 
     /// How much the equations have changed since the anchor, ‖(h_x − h_x₀) P₀‖ with equations over their
-    /// sizes. Below one A is regular all along the segment between the two places (Neumann's series);
+    /// sizes. Below one A is regular all along the segment between the two positions (Neumann's series);
     /// across a singular configuration, where branches meet, it is one or more however short the way.
     fn changed(&self) -> f64 {
         let (p, X, M, w) = (self.p, self.X, self.M, &self.work);

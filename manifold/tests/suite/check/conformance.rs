@@ -1,4 +1,4 @@
-//! One line per leaf, and the joints of the theory sheet against an independent implementation.
+//! One line per leaf, and the joints of the theory branch against an independent implementation.
 
 #![allow(non_snake_case)]
 
@@ -29,7 +29,7 @@ impl Map<2, 3> for Driven {
     }
 }
 
-/// Master node and angle ↦ the slave's frame: a revolute joint after an offset.
+/// Parent node and angle ↦ the dependent's frame: a revolute joint after an offset.
 #[derive(Clone)]
 struct HingeAtEnd;
 
@@ -78,7 +78,7 @@ fn revolute_joint() {
 
 #[test]
 fn composed_maps() {
-    // An offset from a master whose rotation is stored in the other chart.
+    // An offset from a parent whose rotation is stored in the other chart.
     check::map(&Composed {
         outer: Offset([0.3, 1.2, -0.5]),
         inner: Product::<Identity, Complement, 3, 3>::default(),

@@ -342,7 +342,7 @@ fn a_split_is_kept_until_its_condition_is_ten_for_each_unknown() {
     let mut closed = circle(0.5, 1.0);
     let mut q = [0.0];
     for k in 1..500 {
-        // Towards the place where the first coordinate has no slope.
+        // Towards the position where the first coordinate has no slope.
         q[0] = (0.5 * (1.0 - 0.002 * f64::from(k))).cos() - 0.5_f64.cos();
         let condition = closed.condition(0.0, &q);
         if closed.rewrite(0.0, &mut q, &mut [0.0], &mut []) {

@@ -307,7 +307,7 @@ fn errors_in_a_change_of_coordinates_are_found() {
     }
 }
 
-/// The same four-bar linkage in coordinates that all turn back: the places of its two pins.
+/// The same four-bar linkage in coordinates that all turn back: the positions of its two pins.
 #[derive(Clone, Copy, Debug)]
 struct Pins;
 

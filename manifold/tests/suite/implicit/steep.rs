@@ -1,4 +1,4 @@
-//! Laws of a solved constraint near a singular place, where its values have few digits.
+//! Laws of a solved constraint near a singular position, where its values have few digits.
 
 #![allow(non_snake_case)]
 

@@ -43,7 +43,7 @@ fn tangents(x: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>) -> [DMatrix<f6
 }
 
 /// One slot's map with its operators as slices.
-struct Place {
+struct Position {
     map: Option<Box<dyn Parametrization>>,
     n: usize,
     d: usize,
@@ -52,7 +52,7 @@ struct Place {
     K_sigma: Vec<f64>,
 }
 
-impl Place {
+impl Position {
     fn new(map: Option<Box<dyn Parametrization>>, dim: usize) -> Self {
         let (d, n) = map.as_ref().map_or((dim, dim), |m| m.dims());
         Self {
@@ -107,25 +107,25 @@ impl Map<1, 1> for Screw {
     }
 }
 
-fn places() -> Vec<Place> {
+fn positions() -> Vec<Position> {
     let revolute = Revolute {
         axis: Vector3::new(0.6, 0.8, 0.0),
     };
     // Free; a frame at an offset; driven: 3 + 6 + 1 = 10 coordinates from 4 + 6 + 1 = 11.
     vec![
-        Place::new(Some(revolute.boxed()), 0),
-        Place::new(Some(Offset([0.3, -0.4, 0.8]).boxed()), 0),
-        Place::new(Some(Screw.boxed()), 0),
+        Position::new(Some(revolute.boxed()), 0),
+        Position::new(Some(Offset([0.3, -0.4, 0.8]).boxed()), 0),
+        Position::new(Some(Screw.boxed()), 0),
     ]
 }
 
 /// The pulled-back forces at (t, q, q̇, q̈); `combine` gives the tangent for some weights.
 fn pulled(
-    places: &mut [Place],
+    positions: &mut [Position],
     s: &State,
 ) -> (
     DVector<f64>,
-    impl Fn(&[Place], Weights) -> DMatrix<f64> + use<>,
+    impl Fn(&[Position], Weights) -> DMatrix<f64> + use<>,
 ) {
     let mut first = 0;
     let (zero, d) = (DVector::zeros(s.x.len()), s.x.len());
@@ -134,34 +134,34 @@ fn pulled(
     } else {
         (&s.v, &s.a)
     };
-    for place in places.iter_mut() {
-        let range = first..first + place.d;
+    for position in positions.iter_mut() {
+        let range = first..first + position.d;
         let part = |x: &DVector<f64>| x.as_slice()[range.clone()].to_vec();
-        place.kinematics(s.t, [&part(&s.x), &part(v), &part(a)]);
+        position.kinematics(s.t, [&part(&s.x), &part(v), &part(a)]);
         first = range.end;
     }
     let embed = |k: usize| {
-        let all: Vec<f64> = places.iter().flat_map(|p| p.x[k].clone()).collect();
+        let all: Vec<f64> = positions.iter().flat_map(|p| p.x[k].clone()).collect();
         DVector::from_vec(all)
     };
     let (x, x_dot, x_ddot) = (embed(0), embed(1), embed(2));
     let r = residual(&x, &x_dot, &x_ddot);
     let [K, C, M] = tangents(&x, &x_dot, &x_ddot);
     let (mut row, mut column) = (0, 0);
-    for place in places.iter_mut() {
-        if let Some(map) = &place.map {
-            let q = &s.x.as_slice()[column..column + place.d];
-            let f = &r.as_slice()[row..row + place.n];
-            map.geometric_stiffness(s.t, q, f, &mut place.K_sigma);
+    for position in positions.iter_mut() {
+        if let Some(map) = &position.map {
+            let q = &s.x.as_slice()[column..column + position.d];
+            let f = &r.as_slice()[row..row + position.n];
+            map.geometric_stiffness(s.t, q, f, &mut position.K_sigma);
         }
-        row += place.n;
-        column += place.d;
+        row += position.n;
+        column += position.d;
     }
     let mut r_mr = DVector::zeros(d);
-    let slots: Vec<Slot<'_>> = places.iter().map(Place::slot).collect();
+    let slots: Vec<Slot<'_>> = positions.iter().map(Position::slot).collect();
     pullback::residual(&slots, r.as_slice(), r_mr.as_mut_slice());
-    let combine = move |places: &[Place], weights: Weights| {
-        let slots: Vec<Slot<'_>> = places.iter().map(Place::slot).collect();
+    let combine = move |positions: &[Position], weights: Weights| {
+        let slots: Vec<Slot<'_>> = positions.iter().map(Position::slot).collect();
         let mut S = DMatrix::from_element(d, d, 1e3);
         let tangents = Tangents {
             K: Some(K.as_slice()),
@@ -190,13 +190,13 @@ const ONE: [Weights; 3] = [
     Weights::MASS,
 ];
 
-fn forces(places: &mut [Place], s: &State) -> Forces {
-    let (r, combine) = pulled(places, s);
+fn forces(positions: &mut [Position], s: &State) -> Forces {
+    let (r, combine) = pulled(positions, s);
     Forces {
         r,
-        K: combine(places, ONE[0]),
-        C: Some(combine(places, ONE[1])),
-        M: Some(combine(places, ONE[2])),
+        K: combine(positions, ONE[0]),
+        C: Some(combine(positions, ONE[1])),
+        M: Some(combine(positions, ONE[2])),
         r_t: None,
         energy: None,
     }
@@ -226,7 +226,7 @@ fn the_toy_residual_is_right() {
 
 #[test]
 fn tangents_of_the_pulled_back_residual() {
-    let mut places = places();
+    let mut positions = positions();
     let states: Vec<_> = check::states(11)
         .into_iter()
         // A revolute joint between rotations of 2π − 0.3 each is beyond 2π.
@@ -237,24 +237,24 @@ fn tangents_of_the_pulled_back_residual() {
         &check::Layout::plain(states[0].1.x.len()),
         &states,
         false,
-        |s| Some(forces(&mut places, s)),
+        |s| Some(forces(&mut positions, s)),
     )
     .assert();
 }
 
 #[test]
 fn weights_mix_linearly() {
-    let mut places = places();
+    let mut positions = positions();
     let weights = Weights {
         K: 0.7,
         C: -1.3,
         M: 2.1,
     };
     for (at, state) in check::states(11) {
-        let (_, combine) = pulled(&mut places, &state);
-        let [K, C, M] = ONE.map(|w| combine(&places, w));
+        let (_, combine) = pulled(&mut positions, &state);
+        let [K, C, M] = ONE.map(|w| combine(&positions, w));
         let sum = K * weights.K + C * weights.C + M * weights.M;
-        let gap = (combine(&places, weights) - &sum).norm() / sum.norm();
+        let gap = (combine(&positions, weights) - &sum).norm() / sum.norm();
         assert!(gap < 1e-13, "{at}: {gap:e}");
     }
 }
@@ -268,10 +268,10 @@ fn identity_slots_and_absent_tangents_cost_nothing_and_change_nothing() {
         DVector::from_fn(N, |i, _| (i as f64).cos()),
     );
     let [K, C, M] = tangents(&x, &v, &a);
-    let mut places = vec![
-        Place::new(None, 3),
-        Place::new(Some(Offset([0.3, -0.4, 0.8]).boxed()), 0),
-        Place::new(None, 1),
+    let mut positions = vec![
+        Position::new(None, 3),
+        Position::new(Some(Offset([0.3, -0.4, 0.8]).boxed()), 0),
+        Position::new(None, 1),
     ];
     let state = State {
         t: 0.0,
@@ -279,16 +279,17 @@ fn identity_slots_and_absent_tangents_cost_nothing_and_change_nothing() {
         v,
         a,
     };
-    let (r, combine) = pulled(&mut places, &state);
+    let (r, combine) = pulled(&mut positions, &state);
     assert_eq!(r.len(), 10);
     // Dense: B = diag(I, B, I).
     let mut B = DMatrix::<f64>::identity(N, N);
-    B.view_mut((3, 3), (6, 6)).copy_from_slice(&places[1].B[0]);
-    let M_mr = combine(&places, Weights::MASS);
+    B.view_mut((3, 3), (6, 6))
+        .copy_from_slice(&positions[1].B[0]);
+    let M_mr = combine(&positions, Weights::MASS);
     // M at the embedded x, not at q.
     let embedded = |k: usize| {
         DVector::from_vec(
-            places
+            positions
                 .iter()
                 .flat_map(|p| p.x[k].clone())
                 .collect::<Vec<_>>(),
@@ -328,20 +329,20 @@ fn identity_slots_and_absent_tangents_cost_nothing_and_change_nothing() {
 
 #[test]
 fn a_slot_whose_geometric_stiffness_is_added_elsewhere_may_leave_it_empty() {
-    let mut places = places();
+    let mut positions = positions();
     let (_, state) = check::states(11).swap_remove(5);
-    let (_, combine) = pulled(&mut places, &state);
-    let whole = combine(&places, Weights::STATIC);
+    let (_, combine) = pulled(&mut positions, &state);
+    let whole = combine(&positions, Weights::STATIC);
     let mut missing = DMatrix::zeros(11, 11);
     let mut first = 0;
-    for place in &mut places {
+    for position in &mut positions {
         missing
-            .view_mut((first, first), (place.d, place.d))
-            .copy_from_slice(&place.K_sigma);
-        place.K_sigma.clear();
-        first += place.d;
+            .view_mut((first, first), (position.d, position.d))
+            .copy_from_slice(&position.K_sigma);
+        position.K_sigma.clear();
+        first += position.d;
     }
-    let without = combine(&places, Weights::STATIC);
+    let without = combine(&positions, Weights::STATIC);
     assert!(missing.norm() > 0.1);
     assert!((whole + missing - without).norm() < 1e-13);
 }

@@ -117,8 +117,8 @@ fn decimal(text: &str) -> Dd {
     let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
     let mantissa: f64 = format!("{whole}{fraction}").parse().expect("digits");
-    let places = fraction.len() as i32 - exponent.parse::<i32>().expect("exponent");
-    Dd(mantissa, 0.0) / Dd(10f64.powi(places), 0.0)
+    let positions = fraction.len() as i32 - exponent.parse::<i32>().expect("exponent");
+    Dd(mantissa, 0.0) / Dd(10f64.powi(positions), 0.0)
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn agree_with_the_table() {
     }
 }
 
-/// Sweep points: dense, and by units in the last place and upwards around every threshold and zero.
+/// Sweep points: dense, and by units in the last position and upwards around every threshold and zero.
 fn sweep() -> Vec<f64> {
     let edge = TAU - 0.1;
     let n = 30_000;

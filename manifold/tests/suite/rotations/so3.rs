@@ -27,7 +27,7 @@ fn close<const C: usize>(
     );
 }
 
-/// As [`close`], in absolute terms: Ṫ holds c₄Ψ̇~, which leaves a last place in ṪΨ̇ though Ψ̇~Ψ̇ = 0,
+/// As [`close`], in absolute terms: Ṫ holds c₄Ψ̇~, which leaves a last position in ṪΨ̇ though Ψ̇~Ψ̇ = 0,
 /// so for small Ψ the definitions of ṪΨ̇ and C₄ (both O(ψ)) are not relatively accurate themselves.
 #[track_caller]
 fn close_to_unit<const C: usize>(
@@ -240,7 +240,7 @@ fn the_complement_is_the_same_rotation() {
         assert!((complement(&other) - Psi).norm() < 3e-15);
         let (p, q) = (quaternion(&Psi), quaternion(&other));
         assert!((p.dot(&q) + 1.0).abs() < 2e-15, "opposite quaternions");
-        // T on both sheets gives the same material spin.
+        // T on both branches gives the same material spin.
         let (I, B, B_back) = (M3::identity(), B_s(&Psi), B_s(&other));
         let size = B.amax() + B_back.amax();
         close("B_s(Ψᶜ) B_s(Ψ) = I", &(B_back * B), &I, 2e-15 * size);
@@ -254,13 +254,13 @@ fn logarithm_inverts_both_sheets() {
     for Psi in rotation_vectors() {
         let psi = Psi.norm();
         let q = quaternion(&Psi);
-        // At π itself the sheet is a matter of the last place; either vector is right.
+        // At π itself the branch is a matter of the last position; either vector is right.
         let expected = |log: &V3| {
             let on_sheet = (psi - PI).abs() > 1e-15 || log.dot(&Psi) > 0.0;
             if on_sheet { Psi } else { complement(&Psi) }
         };
         let log = log_quaternion(&q);
-        // Close to 2π the vector part is small and only absolutely accurate to the last place of 2π.
+        // Close to 2π the vector part is small and only absolutely accurate to the last position of 2π.
         let edge = 1.0 + 1.0 / (TAU - psi);
         close("log of quaternion", &log, &expected(&log), 1e-15 * edge);
         let R = rotation(&Psi);
@@ -275,7 +275,7 @@ fn logarithm_inverts_both_sheets() {
                 "other log of {Psi}: {log}"
             );
         }
-        // The opposite quaternion lies on the other sheet.
+        // The opposite quaternion lies on the other branch.
         if psi > 1e-4 && (psi - PI).abs() > 1e-15 {
             let log = log_quaternion(&q.opposite());
             let edge = 1.0 + 1.0 / psi;

@@ -93,7 +93,7 @@ fn an_increment_remembers_where_it_is_centred() {
     let new = mixed.rewrite(0.0, &q, &v).unwrap();
     assert!((rotation(&q) * new.v - v).norm() < 1e-14);
     assert!(new.B == Matrix3::identity() && new.c == Vector3::zeros());
-    // From its memory another one goes on at the same place.
+    // From its memory another one goes on at the same position.
     let memory = Map::<3, 3>::memory(&one);
     let mut other = Increment::spinning(Spins::Material);
     assert!(Map::<3, 3>::recall(&mut other, &memory));

@@ -27,7 +27,7 @@ impl Map<6, 6> for Offset {
     }
 }
 
-/// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the sheet of its own product of quaternions.
+/// Ψ_s = log(R(Ψ_m) R(φ e)) (\[M04\] 4.1.4), on the branch of its own product of quaternions.
 #[derive(Clone)]
 pub struct Revolute {
     pub axis: Vector3<f64>,
@@ -40,8 +40,8 @@ impl Map<4, 3> for Revolute {
             w: half.cos(),
             v: self.axis.map(S::constant) * half.sin(),
         };
-        let master = so3::quaternion(&Vector3::new(q[0], q[1], q[2]));
-        so3::log_quaternion(&master.product(&joint))
+        let parent = so3::quaternion(&Vector3::new(q[0], q[1], q[2]));
+        so3::log_quaternion(&parent.product(&joint))
     }
 }
 

@@ -40,7 +40,7 @@ fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
     compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap()
 }
 
-/// Root mean square over the common times of the error of the place by the trapezoidal rule, which
+/// Root mean square over the common times of the error of the position by the trapezoidal rule, which
 /// has the amplitude and the frequency ω̄ with tan(ω̄h/2) = ωh/2.
 fn error_of_place(comparison: &Comparison, h: f64) -> f64 {
     let bar = 2.0 / h * h.atan();

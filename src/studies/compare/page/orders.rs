@@ -54,7 +54,7 @@ fn levels(c: &Comparison) -> &'static str {
         true => "",
         false => {
             " The equations of multipliers are of index 3: where theory has several orders they are those of \
-             places, velocities and accelerations."
+             positions, velocities and accelerations."
         }
     }
 }

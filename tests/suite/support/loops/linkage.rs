@@ -23,7 +23,7 @@ pub fn growing() -> Box<dyn TimeFunction> {
     Box::new(Proportional(1.0))
 }
 
-/// A uniform bar between two places, on a pin at the first one.
+/// A uniform bar between two positions, on a pin at the first one.
 pub fn link(
     b: &mut ModelBuilder,
     name: &str,

@@ -27,19 +27,21 @@ pub fn ground(b: &mut ModelBuilder) -> NodeId {
 /// Weight along −e2 of whatever can be weighed.
 pub const DOWN: [f64; 3] = [0.0, -G, 0.0];
 
-/// A uniform bar of length l along e1 where its angle is zero, on a pin at `place`.
+/// A uniform bar of length l along e1 where its angle is zero, on a pin at `position`.
 pub fn bar(
     b: &mut ModelBuilder,
     on: NodeId,
-    place: [f64; 3],
+    position: [f64; 3],
     angle: NodeId,
     l: f64,
     m: f64,
 ) -> NodeId {
     let name = format!("bar at {}", b.node_name(angle));
-    let pin = offset(b, &format!("pin of {name}"), on, place).unwrap();
+    let pin = offset(b, &format!("pin of {name}"), on, position).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-    let frame = b.hang(name.clone(), place, hinge, &[pin, angle]).unwrap();
+    let frame = b
+        .hang(name.clone(), position, hinge, &[pin, angle])
+        .unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (m * l * l / 12.0);
     let body = RigidBody::new(m, J, Vector3::new(0.5 * l, 0.0, 0.0)).unwrap();
     let weight = body.weight(DOWN, Box::new(Constant(1.0)));

@@ -27,7 +27,7 @@ const LINEARLY: std::ops::Range<f64> = 0.01..0.5;
 /// 2 κ c_{k−1}, so that a correction with it leaves 2 r²_k / r_{k−1} (Deuflhard 2004, Newton Methods
 /// for Nonlinear Problems, section 2.1).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Outlook {
+pub(crate) struct ConvergencePredictor {
     /// The residual before the last correction, per kind, and over what is allowed.
     before: ([f64; 3], f64),
     /// The residual that is expected, over what is allowed.
@@ -40,7 +40,7 @@ pub(crate) struct Outlook {
     fallen: f64,
 }
 
-impl Outlook {
+impl ConvergencePredictor {
     /// From the iterations of a step, the last of which had the tangent of its iterate where it is
     /// `renewed`.
     pub(crate) fn new(history: &[Iteration], renewed: bool) -> Self {

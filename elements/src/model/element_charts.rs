@@ -48,7 +48,7 @@ impl Accepted {
 
 /// What is remembered for the choice of the elements' charts.
 #[derive(Debug, Default)]
-pub(super) struct Sheets {
+pub(super) struct ElementCharts {
     /// Rotation vectors of all nodes at the end of a step, before charts change, and after that.
     before: Vec<Vector3<f64>>,
     after: Vec<Vector3<f64>>,
@@ -69,12 +69,12 @@ impl Model {
     /// this is called, to 7π/4: at 2π they end). What is found without such a delay tells, beside it, what
     /// changes of chart do to a motion.
     pub fn keep_charts_until(&mut self, angle: f64) {
-        self.work.sheets.late = angle.clamp(PI, 1.75 * PI) - PI;
+        self.work.element_charts.late = angle.clamp(PI, 1.75 * PI) - PI;
     }
 
     /// Whether a rotation vector is so long that its chart changes.
     pub(super) fn is_beyond(&self, psi: &Vector3<f64>) -> bool {
-        psi.norm() > PI + self.work.sheets.late
+        psi.norm() > PI + self.work.element_charts.late
     }
 
     /// Which of its nodes each element takes through the complement map (bit k for node k): what
@@ -90,10 +90,10 @@ impl Model {
             (e.switched, e.wanted) = (switched, switched);
         }
         self.work.dead_loads.forget();
-        self.work.sheets.given = true;
+        self.work.element_charts.given = true;
     }
 
-    /// A run, or a step in the place of one that failed, starts here. The elements' charts are
+    /// A run, or a step in the position of one that failed, starts here. The elements' charts are
     /// those that were given, or those at this state when it was accepted, or else the ones in
     /// which neighbours agree: nodes then turn less than half a turn against each other.
     pub(super) fn start_element_charts(&mut self, t: f64, q: &[f64]) {
@@ -109,13 +109,13 @@ impl Model {
             return;
         }
         self.gather_rotations(|s| &mut s.after);
-        let Sheets {
+        let ElementCharts {
             after,
             now,
             previous,
             given,
             ..
-        } = &mut self.work.sheets;
+        } = &mut self.work.element_charts;
         if !*given && !now.is(after) && previous.is(after) {
             std::mem::swap(now, previous);
         }
@@ -165,14 +165,14 @@ impl Model {
     pub(super) fn follow_element_charts(&mut self, t: f64) -> bool {
         self.enter_element_charts();
         self.gather_rotations(|s| &mut s.after);
-        let Sheets {
+        let ElementCharts {
             before,
             after,
             now,
             previous,
             late,
             ..
-        } = &mut self.work.sheets;
+        } = &mut self.work.element_charts;
         // Where one angle is by so much beyond π, the other is by as much below.
         let gain = 2.0 * *late + HYSTERESIS;
         let (mut changed, mut stored) = (false, false);
@@ -209,21 +209,21 @@ impl Model {
         }
         now.psi.clone_from(after);
         now.switched(&self.elements);
-        self.work.sheets.chosen = changed;
+        self.work.element_charts.chosen = changed;
         changed
     }
 
     /// The elements go on in the charts that were chosen for them.
     pub(super) fn enter_element_charts(&mut self) {
-        if std::mem::take(&mut self.work.sheets.chosen) {
+        if std::mem::take(&mut self.work.element_charts.chosen) {
             self.elements.iter_mut().for_each(|e| e.switched = e.wanted);
             self.work.dead_loads.forget();
         }
     }
 
-    fn gather_rotations(&mut self, to: impl Fn(&mut Sheets) -> &mut Vec<Vector3<f64>>) {
+    fn gather_rotations(&mut self, to: impl Fn(&mut ElementCharts) -> &mut Vec<Vector3<f64>>) {
         let w = &mut self.work;
-        let to = to(&mut w.sheets);
+        let to = to(&mut w.element_charts);
         to.clear();
         to.extend(self.nodes.iter().map(|n| match n.form {
             Form::Frame => Vector3::from_column_slice(&w.x[n.first + 3..n.first + 6]),

@@ -54,7 +54,7 @@ struct Direction {
 }
 
 /// Buffers of the projection, made once.
-pub(super) struct Keeper {
+pub(super) struct InvariantProjection {
     p: Vec<f64>,
     w: Vec<f64>,
     field: Vec<f64>,
@@ -66,7 +66,7 @@ pub(super) struct Keeper {
     bounded: bool,
 }
 
-impl Keeper {
+impl InvariantProjection {
     pub(super) fn new(n: usize) -> Self {
         let zeros = || vec![0.0; n];
         let direction = || Direction {
