@@ -36,7 +36,7 @@ pub enum Cause {
     TooManyIterations,
     /// The estimate of the local error asks for steps below the smallest.
     Inaccurate,
-    /// A position on the path lies within the step, but cannot be found in it.
+    /// An event on the path lies within the step, but cannot be found in it.
     Unlocated {
         /// LoadKind, in words.
         position: String,

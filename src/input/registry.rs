@@ -17,7 +17,7 @@ pub type BoxedError = Box<dyn std::error::Error + Send + Sync>;
 pub struct Site<'a> {
     /// Where nodes of joint and coordinates are added.
     pub builder: &'a mut ModelBuilder,
-    /// Name of the joint, and of the node that is to are attached to it.
+    /// Name of the joint, and of the node that is to be attached to it.
     pub name: &'a str,
     /// Node it is attached to; the first one of `chain`.
     pub parent: NodeId,

@@ -1,4 +1,4 @@
-//! Assembly. The pattern is found once, values go straight into position.
+//! Assembly. The pattern is found once, values go straight into place.
 
 #![allow(non_snake_case)]
 

@@ -160,7 +160,7 @@ impl Model {
         Ok(true)
     }
 
-    /// The momenta M ẋ at all nodes, in the position of residuals.
+    /// The momenta M ẋ at all nodes, in the place of residuals.
     pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
         let w = &mut self.work;

@@ -93,7 +93,7 @@ impl Model {
         self.work.element_charts.given = true;
     }
 
-    /// A run, or a step in the position of one that failed, starts here. The elements' charts are
+    /// A run, or a step in the place of one that failed, starts here. The elements' charts are
     /// those that were given, or those at this state when it was accepted, or else the ones in
     /// which neighbours agree: nodes then turn less than half a turn against each other.
     pub(super) fn start_element_charts(&mut self, t: f64, q: &[f64]) {

@@ -318,7 +318,7 @@ impl Model {
             .collect()
     }
 
-    /// Whether the coordinates of a node are its own: it does not are attached to a joint.
+    /// Whether the coordinates of a node are its own: it is not attached to a joint.
     pub fn is_own(&self, node: NodeId) -> bool {
         self.carrier(&self.nodes[node.0 as usize]).is_own()
     }

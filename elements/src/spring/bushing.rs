@@ -145,7 +145,7 @@ impl Element for Bushing {
             *r -= f;
         }
         if out.K.is_some() {
-            // [M04] (183) with −f in the position of r: Bᵀ(K B + D Ḃ) + K_σ(f).
+            // [M04] (183) with −f in the place of r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
             if let Some((v, y_dot)) = &moving {
                 stress += self.D * here.B_dot(v, y_dot);

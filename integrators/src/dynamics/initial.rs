@@ -72,29 +72,20 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
     }
-    let mut damping = 0.0;
+    let mut passes = 1;
     let regular = solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
     if !regular {
         solve_rates(system, solver, state, [&mut *r, &mut *S])?;
         solve_mass(system, solver, state, (h, 0.0), [&mut *r, &mut *S], None)?;
     } else if is_damped(system, state)? {
-        damping = h;
+        passes = PASSES;
     }
-    for _ in 0..PASSES {
-        if damping > 0.0 {
-            solve_mass(
-                system,
-                solver,
-                state,
-                (h, damping),
-                [&mut *r, &mut *S],
-                None,
-            )?;
+    for _ in 0..passes {
+        if passes > 1 {
+            let buffers = [&mut *r, &mut *S];
+            solve_mass(system, solver, state, (h, h), buffers, None)?;
         }
         add(&mut state.a, 1.0, r);
-        if damping == 0.0 {
-            break;
-        }
     }
     for &i in &multipliers {
         (state.q[i], state.a[i]) = (r[i], 0.0);

@@ -123,7 +123,7 @@ pub enum Direction {
     Backward,
 }
 
-/// A position on the path, located to round-off.
+/// An event on the path, located to round-off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Stop {

@@ -213,7 +213,7 @@ fn a_double_pendulum_of_bars() {
 #[test]
 fn a_spherical_pendulum() {
     // A point mass m at u l and a wheel of inertia j in all directions at the joint: without spin
-    // about u it is the spherical pendulum with (m l² + j) in the position of m l².
+    // about u it is the spherical pendulum with (m l² + j) in the place of m l².
     let (m, l, j) = (1.3, 0.8, 0.05);
     let k = m * G * l / (m * l * l + j);
     let ode = move |_: f64, y: &SVector<f64, 6>| {

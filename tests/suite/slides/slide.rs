@@ -176,7 +176,7 @@ fn on_circle(elements: u32) -> (Model, SlideNodes) {
 
 #[test]
 fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
-    // The mass moves all the time: from rest, or where it turns, the slope of a chord in the position
+    // The mass moves all the time: from rest, or where it turns, the slope of a chord in the place
     // of that of the circle would count more than its error in height, which falls with order 2.
     // The error of the steps falls with order 2 as well: they are quartered where elements are halved.
     let rate = 2.0;

@@ -10,7 +10,7 @@ fn run(text: &str, analysis: &str) -> Model {
     located(text, analysis).unwrap().0
 }
 
-/// The same, with the loads at which positions on the path were located.
+/// The same, with the loads at which events on the path were located.
 fn located(text: &str, analysis: &str) -> Result<(Model, Vec<f64>), StaticsError> {
     let mut found = vec![];
     let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();

@@ -102,7 +102,7 @@ fn elements_that_grow_are_noticed() {
 
 #[test]
 fn residuals_that_refinement_does_not_mend_are_noticed() {
-    // The pivot 3e-14 leaves 1/3e-14 in the positions of 0.7 and 0.6, of which it takes all but two digits,
+    // The pivot 3e-14 leaves 1/3e-14 in the places of 0.7 and 0.6, of which it takes all but two digits,
     // where it would have to cancel: with 1e-7 beside it no later pivot is as large. The matrix itself is
     // harmless: with its second row divided by 1e-7 its determinant is −0.1.
     let A = [[0.6, 0.7, -1.0], [0.0, 1e-12, 1e-7], [-1.0, -1.0, 3e-14]];

@@ -235,7 +235,7 @@ impl Inverse {
         true
     }
 
-    /// Triangular factors in the position of `A`.
+    /// Triangular factors in the place of `A`.
     fn factorise(&mut self, n: usize, A: &mut [f64]) -> bool {
         self.rows.clear();
         self.rows.extend(0..n);
