@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
 use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
-use pullback::elements::joint::{Hung, Revolute};
+use pullback::elements::joint::{JointMap, Revolute};
 use pullback::manifold::map::{Map, derived};
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
@@ -188,7 +188,7 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
 }
 
 fn revolute_joint(c: &mut Criterion) {
-    let joint = Hung::new(Revolute::new([0.3, -0.5, 0.8]).expect("an axis"));
+    let joint = JointMap::new(Revolute::new([0.3, -0.5, 0.8]).expect("an axis"));
     let wave = |size: f64| SVector::<f64, 7>::from_fn(|i, _| size * (i as f64 + 0.5).sin());
     let (q, v, a) = (wave(0.6), wave(0.3), wave(-0.2));
     let f = Vector6::new(1.0, -2.0, 0.5, 0.3, 0.7, -1.1);

@@ -100,7 +100,7 @@ fn time(angle: f64) -> f64 {
 }
 
 fn main() -> Result<(), Failure> {
-    check::map(&Hung::new(OnCurve::new(Cam))).assert();
+    check::joint(&OnCurve::new(Cam)).assert();
     let mut errors = Vec::new();
     for steps in [200, 400, 800] {
         let (mut model, [angle, way]) = model()?;

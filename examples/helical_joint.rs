@@ -123,7 +123,7 @@ fn main() -> Result<(), Failure> {
         axis: [0.36, 0.48, -0.8],
         pitch: 0.7,
     };
-    check::map(&Hung::new(screw)).assert();
+    check::joint(&screw).assert();
     at_rest()?;
     in_motion()?;
     Ok(())

@@ -101,7 +101,7 @@ fn main() -> Result<(), Failure> {
         wheel: 0.3,
         cylinder: 0.5,
     };
-    check::map(&Hung::new(curve)).assert();
+    check::joint(&curve).assert();
     at_rest()?;
     in_motion()?;
     Ok(())

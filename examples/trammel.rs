@@ -48,7 +48,8 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         (axis[k], position[k]) = (1.0, trammel().start[k]);
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let way = builder.mapped_coordinates(format!("{name} way"), &[Kind::Length], pick, &[x])?;
-        let slider = builder.hang(name, position, Prismatic::new(axis)?, &[ground, way])?;
+        let slider =
+            builder.add_joint_frame(name, position, Prismatic::new(axis)?, &[ground, way])?;
         let mass = PointMass::new(MASS)?;
         let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));
         builder.element(format!("mass of {name}"), mass, &[slider])?;

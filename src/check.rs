@@ -1,9 +1,8 @@
 //! Checks of components and models: the library's side of `pullback check MODEL.toml`.
 //!
 //! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
-//! [`element`] and [`same`] are the conformance kit for elements of one's own, [`map`] is that for
-//! joints (of [`Hung`](crate::prelude::Hung) of them), [`scheme`] that for integrators, and [`manifold::check`](crate::manifold::check)
-//! has more for maps and charts. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
+//! [`element`], [`same`], [`joint`], [`map`], [`implicit`] and [`scheme`] are the [`conformance`](crate::conformance) kit
+//! for what one has written oneself. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
 //! it readable.
 //!
 //! ```no_run
@@ -21,9 +20,9 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
-pub use pullback_elements::check::{Options, element, model, same};
-pub use pullback_integrators::check::scheme;
-pub use pullback_manifold::check::{Block, Measure, Report, Row, implicit, map};
+pub use pullback_conformance::{
+    Block, Measure, Options, Report, Row, element, implicit, joint, map, model, same, scheme,
+};
 
 /// Random states of a model besides its start.
 const STATES: usize = 3;
@@ -89,7 +88,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
         seed,
         t,
         q: job.start.q.clone(),
-        states: if job.model.element_count() > MANY {
+        states: if job.model.elements().len() > MANY {
             1
         } else {
             STATES

@@ -117,6 +117,7 @@ mod warnings;
 
 #[cfg(feature = "cli")]
 pub use failure::Failure;
+pub use pullback_conformance as conformance;
 pub use pullback_elements as elements;
 pub use pullback_integrators as integrators;
 pub use pullback_manifold as manifold;
@@ -131,9 +132,9 @@ pub mod prelude {
     pub use pullback_elements::constraint::{Multipliers, Penalty, Stiffness};
     pub use pullback_elements::inertia::Inertia;
     pub use pullback_elements::joint::{
-        Curve, Hung, Joint, JointNodes, Pose, Released, Surface, constant_velocity, cylindrical,
-        gear, helical, offset, on_curve, on_surface, planar, prismatic, rack, revolute, slide,
-        spherical, universal, weld,
+        Curve, Joint, JointMap, JointNodes, Pose, Released, Surface, constant_velocity,
+        cylindrical, gear, helical, offset, on_curve, on_surface, planar, prismatic, rack,
+        revolute, slide, spherical, universal, weld,
     };
     pub use pullback_elements::load::{CoordinateForce, LineLoad, LoadKind, NodalLoad};
     pub use pullback_elements::model::{

@@ -150,7 +150,7 @@ fn execute(
         ..
     } = job;
     let mut notes = model.notes();
-    if model.hung().next().is_some() {
+    if model.mapped_frames().next().is_some() {
         notes.push(model.mobility().to_string());
     }
     if !matches!(plan, Plan::Dynamic(_)) {

@@ -22,7 +22,6 @@
 
 pub mod beam;
 pub mod body;
-pub mod check;
 pub mod constraint;
 pub mod element;
 pub mod energy;

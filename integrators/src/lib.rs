@@ -9,12 +9,10 @@
 //!   by one step routine, with steps that end at kinks, are halved when they fail, and may follow an
 //!   error estimate.
 //! - [`spectrum`]: what these do to vibrations, measured on that routine, and in closed form.
-//! - [`check`]: the conformance kit for schemes.
 //! - [`linear_solver`]: block elimination on the node graph with sparse LU and Cholesky behind it.
 
 #![warn(clippy::unwrap_used)]
 
-pub mod check;
 mod convergence;
 pub mod dynamics;
 mod failure;

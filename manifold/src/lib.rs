@@ -12,7 +12,7 @@
 //!
 //! Everything else follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over
 //! the number types of [`jet`], [`pullback`] carries residuals and tangents through a map, and
-//! [`check`] verifies whatever is written by slope.
+//! the crate `pullback-conformance` verifies whatever is written by slope.
 //!
 //! # Conventions
 //! - Vectors are columns; matrices in slices are stored column by column.
@@ -26,7 +26,6 @@
 #![warn(clippy::unwrap_used)]
 
 pub mod chart;
-pub mod check;
 pub mod implicit;
 pub mod jet;
 pub mod map;

@@ -25,7 +25,6 @@ pub use erased::{KinematicsMut, Parametrization};
 pub use increment::Increment;
 pub use linear::Linear;
 
-use crate::check::Report;
 use crate::scalar::Scalar;
 use crate::so3::Spins;
 use crate::system::{CHART_EDGE, ChartChanges};
@@ -180,14 +179,8 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// that holds at (t, q), beyond the ends of its piece too; or, for `None`, to none again. The
     /// conformance kit asks for it: derivatives are compared with differences of one smooth function.
     /// Nothing to do by default, for a φ that is smooth.
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
-    }
-
-    /// Notes what the map has to obey besides the laws of every map, for the conformance kit: what it
-    /// says of its own coordinates, say. Nothing by default.
-    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &SVector<f64, D>) {
-        let _ = (report, at, t, q);
     }
 
     /// The largest residual at φ(t, q) of the equations behind the map, each over its size; none for

@@ -56,7 +56,8 @@ use pullback_manifold::system::Weights;
 ///
 /// ```
 /// use nalgebra::SVector;
-/// use pullback_elements::{check, energy::Energies};
+/// use pullback_conformance as check;
+/// use pullback_elements::energy::Energies;
 /// use pullback_manifold::scalar::Scalar;
 ///
 /// /// A hardening spring with a mass, and friction that grows with the square of its rate.

@@ -1,7 +1,7 @@
 //! Joints: holonomic constraints as maps from the coordinates a frame depends on to the frame.
 //!
 //! Whoever writes [`Joint::pose`] has a joint: the node that is attached to it takes any element, the
-//! kinematic operator, its rates and the geometric stiffness follow ([`Hung`], [`Map`]). There are
+//! kinematic operator, its rates and the geometric stiffness follow ([`JointMap`], [`Map`]). There are
 //! no multipliers: the coordinates that a joint releases are coordinates of the model.
 //!
 //! | joint | released coordinates | source |
@@ -54,10 +54,8 @@ pub use slide::Slide;
 pub use spherical::{Spherical, SphericalNodes, spherical};
 pub use universal::{Universal, universal};
 
-use crate::check::hung;
 use axes::{PARALLEL, direction};
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
-use pullback_manifold::check::Report;
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
@@ -193,7 +191,7 @@ pub trait Joint<const D: usize>: Send + Sync {
     }
 
     /// Distance of q to the edge of the joint's own domain; infinite by default. That the hung
-    /// frame's rotation vector stays below 2π is seen to by [`Hung`].
+    /// frame's rotation vector stays below 2π is seen to by [`JointMap`].
     fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         let _ = (t, q);
         f64::INFINITY
@@ -206,8 +204,8 @@ pub trait Joint<const D: usize>: Send + Sync {
     }
 
     /// Keeps to the formula that holds at (t, q), or to none again, where the pose is pieced together
-    /// from several: see [`Map::keep_piece`]. Nothing to do by default.
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+    /// from several: see [`Map::freeze_piece`]. Nothing to do by default.
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
     }
 
@@ -243,16 +241,21 @@ pub trait Joint<const D: usize>: Send + Sync {
     }
 }
 
+/// Whether a quaternion is a rotation, up to rounding.
+fn is_unit(rotation: &Quaternion<f64>) -> bool {
+    (rotation.dot(rotation) - 1.0).abs() < 1e-9
+}
+
 /// The map of a joint into a frame's six coordinates: its pose with the rotation's logarithm.
 ///
 /// The logarithm stays on one branch during a step and changes at a converged state with ψ > π.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hung<J> {
+pub struct JointMap<J> {
     joint: J,
     branch: LogBranch,
 }
 
-impl<J> Hung<J> {
+impl<J> JointMap<J> {
     /// The map of a joint.
     pub fn new(joint: J) -> Self {
         Self {
@@ -262,7 +265,7 @@ impl<J> Hung<J> {
     }
 }
 
-impl<J, const D: usize> Map<D, 6> for Hung<J>
+impl<J, const D: usize> Map<D, 6> for JointMap<J>
 where
     J: Joint<D>,
 {
@@ -278,6 +281,9 @@ where
             return own;
         }
         let turn = self.joint.pose(t, q).rotation;
+        if !is_unit(&turn) {
+            return f64::NAN;
+        }
         let w = match self.branch {
             LogBranch::Same => turn.w,
             LogBranch::Opposite => -turn.w,
@@ -290,17 +296,20 @@ where
         self.joint.edge()
     }
 
+    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        let rotation = self.joint.pose(t, q).rotation;
+        let norm = rotation.dot(&rotation).sqrt();
+        (norm.is_finite() && !is_unit(&rotation)).then(|| {
+            format!("the quaternion of its pose has length {norm}: make it a unit quaternion")
+        })
+    }
+
     fn is_objective(&self) -> bool {
         self.joint.is_objective()
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
-        self.joint.keep_piece(at);
-    }
-
-    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &SVector<f64, D>) {
-        let tangent = Map::tangent(self, t, q);
-        hung(report, &self.joint, at, (t, q), &tangent.B);
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+        self.joint.freeze_piece(at);
     }
 
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {

@@ -1,7 +1,7 @@
 //! Joints in a model: the frame that is attached to one, and the coordinates that it releases.
 
 use super::shape::Chain;
-use super::{Hung, Joint, Released, Slide, SphericalNodes};
+use super::{Joint, JointMap, Released, Slide, SphericalNodes};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::Vector3;
@@ -107,7 +107,7 @@ impl ModelBuilder {
         }
         let all: Vec<NodeId> = parents.iter().chain(&released).copied().collect();
         let count = joint.released().iter().map(|r| r.dim()).sum();
-        let frame = self.hang(name, position, joint, &all);
+        let frame = self.add_joint_frame(name, position, joint, &all);
         let frame = frame.map_err(|error| match error {
             ModelError::JointDimension {
                 node, map, found, ..
@@ -127,7 +127,7 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
-    pub fn hang<J, const D: usize>(
+    pub fn add_joint_frame<J, const D: usize>(
         &mut self,
         name: impl Into<String>,
         position: [f64; 3],
@@ -137,7 +137,7 @@ impl ModelBuilder {
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.mapped_node(name, position, Hung::new(joint).boxed(), parents)
+        self.mapped_node(name, position, JointMap::new(joint).boxed(), parents)
     }
 }
 

@@ -60,7 +60,7 @@ pub fn offset(
     position: [f64; 3],
 ) -> Result<NodeId, ModelError> {
     let c = Vector3::from(position) - b.position(parent);
-    b.hang(name, position, Offset { c }, &[parent])
+    b.add_joint_frame(name, position, Offset { c }, &[parent])
 }
 
 /// Adds a frame node `name` welded to `parent`, at its place.

@@ -21,7 +21,7 @@ pub trait Curve: Send + Sync {
     /// Where the curve is pieced together from several formulas, keeps to the one that holds at s,
     /// beyond its ends too, or to none again: what [`check`](crate::check) compares derivatives
     /// with. Nothing to do by default, for a curve with three continuous derivatives.
-    fn keep_piece(&mut self, at: Option<f64>) {
+    fn freeze_piece(&mut self, at: Option<f64>) {
         let _ = at;
     }
 }
@@ -61,8 +61,8 @@ impl<C: Curve> Joint<10> for OnCurve<C> {
         self.curve.margin(q[6])
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, 10>)>) {
-        self.curve.keep_piece(at.map(|(_, q)| q[6]));
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, 10>)>) {
+        self.curve.freeze_piece(at.map(|(_, q)| q[6]));
     }
 
     fn edge(&self) -> &'static str {

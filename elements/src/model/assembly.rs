@@ -44,7 +44,7 @@ impl Model {
             [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
             w.moving |= w.v[c] != 0.0;
         }
-        for (node, turns) in &self.driven_rotations {
+        for (node, turns) in &self.prescribed_rotations {
             let first = self.nodes[*node].first + 3;
             super::slots::fold(
                 *turns,

@@ -4,7 +4,7 @@
 
 use super::assembly::named;
 use super::local::Local;
-use super::{Attached, Model, Node, Source};
+use super::{ElementEntry, Model, Node, Source};
 use crate::constraint::MAX_EQUATIONS;
 use nalgebra::Vector3;
 use pullback_manifold::so3;
@@ -33,7 +33,7 @@ pub struct Audit {
 
 impl Momentum {
     /// Adds that of an element with coordinates `x` and generalised momenta `p`.
-    fn add(&mut self, e: &Attached, nodes: &[Node], x: &[f64], p: &[f64]) {
+    fn add(&mut self, e: &ElementEntry, nodes: &[Node], x: &[f64], p: &[f64]) {
         let mut k = 0;
         for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
             if node.is_frame() {

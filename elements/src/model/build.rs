@@ -8,7 +8,9 @@ use super::loops;
 use super::placement::Placement;
 use super::start;
 use super::workspace::Workspace;
-use super::{Attached, Form, Model, ModelError, NONE, Node, Prescribed, Runs, Source, Span, among};
+use super::{
+    ElementEntry, Model, ModelError, NONE, Node, NodeForm, Prescribed, Runs, Source, Span, among,
+};
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Kind;
@@ -100,7 +102,7 @@ impl ModelBuilder {
         let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
         let kinds: Vec<Kind> = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
-        let of_form = |n: &Node| std::iter::repeat_n(n.form == Form::Multipliers, n.dim);
+        let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
         let unit = |i: usize| match (multipliers[coordinates[i]], kinds[coordinates[i]]) {
             (true, _) => 0.0,
@@ -116,7 +118,7 @@ impl ModelBuilder {
             let first = nodes[*n].first;
             nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
         };
-        let driven_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
+        let prescribed_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
         let magnitude = |node: &Node, kind: Kind| match kind {
             Kind::Length if node.is_frame() => node.position.norm(),
             Kind::Length => length,
@@ -155,7 +157,7 @@ impl ModelBuilder {
             unwatched: false,
             prescribed,
             inputs,
-            driven_rotations,
+            prescribed_rotations,
             runs: Runs::new(&coordinates),
             coordinates,
             unknowns,
@@ -181,7 +183,7 @@ impl ModelBuilder {
 
 /// Shortest and longest lever of the model: the least distance between nodes of an element or a
 /// joint that stand apart, and the extent of the whole; zero and infinite where there is none.
-fn levers(nodes: &[Node], elements: &[Attached], extent: f64) -> [f64; 2] {
+fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     if extent == 0.0 {
         return [0.0, f64::INFINITY];
     }
@@ -229,7 +231,7 @@ fn extent(nodes: &[Node]) -> f64 {
 /// Elimination takes the last first: from free ends towards supports every partial structure is
 /// held by what is still to come, and pivots keep their size. The other way round the last pivot
 /// of a cantilever would be its tip stiffness, small by the cube of the number of elements.
-fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> Vec<usize> {
+fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Vec<usize> {
     let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
     let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
@@ -287,7 +289,7 @@ fn outward(nodes: &[Node], elements: &[Attached], prescribed: &[Prescribed]) -> 
 /// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.
 fn check_rewritten(
     nodes: &[Node],
-    elements: &[Attached],
+    elements: &[ElementEntry],
     prescribed: &[Prescribed],
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
@@ -298,7 +300,7 @@ fn check_rewritten(
         for &m in d.parents().iter().take(1).filter(|_| d.map.rewrites()) {
             let parent = &nodes[m as usize];
             // Made for the frame by the model itself.
-            if parent.form == Form::Increment {
+            if parent.form == NodeForm::Increment {
                 continue;
             }
             let reads = |k: usize| match &nodes[k].source {
@@ -316,7 +318,7 @@ fn check_rewritten(
                 format!("the joint at {}", nodes[k].name)
             } else if held {
                 "a support or driven motion".to_owned()
-            } else if !parent.is_own() || parent.form != Form::Coordinates {
+            } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
                 "a joint with other parents".to_owned()
             } else {
                 continue;

@@ -4,7 +4,7 @@ use super::assembly::MAX_NODES;
 use super::dependence::Dependence;
 use super::formulation::Formulation;
 use super::loops::Closing;
-use super::{Attached, Form, ModelError, Node, NodeList, Source};
+use super::{ElementEntry, ModelError, Node, NodeForm, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
@@ -76,7 +76,7 @@ pub(super) const DOF_NAMES: [&str; FRAME] = [
 pub struct ModelBuilder {
     pub(super) nodes: Vec<Node>,
     names: HashMap<String, NodeId>,
-    pub(super) elements: Vec<Attached>,
+    pub(super) elements: Vec<ElementEntry>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
     pub(super) closings: Vec<Closing>,
     /// Where coordinates of loops should start.
@@ -107,7 +107,7 @@ impl ModelBuilder {
         self.add_node(
             name.into(),
             position,
-            Form::Frame,
+            NodeForm::Frame,
             &FRAME_KINDS,
             Source::Own,
         )
@@ -122,7 +122,13 @@ impl ModelBuilder {
         name: impl Into<String>,
         kinds: &[Kind],
     ) -> Result<NodeId, ModelError> {
-        self.add_node(name.into(), [0.0; 3], Form::Coordinates, kinds, Source::Own)
+        self.add_node(
+            name.into(),
+            [0.0; 3],
+            NodeForm::Coordinates,
+            kinds,
+            Source::Own,
+        )
     }
 
     /// Adds a rotation vector of its own: the three coordinates that a spherical joint releases.
@@ -132,7 +138,13 @@ impl ModelBuilder {
     /// [`ModelError::DuplicateNode`].
     pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
         let kinds = [Kind::Angle; 3];
-        self.add_node(name.into(), [0.0; 3], Form::Rotation, &kinds, Source::Own)
+        self.add_node(
+            name.into(),
+            [0.0; 3],
+            NodeForm::Rotation,
+            &kinds,
+            Source::Own,
+        )
     }
 
     /// Adds a frame node whose six coordinates follow from those of `parents` through a map.
@@ -162,7 +174,7 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
-        let form = (Form::Frame, &FRAME_KINDS[..]);
+        let form = (NodeForm::Frame, &FRAME_KINDS[..]);
         self.add_mapped(name.into(), position, form, map, segments)
     }
 
@@ -182,7 +194,7 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        let form = (Form::Coordinates, kinds);
+        let form = (NodeForm::Coordinates, kinds);
         self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
     }
 
@@ -190,7 +202,7 @@ impl ModelBuilder {
         &mut self,
         name: String,
         position: [f64; 3],
-        (form, kinds): (Form, &[Kind]),
+        (form, kinds): (NodeForm, &[Kind]),
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
@@ -225,7 +237,7 @@ impl ModelBuilder {
         &mut self,
         name: String,
         position: [f64; 3],
-        form: Form,
+        form: NodeForm,
         kinds: &[Kind],
         source: Source,
     ) -> Result<NodeId, ModelError> {
@@ -362,7 +374,7 @@ impl ModelBuilder {
                 element: name,
             });
         }
-        self.elements.push(Attached {
+        self.elements.push(ElementEntry {
             name,
             frames: (0..)
                 .zip(nodes)

@@ -3,7 +3,7 @@
 use super::dependence::Dependence;
 use super::gather::collect;
 use super::slots::fold;
-use super::{Form, Model, Node, Source, among};
+use super::{Model, Node, NodeForm, Source, among};
 use nalgebra::Vector3;
 use pullback_manifold::chart::{Chart, Complement, RotationVector};
 use pullback_manifold::map::Map;
@@ -61,7 +61,7 @@ impl Model {
         if !self.look_before(t, q) {
             return ChartChanges::default();
         }
-        let mut changed = self.fold_driven_rotations(t);
+        let mut changed = self.fold_prescribed_rotations(t);
         for node in 0..self.nodes.len() {
             let Some(unknowns) = self.free_rotation(node) else {
                 continue;
@@ -297,9 +297,9 @@ impl Model {
     }
 
     /// Whole turns off the rotations that are driven, by the time alone; how many have changed.
-    pub(super) fn fold_driven_rotations(&mut self, t: f64) -> usize {
+    pub(super) fn fold_prescribed_rotations(&mut self, t: f64) -> usize {
         let mut changed = 0;
-        for (node, turns) in &mut self.driven_rotations {
+        for (node, turns) in &mut self.prescribed_rotations {
             let first = self.nodes[*node].first + 3;
             let mut psi = Vector3::zeros();
             for p in among(&self.prescribed, first..first + 3) {
@@ -341,7 +341,7 @@ fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
         Source::Mapped(d) => {
             let first = d.parents().first();
-            first.is_some_and(|&m| nodes[m as usize].form == Form::Increment)
+            first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
         }
         Source::Own => false,
     }

@@ -2,7 +2,7 @@
 
 use super::builder::{ModelBuilder, NodeId};
 use super::loops::{Closing, Coincide, EQUATIONS, Report};
-use super::{Form, ModelError, Source};
+use super::{ModelError, NodeForm, Source};
 use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 use crate::element::Element;
 use pullback_manifold::system::Kind;
@@ -73,7 +73,7 @@ impl ModelBuilder {
         self.add_node(
             name.into(),
             position,
-            Form::Multipliers,
+            NodeForm::Multipliers,
             &kinds,
             Source::Own,
         )

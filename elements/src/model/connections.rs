@@ -1,7 +1,7 @@
 //! Whether every node of a model is connected to something.
 
 use super::loops::Closing;
-use super::{Attached, ModelError, Node, Prescribed, Source};
+use super::{ElementEntry, ModelError, Node, Prescribed, Source};
 use std::collections::HashSet;
 
 /// Every own node must meet an element that is not a load, directly or through a joint; a mapped
@@ -10,7 +10,7 @@ use std::collections::HashSet;
 pub(super) fn check_connections(
     nodes: &[Node],
     dependent: &[u32],
-    elements: &[Attached],
+    elements: &[ElementEntry],
     closings: &[Closing],
     prescribed: &[Prescribed],
 ) -> Result<(), ModelError> {

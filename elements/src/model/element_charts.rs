@@ -6,7 +6,7 @@
 //! continuously, and a change of chart at the end of it leaves the rotation as it is and changes
 //! the sign of the quaternion, or does not.
 
-use super::{Attached, Form, Model};
+use super::{ElementEntry, Model, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::Point;
@@ -40,7 +40,7 @@ impl Accepted {
         !self.switched.is_empty() && pairs.all(|(a, b)| (a - b).amax() < SAME)
     }
 
-    fn switched(&mut self, elements: &[Attached]) {
+    fn switched(&mut self, elements: &[ElementEntry]) {
         self.switched.clear();
         self.switched.extend(elements.iter().map(|e| e.wanted));
     }
@@ -103,7 +103,7 @@ impl Model {
             v: &[],
             a: &[],
         };
-        self.fold_driven_rotations(t);
+        self.fold_prescribed_rotations(t);
         // A joint outside its domain is named when the model is next evaluated.
         if self.expand(at).is_err() {
             return;
@@ -177,7 +177,7 @@ impl Model {
         let gain = 2.0 * *late + HYSTERESIS;
         let (mut changed, mut stored) = (false, false);
         // A single frame has no neighbour to agree with.
-        let several = |e: &&mut Attached| e.frames.count_ones() > 1;
+        let several = |e: &&mut ElementEntry| e.frames.count_ones() > 1;
         for e in self.elements.iter_mut().filter(several) {
             let mut nodes = e.nodes.iter().map(|&n| n as usize);
             // Below a right angle all quaternions are within 45° of (1, 0): they agree.
@@ -226,7 +226,7 @@ impl Model {
         let to = to(&mut w.element_charts);
         to.clear();
         to.extend(self.nodes.iter().map(|n| match n.form {
-            Form::Frame => Vector3::from_column_slice(&w.x[n.first + 3..n.first + 6]),
+            NodeForm::Frame => Vector3::from_column_slice(&w.x[n.first + 3..n.first + 6]),
             _ => Vector3::zeros(),
         }));
     }
@@ -235,7 +235,7 @@ impl Model {
 /// The element's frames: their bit and their rotation vector. A single one has no neighbour to
 /// agree with.
 fn frames<'a>(
-    e: &'a Attached,
+    e: &'a ElementEntry,
     psi: &'a [Vector3<f64>],
 ) -> impl Iterator<Item = (u32, &'a Vector3<f64>)> + Clone {
     let bits = e.nodes.iter().enumerate();
@@ -244,7 +244,7 @@ fn frames<'a>(
 }
 
 /// The nodes whose quaternions are on the other side of the first one's.
-fn opposite(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
+fn opposite(e: &ElementEntry, psi: &[Vector3<f64>]) -> u32 {
     let mut quaternions = frames(e, psi).map(|(bit, psi)| (bit, so3::quaternion(psi)));
     let Some((_, first)) = quaternions.next() else {
         return 0;
@@ -254,13 +254,19 @@ fn opposite(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
 }
 
 /// The choice by the nodes' rotations alone.
-fn agreement(e: &Attached, psi: &[Vector3<f64>]) -> u32 {
+fn agreement(e: &ElementEntry, psi: &[Vector3<f64>]) -> u32 {
     best(e, opposite(e, psi), psi, [true; 2], HYSTERESIS)
 }
 
 /// These nodes switched or all the others, whichever gives the smaller largest angle, among those
 /// that are `possible`; smaller by `gain`.
-fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2], gain: f64) -> u32 {
+fn best(
+    e: &ElementEntry,
+    switched: u32,
+    psi: &[Vector3<f64>],
+    possible: [bool; 2],
+    gain: f64,
+) -> u32 {
     if e.frames.count_ones() < 2 {
         return 0;
     }
@@ -287,7 +293,7 @@ fn best(e: &Attached, switched: u32, psi: &[Vector3<f64>], possible: [bool; 2], 
 ///
 /// Vectors a turn or more apart are too far from each other. A chart takes the same number of whole
 /// turns off all of them, m, an even or an odd one, and leaves each within one: |ψ − 2πm| < 2π.
-fn possible(e: &Attached, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bool; 2] {
+fn possible(e: &ElementEntry, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bool; 2] {
     let seen = |bit: u32, psi: &Vector3<f64>| match e.switched & bit {
         0 => *psi,
         _ => so3::complement(psi),
@@ -315,7 +321,7 @@ fn possible(e: &Attached, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bo
 }
 
 /// The nodes whose quaternion changed its sign, at the same configuration.
-fn flipped(e: &Attached, before: &[Vector3<f64>], after: &[Vector3<f64>]) -> u32 {
+fn flipped(e: &ElementEntry, before: &[Vector3<f64>], after: &[Vector3<f64>]) -> u32 {
     let pairs = frames(e, before).zip(frames(e, after));
     let flips = pairs
         .filter(|((_, a), (_, b))| a != b && so3::quaternion(*a).dot(&so3::quaternion(*b)) < 0.0);

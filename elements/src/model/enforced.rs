@@ -5,7 +5,7 @@
 
 use super::gather::collect;
 use super::local::Local;
-use super::{Attached, Form, Model, Source};
+use super::{ElementEntry, Model, NodeForm, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Kind, Point, SystemError};
@@ -41,7 +41,7 @@ impl Model {
     /// Whether multipliers are among the unknowns, which makes the equations of motion
     /// differential-algebraic ones of index 3.
     pub fn has_multipliers(&self) -> bool {
-        self.nodes.iter().any(|n| n.form == Form::Multipliers)
+        self.nodes.iter().any(|n| n.form == NodeForm::Multipliers)
     }
 
     /// The coordinates from which an analysis starts where nothing else is said: zero, the model as
@@ -160,12 +160,6 @@ impl Model {
         })
     }
 
-    /// Whether equations of multipliers that are left out are watched, and others taken where that is
-    /// due: not at states that do not satisfy any of them.
-    pub(crate) fn watch_equations(&mut self, on: bool) {
-        self.unwatched = !on;
-    }
-
     /// At a converged state: whether the equations that are left out still follow from the others.
     pub(super) fn watch_left_out(&mut self, t: f64) {
         if self.unwatched {
@@ -229,7 +223,7 @@ impl Local {
     /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
     /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
     /// an inertia p h².
-    pub(super) fn ask_accelerations(&mut self, e: &Attached, t: f64, h: f64) {
+    pub(super) fn ask_accelerations(&mut self, e: &ElementEntry, t: f64, h: f64) {
         let Some(enforced) = e.element.enforced() else {
             return;
         };
@@ -259,7 +253,7 @@ impl Local {
     }
 }
 
-impl Attached {
+impl ElementEntry {
     /// Name of one of the equations that the element enforces.
     pub(super) fn equation(&self, i: usize) -> String {
         let enforced = self.element.enforced();

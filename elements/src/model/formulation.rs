@@ -5,7 +5,7 @@
 use super::builder::{ModelBuilder, NodeId};
 use super::dependence::Dependence;
 use super::workspace::Workspace;
-use super::{Form, Model, NONE, Node, Source, among};
+use super::{Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
@@ -78,7 +78,8 @@ pub(super) fn apply(
         return;
     }
     let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
-    let turns = |node: &Node| matches!(node.form, Form::Frame | Form::Rotation) && node.is_own();
+    let turns =
+        |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
     let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
     for (n, k, _) in &*prescribed {
         // A rotation of which something is held stays as it is.
@@ -98,7 +99,7 @@ pub(super) fn apply(
         };
         let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
         let (name, kinds) = (node.name.clone(), node.kinds.clone());
-        nodes.push(Node::new(name, Form::Increment, &kinds, Source::Own));
+        nodes.push(Node::new(name, NodeForm::Increment, &kinds, Source::Own));
         nodes[n].source = Source::Mapped(Box::new(dependence));
         carriers.insert(NodeId(n as u32), NodeId(own));
     }
@@ -113,7 +114,7 @@ fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
         return None;
     };
     let first = *d.parents().first()? as usize;
-    (nodes[first].form == Form::Increment).then_some(first)
+    (nodes[first].form == NodeForm::Increment).then_some(first)
 }
 
 /// The frames and rotations by increments.

@@ -6,7 +6,7 @@
 #![allow(non_snake_case)]
 
 use super::loops::Report;
-use super::{Form, ModelBuilder, ModelError};
+use super::{ModelBuilder, ModelError, NodeForm};
 use crate::element::{Element, ElementError, Motion, Response};
 use pullback_manifold::system::Kind;
 
@@ -45,7 +45,7 @@ impl ModelBuilder {
             .nodes
             .iter()
             .enumerate()
-            .filter(|(_, node)| node.is_own() && node.form != Form::Multipliers)
+            .filter(|(_, node)| node.is_own() && node.form != NodeForm::Multipliers)
             .any(|(n, node)| (0..node.dim).any(|k| !given.contains(&(n, k))));
         if free || self.nodes.is_empty() {
             return Ok(());
@@ -53,14 +53,14 @@ impl ModelBuilder {
         // Who drives a joint's coordinate wants it there, be it at zero; a support only holds.
         let mut prescribed = self.prescribed.iter();
         let still = prescribed.all(|(n, _, f)| {
-            f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != Form::Coordinates
+            f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != NodeForm::Coordinates
         });
         if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });
         }
         let node = self.coordinates("nothing is free", &[Kind::Other])?;
-        self.nodes[node.0 as usize].form = Form::Idle;
+        self.nodes[node.0 as usize].form = NodeForm::Dummy;
         self.element("nothing is free", Idle, &[node])?;
         Ok(())
     }

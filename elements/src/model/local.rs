@@ -5,7 +5,7 @@
 use super::assembly::MAX_NODES;
 use super::gather::{collect, distribute};
 use super::slots::Complement;
-use super::{Attached, NONE, Node, Span};
+use super::{ElementEntry, NONE, Node, Span};
 use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
@@ -62,14 +62,14 @@ impl Local {
         }
     }
 
-    pub(super) fn gather(&mut self, e: &Attached, spans: &[Span], x: &[f64]) {
+    pub(super) fn gather(&mut self, e: &ElementEntry, spans: &[Span], x: &[f64]) {
         collect(&e.nodes, spans, x, &mut self.x);
     }
 
     /// Velocities and accelerations; zero where nothing moves.
     pub(super) fn gather_rates(
         &mut self,
-        e: &Attached,
+        e: &ElementEntry,
         spans: &[Span],
         rates: Option<[&[f64]; 2]>,
     ) {
@@ -88,7 +88,7 @@ impl Local {
     }
 
     /// The previous iterate in the element's chart.
-    pub(super) fn gather_previous(&mut self, e: &Attached, spans: &[Span], x: &[f64]) {
+    pub(super) fn gather_previous(&mut self, e: &ElementEntry, spans: &[Span], x: &[f64]) {
         collect(&e.nodes, spans, x, &mut self.previous);
         if e.switched == 0 {
             return;
@@ -104,7 +104,7 @@ impl Local {
     }
 
     /// Takes the nodes that the element wants in the other chart through the complement map.
-    pub(super) fn switch(&mut self, e: &Attached, nodes: &[Node]) -> bool {
+    pub(super) fn switch(&mut self, e: &ElementEntry, nodes: &[Node]) -> bool {
         if e.switched == 0 {
             return false;
         }
@@ -125,7 +125,7 @@ impl Local {
     }
 
     /// The element's motion as gathered.
-    pub(super) fn motion(&self, e: &Attached, t: f64, statics: bool) -> Motion<'_> {
+    pub(super) fn motion(&self, e: &ElementEntry, t: f64, statics: bool) -> Motion<'_> {
         let n = e.element.dim();
         let end = if statics { 0 } else { n };
         Motion {
@@ -138,7 +138,7 @@ impl Local {
 
     pub(super) fn evaluate(
         &mut self,
-        e: &Attached,
+        e: &ElementEntry,
         t: f64,
         statics: bool,
         weights: Option<Weights>,
@@ -189,7 +189,7 @@ impl Local {
     /// Residual into `r` and, where there is motion, generalised momenta p = M ẋ into `work`.
     pub(super) fn momenta(
         &mut self,
-        e: &Attached,
+        e: &ElementEntry,
         t: f64,
         statics: bool,
     ) -> Result<(), ElementError> {
@@ -228,12 +228,12 @@ impl Local {
     }
 
     /// Adds the residual to those of all nodes.
-    pub(super) fn add_residual(&self, e: &Attached, spans: &[Span], r: &mut [f64]) {
+    pub(super) fn add_residual(&self, e: &ElementEntry, spans: &[Span], r: &mut [f64]) {
         distribute(&e.nodes, spans, &self.r, r);
     }
 
     /// Adds ∂r/∂t to those of all nodes.
-    pub(super) fn add_load_rate(&self, e: &Attached, spans: &[Span], r_t: &mut [f64]) {
+    pub(super) fn add_load_rate(&self, e: &ElementEntry, spans: &[Span], r_t: &mut [f64]) {
         distribute(&e.nodes, spans, &self.r_t, r_t);
     }
 
@@ -241,7 +241,7 @@ impl Local {
     /// straight into the support and are no measure of what the structure carries.
     pub(super) fn measure(
         &self,
-        e: &Attached,
+        e: &ElementEntry,
         nodes: &[Node],
         unknowns: &[u32],
         scales: &mut Scales,
@@ -262,7 +262,7 @@ impl Local {
     /// First stage: from the element's chart to the charts of its nodes.
     pub(super) fn pull_back_switch(
         &mut self,
-        e: &Attached,
+        e: &ElementEntry,
         nodes: &[Node],
         weights: Option<Weights>,
         statics: bool,
@@ -352,7 +352,12 @@ impl Local {
     }
 
     /// Second stage where no node follows others: the tangents with their weights.
-    pub(super) fn combine(&mut self, e: &Attached, weights: Weights, [statics, rates]: [bool; 2]) {
+    pub(super) fn combine(
+        &mut self,
+        e: &ElementEntry,
+        weights: Weights,
+        [statics, rates]: [bool; 2],
+    ) {
         let n = e.element.dim();
         if combined(e, statics, rates).is_some() {
             return;
@@ -370,7 +375,11 @@ impl Local {
     }
 
     /// The element's tangents in the coordinates of its nodes, and room for a column.
-    pub(super) fn tangents(&mut self, e: &Attached, statics: bool) -> (Tangents<'_>, &mut [f64]) {
+    pub(super) fn tangents(
+        &mut self,
+        e: &ElementEntry,
+        statics: bool,
+    ) -> (Tangents<'_>, &mut [f64]) {
         let values = e.element.dim().pow(2);
         let moving = (!statics).then_some(());
         let tangents = Tangents {
@@ -384,7 +393,7 @@ impl Local {
 
 /// The element's own way to the combined tangent, where the parts are not needed: in motion, for
 /// nodes that are seen as they are stored and follow no others.
-fn combined(e: &Attached, statics: bool, rates: bool) -> Option<&dyn Combined> {
+fn combined(e: &ElementEntry, statics: bool, rates: bool) -> Option<&dyn Combined> {
     let parts = statics || rates || e.mapped || e.switched != 0;
     if parts { None } else { e.element.combined() }
 }

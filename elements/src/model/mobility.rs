@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Form, Model, NONE, Node, Source};
+use super::{Model, NONE, Node, NodeForm, Source};
 use crate::constraint::Enforced;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
@@ -77,13 +77,13 @@ impl Model {
 
     /// Degrees of freedom, at the configuration in which the model was built.
     pub fn mobility(&self) -> Mobility {
-        let count = |form: Form| {
+        let count = |form: NodeForm| {
             let of_form = self.nodes.iter().filter(|n| n.form == form);
             let all = of_form.flat_map(Node::range);
             all.filter(|&c| self.unknowns[c] != NONE).count()
         };
-        let multipliers = count(Form::Multipliers);
-        let free = self.coordinates.len() - multipliers - count(Form::Idle);
+        let multipliers = count(NodeForm::Multipliers);
+        let free = self.coordinates.len() - multipliers - count(NodeForm::Dummy);
         let mut out = Mobility {
             coordinates: free,
             ..Mobility::default()

@@ -18,14 +18,11 @@ mod error;
 mod formulation;
 mod gather;
 mod idle;
-mod inside;
-mod inspect;
 mod line;
 mod local;
 mod loops;
 mod mobility;
 mod motion;
-mod other_charts;
 mod placement;
 mod query;
 mod rates;
@@ -37,6 +34,7 @@ mod start;
 mod symmetry;
 mod system;
 mod travel;
+mod view;
 mod workspace;
 
 pub use audit::{Audit, Momentum};
@@ -45,13 +43,11 @@ pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
 pub use error::ModelError;
 pub use formulation::Formulation;
-pub(crate) use inspect::{Rotation, Snapshot};
 pub use line::{Line, LineNodes};
 pub use mobility::Mobility;
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
 pub use rates::BEFORE_START;
-pub(crate) use travel::Side;
 
 use crate::element::Element;
 use crate::time::{Input, TimeFunction};
@@ -78,7 +74,8 @@ enum Source {
 
 /// What the coordinates of a node are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+#[non_exhaustive]
+pub enum NodeForm {
     /// (d, Ψ) of a frame.
     Frame,
     /// (d, θ) behind a frame, or θ behind a rotation, θ since the last converged step.
@@ -90,7 +87,7 @@ enum Form {
     /// Any others, of one chart.
     Coordinates,
     /// The one unknown of a model of which everything is prescribed.
-    Idle,
+    Dummy,
 }
 
 /// Where a node's coordinates are in the vector of all nodes' coordinates.
@@ -107,12 +104,12 @@ impl Span {
     }
 }
 
-/// A node: six coordinates (d, Ψ) of a frame, or the coordinates released by a joint.
-struct Node {
+/// A node: six coordinates (d, Ψ) of a frame, or the coordinates of a joint.
+pub struct Node {
     name: String,
     /// Reference position.
     position: Vector3<f64>,
-    form: Form,
+    form: NodeForm,
     kinds: Vec<Kind>,
     dim: usize,
     /// First coordinate in the vector of all nodes' coordinates.
@@ -122,7 +119,7 @@ struct Node {
 
 impl Node {
     /// A node without a position: coordinates that are no frame.
-    fn new(name: String, form: Form, kinds: &[Kind], source: Source) -> Self {
+    fn new(name: String, form: NodeForm, kinds: &[Kind], source: Source) -> Self {
         Self {
             name,
             position: Vector3::zeros(),
@@ -152,31 +149,19 @@ impl Node {
         }
     }
 
-    fn range(&self) -> Range<usize> {
-        self.first..self.first + self.dim
-    }
-
     fn is_frame(&self) -> bool {
-        self.form == Form::Frame
+        self.form == NodeForm::Frame
     }
 
     /// First coordinate of the rotation vector, if there is one.
     fn rotation(&self) -> Option<usize> {
         match self.form {
-            Form::Frame => Some(self.first + 3),
-            Form::Rotation => Some(self.first),
-            Form::Increment | Form::Coordinates | Form::Multipliers | Form::Idle => None,
-        }
-    }
-
-    /// Name of coordinate `k` of this node.
-    fn coordinate_name(&self, k: usize) -> String {
-        if self.is_frame() || (self.form == Form::Increment && self.dim == builder::FRAME) {
-            format!("node {}, {}", self.name, builder::DOF_NAMES[k])
-        } else if self.dim == 1 {
-            self.name.clone()
-        } else {
-            format!("{}, coordinate {}", self.name, k + 1)
+            NodeForm::Frame => Some(self.first + 3),
+            NodeForm::Rotation => Some(self.first),
+            NodeForm::Increment
+            | NodeForm::Coordinates
+            | NodeForm::Multipliers
+            | NodeForm::Dummy => None,
         }
     }
 
@@ -185,7 +170,7 @@ impl Node {
     }
 }
 
-/// The nodes of an element, kept in place: an assembly waits for every detour through memory.
+/// The nodes of an element, stored inline to avoid cache misses in an assembly.
 struct NodeList {
     len: u32,
     nodes: [u32; MAX_NODES],
@@ -213,8 +198,8 @@ impl Deref for NodeList {
     }
 }
 
-/// An element with its nodes and its places in the assembly.
-struct Attached {
+/// An element or load of a model with its name and nodes.
+pub struct ElementEntry {
     name: String,
     element: Box<dyn Element>,
     nodes: NodeList,
@@ -241,7 +226,7 @@ struct Attached {
     first_place: usize,
 }
 
-impl Attached {
+impl ElementEntry {
     /// A dead load that is seen as it is stored.
     fn reads_only_time(&self) -> bool {
         self.dead && self.switched == 0
@@ -273,7 +258,7 @@ pub struct Model {
     spinning: Vec<u32>,
     /// How loops are closed.
     reports: Vec<loops::Report>,
-    elements: Vec<Attached>,
+    elements: Vec<ElementEntry>,
     /// Elements that enforce equations.
     enforced: Vec<usize>,
     /// Coordinates at the start, unless something else is said.
@@ -290,7 +275,7 @@ pub struct Model {
     /// What is set from outside.
     inputs: Vec<Input>,
     /// Frames whose whole rotation is driven, with the whole turns taken off.
-    driven_rotations: Vec<(usize, i32)>,
+    prescribed_rotations: Vec<(usize, i32)>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
     /// The same by runs of free coordinates.

@@ -5,7 +5,7 @@
 use super::builder::NodeId;
 use super::gather::collect;
 use super::loops::upwards;
-use super::{Form, Model, NONE, Source, among};
+use super::{Model, NONE, NodeForm, Source, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, Spins};
@@ -262,7 +262,7 @@ impl Model {
                     }
                 }
             };
-            if n.form == Form::Frame {
+            if n.form == NodeForm::Frame {
                 let position = n.position + three(own.first);
                 let arm = position - motion.about;
                 put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
@@ -292,7 +292,7 @@ impl Model {
         let Source::Mapped(d) = &self.nodes[node.0 as usize].source else {
             return node;
         };
-        let released = |&&n: &&u32| self.nodes[n as usize].form == Form::Rotation;
+        let released = |&&n: &&u32| self.nodes[n as usize].form == NodeForm::Rotation;
         d.parents()
             .iter()
             .find(released)
@@ -309,7 +309,7 @@ impl Model {
         let of_loops: Vec<u32> = self.dependent.iter().filter_map(chosen).collect();
         let nodes = (0..).zip(&self.nodes);
         let single = nodes.filter(|(k, n)| {
-            n.form == Form::Coordinates && n.dim == 1 && n.is_own() && !of_loops.contains(k)
+            n.form == NodeForm::Coordinates && n.dim == 1 && n.is_own() && !of_loops.contains(k)
         });
         let unknowns = single.map(|(_, n)| self.unknowns[n.first]);
         unknowns
@@ -334,12 +334,12 @@ impl Model {
         self.nodes
             .iter()
             .enumerate()
-            .filter(|(_, n)| matches!(n.form, Form::Coordinates | Form::Rotation))
+            .filter(|(_, n)| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation))
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
     }
 
     /// Frame nodes that are attached to joints, with their names.
-    pub fn hung(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
+    pub fn mapped_frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
         self.nodes
             .iter()
             .enumerate()

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::ancestry::{Alternatives, union};
-use super::{Attached, NONE, Node, Source, Span};
+use super::{ElementEntry, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
@@ -83,7 +83,7 @@ impl Placement {
         &mut self,
         nodes: &[Node],
         dependent: &[u32],
-        elements: &[Attached],
+        elements: &[ElementEntry],
         alternatives: &Alternatives,
     ) -> usize {
         let follows = |m: &&u32| !nodes[**m as usize].is_own();
@@ -143,7 +143,7 @@ impl Placement {
         &mut self,
         nodes: &[Node],
         dependent: &[u32],
-        elements: &mut [Attached],
+        elements: &mut [ElementEntry],
         pattern: &BlockPattern,
     ) {
         self.positions.clear();
@@ -237,7 +237,7 @@ impl Placement {
     }
 
     /// Writes or adds an element's local matrix `S` (d×d).
-    pub(super) fn scatter(&self, e: &Attached, spans: &[Span], S: &[f64], values: &mut [f64]) {
+    pub(super) fn scatter(&self, e: &ElementEntry, spans: &[Span], S: &[f64], values: &mut [f64]) {
         let nodes = &e.nodes[..];
         let positions = &self.positions[e.first_place..][..nodes.len() * nodes.len()];
         let d = e.element.dim();
@@ -349,7 +349,7 @@ mod tests {
         b.support(ground, &Dof::ALL);
         let pin = revolute(&mut b, "pin", ground, [0.0, 0.0, 1.0]).unwrap();
         let other = b
-            .hang(
+            .add_joint_frame(
                 "other",
                 [0.0; 3],
                 crate::joint::Revolute::new([0.0, 0.0, 1.0]).unwrap(),

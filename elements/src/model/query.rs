@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 use super::builder::{ElementId, NodeId};
-use super::slots::Complement;
 use super::{Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
 use nalgebra::Vector3;
@@ -41,11 +40,6 @@ impl Model {
             .iter()
             .position(|n| n.name == name)
             .map(|k| NodeId(k as u32))
-    }
-
-    /// Number of elements and loads.
-    pub fn element_count(&self) -> usize {
-        self.elements.len()
     }
 
     /// What there is to say about the map that a node follows through, as it is now: its
@@ -154,26 +148,12 @@ impl Model {
         out
     }
 
-    /// Coordinates of an element in its own chart, in the configuration last set.
-    pub(super) fn element_coordinates(&self, e: &super::Attached) -> Vec<f64> {
-        let mut x = Vec::with_capacity(e.element.dim());
-        for (k, &n) in e.nodes.iter().enumerate() {
-            let first = x.len();
-            x.extend_from_slice(&self.work.x[self.nodes[n as usize].range()]);
-            if e.switched & (1 << k) != 0 {
-                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
-                Complement::default().apply(&mut x[first + 3..first + 6], &mut v, &mut a);
-            }
-        }
-        x
-    }
-
     /// States of all cross-sections in the configuration last set, with the element they belong to.
     pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
         let mut out = Vec::new();
         let mut states = Vec::new();
         for (k, e) in self.elements.iter().enumerate() {
-            let x = self.element_coordinates(e);
+            let [x, ..] = self.element_motion(e);
             let at = Motion {
                 t,
                 x: &x,
@@ -203,7 +183,7 @@ impl Model {
             .iter()
             .filter(|e| e.element.is_load() == loads)
             .map(|e| {
-                let x = self.element_coordinates(e);
+                let [x, ..] = self.element_motion(e);
                 e.element.energy(&Motion {
                     t,
                     x: &x,

@@ -4,7 +4,7 @@
 
 use super::builder::NodeId;
 use super::motion::RigidMotion;
-use super::{Form, Model, NONE, Source};
+use super::{Model, NONE, NodeForm, Source};
 use nalgebra::{DMatrix, DVector, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
@@ -32,7 +32,7 @@ impl Model {
     ) -> Result<Vec<String>, SystemError> {
         let (mut fitted, mut against) = (Vec::new(), Vec::new());
         for n in self.dependent.clone() {
-            let released = |&&m: &&u32| self.nodes[m as usize].form == Form::Coordinates;
+            let released = |&&m: &&u32| self.nodes[m as usize].form == NodeForm::Coordinates;
             let Some(d) = self.chosen(n, nodes) else {
                 continue;
             };

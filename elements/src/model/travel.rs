@@ -6,9 +6,6 @@ use super::dependence::{Dependence, hand_back};
 use super::gather::collect;
 use super::workspace::Workspace;
 use super::{Model, Node, Source};
-use nalgebra::DVector;
-use pullback_manifold::check::State;
-use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Point, SystemError};
 
 /// Room for what is asked of the maps that travel.
@@ -149,82 +146,6 @@ impl Model {
         let w = &mut self.work;
         if before {
             std::mem::swap(&mut w.operators.B, &mut w.travel.B);
-        }
-    }
-}
-
-/// A map on one side of a hand-over, and the motion of the parents that it has there.
-pub(crate) struct Side {
-    pub map: Box<dyn Parametrization>,
-    pub state: State,
-    /// Which of the model's coordinates those of the parents are.
-    pub coordinates: Vec<usize>,
-    /// The one by which the map travels: it rests where the map is handed over.
-    pub way: usize,
-}
-
-/// How far coordinates move on the way to a position that is looked for.
-const NUDGE: f64 = 1e-3;
-
-impl Model {
-    /// The positions where a node's map is handed over next, along each of the coordinates that it reads,
-    /// as the configuration last set has all others: the map before and after.
-    pub(crate) fn hand_overs(&self, n: u32, t: f64) -> Vec<[Side; 2]> {
-        let Some(d) = travelling_map(&self.nodes[n as usize]) else {
-            return Vec::new();
-        };
-        let here = self.side(d, d.map.duplicate(), t, None);
-        let mut all = Vec::new();
-        for (j, &way) in here.coordinates.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let mut v = vec![0.0; here.coordinates.len()];
-                v[j] = sign;
-                let q = here.state.x.as_slice();
-                let mut from = q.to_vec();
-                from[j] -= sign * NUDGE;
-                let ahead = d.map.overdue(NUDGE, [&from, &v], [q, &v]);
-                let Some((late, segment)) = ahead.filter(|(late, _)| late.is_finite()) else {
-                    continue;
-                };
-                let border = Some((way, q[j] - sign * late));
-                let before = self.side(d, d.map.duplicate(), t, border);
-                let mut map = d.map.duplicate();
-                map.enter(segment);
-                map.change_charts(t, before.state.x.as_slice());
-                // It reads other parents now, and may want other charts for them.
-                let mut after = self.side(d, map, t, border);
-                after.map.change_charts(t, after.state.x.as_slice());
-                all.push([before, after]);
-            }
-        }
-        all
-    }
-
-    fn side(
-        &self,
-        d: &Dependence,
-        mut map: Box<dyn Parametrization>,
-        t: f64,
-        border: Option<(usize, f64)>,
-    ) -> Side {
-        map.keep_piece(None);
-        let parents = d.segments[map.segment()].iter();
-        let coordinates: Vec<usize> = parents
-            .flat_map(|&m| self.nodes[m as usize].range())
-            .collect();
-        let w = &self.work;
-        let [mut x, mut v, mut a] = [&w.x, &w.v, &w.a]
-            .map(|x| DVector::from_iterator(coordinates.len(), coordinates.iter().map(|&c| x[c])));
-        let way = border.map_or(usize::MAX, |(way, _)| way);
-        for (j, _) in coordinates.iter().enumerate().filter(|(_, c)| **c == way) {
-            (x[j], v[j], a[j]) = (border.map_or(x[j], |b| b.1), 0.0, 0.0);
-        }
-        let state = State { t, x, v, a };
-        Side {
-            map,
-            state,
-            coordinates,
-            way,
         }
     }
 }

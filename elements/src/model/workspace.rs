@@ -5,7 +5,7 @@ use super::dependence::Operators;
 use super::element_charts::ElementCharts;
 use super::local::Local;
 use super::travel::Travel;
-use super::{Attached, Node, Source};
+use super::{ElementEntry, Node, Source};
 use pullback_manifold::system::{Kind, Scales};
 
 /// Buffers of an evaluation, made once.
@@ -82,7 +82,7 @@ impl DeadLoads {
 impl Workspace {
     pub(super) fn new(
         nodes: &[Node],
-        elements: &[Attached],
+        elements: &[ElementEntry],
         [operators, panels]: [usize; 2],
         length: f64,
         levers: [f64; 2],

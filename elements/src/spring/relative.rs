@@ -173,7 +173,7 @@ impl Relation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pullback_manifold::check::{self, Random};
+    use pullback_conformance::{self as check, Random};
     use pullback_manifold::map::derived;
 
     const MAP: Relative = Relative {

@@ -68,11 +68,11 @@ where
         self.inner.note().or_else(|| self.outer.note())
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let between = at.map(|(t, q)| (t, self.inner.phi(t, q)));
-        self.inner.keep_piece(at);
+        self.inner.freeze_piece(at);
         self.outer
-            .keep_piece(between.as_ref().map(|(t, x)| (*t, x)));
+            .freeze_piece(between.as_ref().map(|(t, x)| (*t, x)));
     }
 
     fn tangent(&self, t: f64, q: &SVector<f64, D>) -> Tangent<D, N> {

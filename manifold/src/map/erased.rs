@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 use super::Map;
-use crate::check::Report;
 use crate::so3::Spins;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
@@ -113,14 +112,9 @@ pub trait Parametrization: Send + Sync {
         0
     }
 
-    /// See [`Map::keep_piece`].
-    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+    /// See [`Map::freeze_piece`].
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let _ = at;
-    }
-
-    /// See [`Map::own_laws`].
-    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &[f64]) {
-        let _ = (report, at, t, q);
     }
 
     /// What the map remembers of its way besides the coordinates, where it cannot be found from
@@ -244,14 +238,9 @@ where
         self.0.segment()
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let at = at.map(|(t, q)| (t, SVector::from_column_slice(q)));
-        self.0.keep_piece(at.as_ref().map(|(t, q)| (*t, q)));
-    }
-
-    fn own_laws(&self, report: &mut Report, at: &str, t: f64, q: &[f64]) {
-        let q = SVector::from_column_slice(q);
-        self.0.own_laws(report, at, t, &q);
+        self.0.freeze_piece(at.as_ref().map(|(t, q)| (*t, q)));
     }
 
     fn violation(&self, t: f64, q: &[f64]) -> Option<f64> {

@@ -64,7 +64,7 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let angle = b.mapped_coordinates(format!("x{k}"), &angles[..1], pick, &[x]);
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-        let frame = b.hang(
+        let frame = b.add_joint_frame(
             format!("flap {k}"),
             [9.0, 0.0, 0.0],
             hinge,

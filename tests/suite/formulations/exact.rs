@@ -4,10 +4,10 @@
 use crate::support::dynamics::{observed, slopes, tight};
 use crate::support::heavy_top::{HELD, assert_heavy_top};
 use nalgebra::{Rotation3, Vector3};
+use pullback::conformance as check;
 use pullback::elements::model::Formulation;
 use pullback::input;
 use pullback::integrators::dynamics::Scheme;
-use pullback::manifold::check;
 use pullback::method::Method;
 use pullback::studies::compare::{Comparison, Options, Quantity, Watch, compare};
 

@@ -1,7 +1,7 @@
 //! Andrews' squeezer mechanism in coordinates of every choice; `tests/studies` takes it to the published digits.
 
 use crate::support::andrews::*;
-use pullback::manifold::check;
+use pullback::conformance as check;
 use pullback::manifold::implicit::Choice;
 
 #[test]

@@ -6,11 +6,11 @@
 use crate::support::dynamics::*;
 use crate::support::loops::*;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
+use pullback::conformance as check;
 use pullback::elements::beam::Section;
 use pullback::elements::model::{Line, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Proportional;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
-use pullback::manifold::check;
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;

@@ -7,8 +7,8 @@ use crate::support::dynamics::*;
 use crate::support::loops::four_bar::*;
 use crate::support::loops::*;
 use nalgebra::{SVector, Vector2, Vector3};
+use pullback::conformance as check;
 use pullback::elements::body::PointMass;
-use pullback::elements::check;
 use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 use pullback::elements::joint::{Joint, Pose};
 use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
@@ -83,7 +83,7 @@ fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
         .mapped_coordinates("0", &[Kind::Length], zero, &[s])
         .unwrap();
     for (name, at, m) in [("pin", [px, py], PIN), ("slider", [s, height], SLIDER)] {
-        let frame = b.hang(name, [0.0; 3], InPlane, &at).unwrap();
+        let frame = b.add_joint_frame(name, [0.0; 3], InPlane, &at).unwrap();
         let mass = PointMass::new(m).unwrap();
         let weight = mass.weight(DOWN, Box::new(Constant(1.0)));
         b.element(name, mass, &[frame]).unwrap();

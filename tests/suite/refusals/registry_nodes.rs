@@ -54,7 +54,7 @@ fn a_node_of_two_coordinates_is_not_one_of_a_name() {
         let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
         let position = at.builder.position(at.parent).into();
         let all = [at.parent, ways];
-        let frame = at.builder.hang(at.name, position, Pair, &all)?;
+        let frame = at.builder.add_joint_frame(at.name, position, Pair, &all)?;
         let released = vec![ways];
         Ok::<_, BoxedError>(JointNodes { frame, released })
     });

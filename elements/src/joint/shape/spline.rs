@@ -161,7 +161,7 @@ impl Curve for Spline {
         Vector3::from_fn(|i, _| ((u * d[i] + c[i]) * u + b[i]) * u + a[i])
     }
 
-    fn keep_piece(&mut self, at: Option<f64>) {
+    fn freeze_piece(&mut self, at: Option<f64>) {
         self.kept = at.map(|s| self.piece(s));
     }
 

@@ -4,7 +4,7 @@ use super::link::Read;
 use super::set::{self, Inputs};
 use super::tree::Tree;
 use super::{Closing, Held};
-use crate::model::{Form, ModelError, Node, Source};
+use crate::model::{ModelError, Node, NodeForm, Source};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Kind;
 
@@ -123,7 +123,7 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
         }
         match &nodes[n as usize].source {
             Source::Mapped(d) => waiting.extend(d.parents()),
-            Source::Own if nodes[n as usize].form != Form::Frame => out.push(n),
+            Source::Own if nodes[n as usize].form != NodeForm::Frame => out.push(n),
             Source::Own => {}
         }
     }

@@ -7,7 +7,7 @@
 //! ([`Closed`](pullback_manifold::implicit::Closed), \[M04\] (171)–(173)):
 //!
 //! ```text
-//! q, driven coordinates  →  x (Closed)  →  joint coordinates (Part)  →  frames (Hung)
+//! q, driven coordinates  →  x (Closed)  →  joint coordinates (Part)  →  frames (JointMap)
 //! ```
 //!
 //! Loops that share a joint coordinate are solved together.
@@ -23,7 +23,7 @@ use super::builder::{ModelBuilder, NodeId};
 use super::closures::Closure;
 use super::dependence::Dependence;
 use super::{ModelError, Node, Source};
-use crate::joint::{Hung, Offset};
+use crate::joint::{JointMap, Offset};
 use crate::time::TimeFunction;
 pub(super) use chain::upwards;
 use chain::{Chain, coordinates};
@@ -187,7 +187,7 @@ pub(super) fn close(
         }
         let words = format!("joint {}: {} is attached to it", a.name, b.name);
         reports.push(Report::say(words));
-        let same = Hung::new(Offset {
+        let same = JointMap::new(Offset {
             c: Vector3::zeros(),
         });
         let dependence = Dependence::new(same.boxed(), vec![vec![frame.0]], 6);

@@ -6,7 +6,7 @@ use super::tree::{Coincide, Part, Tree};
 use super::{APART, EQUATIONS, Held, Report, Wishes};
 use crate::model::builder::NodeId;
 use crate::model::dependence::Dependence;
-use crate::model::{Form, ModelError, NONE, Node, Source, assembly};
+use crate::model::{ModelError, NONE, Node, NodeForm, Source, assembly};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
 use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
@@ -224,7 +224,7 @@ pub(super) fn close_set(
     let mut kinds = Vec::new();
     for &(n, first) in unknown {
         let node = &nodes[n as usize];
-        if node.form == Form::Rotation {
+        if node.form == NodeForm::Rotation {
             about.rotations.push(first - inputs.parameters);
         }
         for (k, &kind) in node.kinds.iter().enumerate() {
@@ -274,7 +274,7 @@ pub(super) fn close_set(
         let name = format!("loop of {joints}");
         nodes.push(Node::new(
             name,
-            Form::Coordinates,
+            NodeForm::Coordinates,
             &vec![kind; D],
             Source::Own,
         ));
@@ -290,7 +290,7 @@ pub(super) fn close_set(
     let all = Dependence::new(Box::new(map), vec![parents], D + p.len());
     let source = Source::Mapped(Box::new(all));
     let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, Form::Coordinates, &kinds, source));
+    nodes.push(Node::new(name, NodeForm::Coordinates, &kinds, source));
     let x = nodes.len() as u32 - 1;
     for &(n, first) in unknown {
         let node = &mut nodes[n as usize];

@@ -252,13 +252,13 @@ impl Parametrization for Tree {
         all
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some((t, y)) = at {
             tree.evaluate(t, y, None);
         }
         for link in &mut tree.links {
-            link.map.keep_piece(at.map(|(t, _)| (t, &link.q[0][..])));
+            link.map.freeze_piece(at.map(|(t, _)| (t, &link.q[0][..])));
         }
     }
 

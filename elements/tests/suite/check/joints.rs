@@ -1,11 +1,15 @@
-//! What the kit says of one joint in one line, `check::map(&Hung::new(joint))`, where the joint is not one:
+//! What the kit says of one joint in one line, `check::joint(&joint)`, where the joint is not one:
 //! each error is called what it is.
 
 use nalgebra::{SVector, Vector3};
-use pullback_elements::joint::{Hung, Joint, Pose, Released};
-use pullback_manifold::check::{self, Report};
+use pullback_conformance::{self as check, Report};
+use pullback_elements::body::PointMass;
+use pullback_elements::joint::{Joint, Pose, Released};
+use pullback_elements::model::{Dof, ModelBuilder};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
+use pullback_manifold::system::Point;
+use std::f64::consts::FRAC_PI_2;
 
 type Posed<S> = (Vector3<S>, Quaternion<S>);
 
@@ -101,7 +105,7 @@ fn only(report: &Report) -> (String, Vec<String>, String) {
 
 #[test]
 fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
-    let report = check::map(&Hung::new(Right));
+    let report = check::joint(&Right);
     report.assert();
     for law in [RELEASED, UNIT, MOVES] {
         assert!(report.rows().iter().any(|row| row.law == law), "{report}");
@@ -110,10 +114,7 @@ fn a_right_joint_passes_and_its_own_laws_are_looked_at() {
 
 #[test]
 fn coordinates_released_too_many_and_too_few() {
-    let reports = [
-        check::map(&Hung::new(Forgotten)),
-        check::map(&Hung::new(Superfluous)),
-    ];
+    let reports = [check::joint(&Forgotten), check::joint(&Superfluous)];
     for (report, count) in reports.iter().zip([0, 2]) {
         let (law, positions, why) = only(report);
         assert_eq!((law.as_str(), positions.len()), (RELEASED, 1), "{report}");
@@ -123,7 +124,7 @@ fn coordinates_released_too_many_and_too_few() {
         );
         assert_eq!(why, expected);
     }
-    let (law, _, why) = only(&check::map(&Hung::new(Twins)));
+    let (law, _, why) = only(&check::joint(&Twins));
     assert_eq!(law, RELEASED);
     let expected = "Joint::released has two of the name a: give each its own";
     assert_eq!(why, expected);
@@ -131,7 +132,7 @@ fn coordinates_released_too_many_and_too_few() {
 
 #[test]
 fn a_quaternion_that_is_not_of_unit_length() {
-    let report = check::map(&Hung::new(Long));
+    let report = check::joint(&Long);
     let first = &report.failures()[0];
     assert_eq!(first.law, UNIT, "{report}");
     // cos² + 4 sin² − 1 = 3 sin² of half the angle, which is zero at the origin only.
@@ -139,12 +140,38 @@ fn a_quaternion_that_is_not_of_unit_length() {
 }
 
 #[test]
+fn a_model_with_one_is_refused_at_its_evaluation() {
+    let mut builder = ModelBuilder::new();
+    let ground = builder.node("ground", [0.0; 3]).unwrap();
+    builder.support(ground, &Dof::ALL);
+    let child = builder.attach("child", ground, Long).unwrap();
+    let body = PointMass::new(1.0).unwrap();
+    builder.element("body", body, &[child.frame]).unwrap();
+    let mut model = builder.build().unwrap();
+    let (v, a) = (&[][..], &[][..]);
+    let mut at = |q: f64| {
+        model.configure(Point {
+            t: 0.0,
+            q: &[q],
+            v,
+            a,
+        })
+    };
+    at(0.0).unwrap();
+    // cos² + 4 sin² of half the angle is 5/2 at a right angle.
+    let length = 2.5_f64.sqrt();
+    let error = at(FRAC_PI_2).unwrap_err().to_string();
+    let expected = format!("joint at node child: the quaternion of its pose has length {length}");
+    assert!(error.starts_with(&expected), "{error}");
+}
+
+#[test]
 fn coordinates_without_effect() {
-    let report = check::map(&Hung::new(Idle));
+    let report = check::joint(&Idle);
     let (law, positions, why) = only(&report);
     assert_eq!((law.as_str(), positions.len()), (MOVES, 8), "{report}");
     assert_eq!(why, "it does not move with b (coordinate 8) there");
-    let (law, positions, why) = only(&check::map(&Hung::new(Turning)));
+    let (law, positions, why) = only(&check::joint(&Turning));
     assert_eq!((law.as_str(), positions), (MOVES, vec!["0".to_owned()]));
     assert_eq!(why, "it does not move with s (coordinate 7) there");
 }
@@ -153,7 +180,7 @@ fn coordinates_without_effect() {
 /// with it.
 #[test]
 fn entries_that_are_no_numbers() {
-    let report = check::map(&Hung::new(Root));
+    let report = check::joint(&Root);
     let first = report.failures()[0];
     assert_eq!([&first.law[..], &first.at[..]], [FINITE, "0"], "{report}");
     let expected = "B is NaN in the row of coordinates 1 to 3 (1): phi has no derivative there; it has \

@@ -4,9 +4,9 @@
 
 use crate::support::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, Vector3};
+use pullback_conformance::{self as check, Options};
 use pullback_elements::beam::Section;
 use pullback_elements::body::RigidBody;
-use pullback_elements::check::{self, Options};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::joint::{offset, revolute, slide, spherical, universal};
 use pullback_elements::load::{LoadKind, NodalLoad};

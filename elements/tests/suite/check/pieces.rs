@@ -3,13 +3,13 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, SVector, Vector3};
+use pullback_conformance::{self as check, Options};
+use pullback_conformance::{Report, joint};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::body::RigidBody;
-use pullback_elements::check::{self, Options};
-use pullback_elements::joint::{Chain, Curve, Hung, OnCurve, Slide, on_curve};
+use pullback_elements::joint::{Chain, Curve, OnCurve, Slide, on_curve};
 use pullback_elements::model::{ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
-use pullback_manifold::check::{Report, map};
 use pullback_manifold::map::{Kinematics, Map, Motion, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::{ChartChanges, Kind};
@@ -183,7 +183,7 @@ impl Curve for Bent {
         Vector3::new(s, bend, S::zero())
     }
 
-    fn keep_piece(&mut self, at: Option<f64>) {
+    fn freeze_piece(&mut self, at: Option<f64>) {
         self.1 = at.map(|s| s >= 0.4);
     }
 }
@@ -191,9 +191,9 @@ impl Curve for Bent {
 #[test]
 fn pieces_of_a_curve_meet_with_two_derivatives() {
     let law = "pieces meet: x, x_dot, x_ddot, B, B_dot";
-    map(&Hung::new(OnCurve::new(Bent(3, None)))).assert();
+    joint(&OnCurve::new(Bent(3, None))).assert();
     for (power, worst) in [(0, "x"), (1, "x_dot"), (2, "x_ddot")] {
-        let report = map(&Hung::new(OnCurve::new(Bent(power, None))));
+        let report = joint(&OnCurve::new(Bent(power, None)));
         let failures = report.failures();
         assert!(failures.len() > 2, "{report}");
         assert!(failures.iter().all(|row| row.law == law), "{report}");

@@ -5,12 +5,12 @@
 
 use crate::support::{coupled, line};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use pullback_conformance::{self as check, Options};
+use pullback_conformance::{Report, Row};
 use pullback_elements::body::RigidBody;
-use pullback_elements::check::{self, Options};
 use pullback_elements::element::{Element, ElementError, Motion, Response};
-use pullback_elements::joint::{Hung, Joint, Offset, Pose, Revolute};
+use pullback_elements::joint::{Joint, JointMap, Offset, Pose, Revolute};
 use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
-use pullback_manifold::check::{Report, Row};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -39,7 +39,7 @@ const C: [f64; 3] = [0.3, -0.2, 0.5];
 
 impl Map<6, 6> for Link {
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
-        let mut x = Hung::new(Offset { c: C.into() }).phi(t, q);
+        let mut x = JointMap::new(Offset { c: C.into() }).phi(t, q);
         if self.0 == Planted::FixedAxes {
             x[2] += q[3] * 0.1;
         }

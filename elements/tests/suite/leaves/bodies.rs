@@ -4,11 +4,11 @@
 
 use crate::support::{matrix, numbers, reference, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
+use pullback_conformance as check;
+use pullback_conformance::Random;
 use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::inertia::Inertia;
-use pullback_manifold::check::Random;
 use pullback_manifold::jet::{Grad, Taylor};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;

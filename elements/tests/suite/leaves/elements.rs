@@ -4,8 +4,8 @@
 
 use crate::support::{Coupling, at_rest, coupled, section};
 use nalgebra::{Matrix3, Vector3};
+use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Interpolation};
-use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};

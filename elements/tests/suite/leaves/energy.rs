@@ -4,9 +4,9 @@
 
 use crate::support::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
+use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
-use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::energy::{
     ByEnergy, ElasticJoint, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring,

@@ -3,8 +3,8 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, SVector, Vector3};
+use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
-use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::energy::{Energies, FrameInertia, PolynomialSpring};
 use pullback_elements::spring::AxialSpring;
@@ -15,7 +15,7 @@ fn failing(element: &dyn Element) -> Vec<String> {
     laws(&check::element(element))
 }
 
-fn laws(report: &pullback_manifold::check::Report) -> Vec<String> {
+fn laws(report: &pullback_conformance::Report) -> Vec<String> {
     let mut laws: Vec<String> = report.failures().iter().map(|r| r.law.clone()).collect();
     laws.sort();
     laws.dedup();

@@ -5,15 +5,15 @@
 
 use crate::support::coupled;
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
+use pullback_conformance as check;
+use pullback_conformance::Random;
 use pullback_elements::beam::{Beam, Damping, Geodesic, Interpolation, Section};
-use pullback_elements::check;
 use pullback_elements::element::{Element, ElementError, Motion, Response, SectionState};
 use pullback_elements::energy::{Energies, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
 use pullback_elements::model::{Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::time::Constant;
-use pullback_manifold::check::Random;
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;

@@ -3,13 +3,12 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{SVector, Vector3};
+use pullback_conformance as check;
 use pullback_elements::joint::{
-    self, Curve, Hung, Joint, JointNodes, Pose, Quadric, Released, Spline, Surface,
-    constant_velocity, cylindrical, helical, on_curve, on_surface, planar, prismatic, universal,
-    weld,
+    self, Curve, Joint, JointNodes, Pose, Quadric, Released, Spline, Surface, constant_velocity,
+    cylindrical, helical, on_curve, on_surface, planar, prismatic, universal, weld,
 };
 use pullback_elements::model::{ModelBuilder, ModelError};
-use pullback_manifold::check;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -49,23 +48,14 @@ fn pose<J: Joint<D>, const D: usize>(joint: &J, parent: &[f64], own: &[f64]) -> 
 #[test]
 fn every_joint_of_the_library_obeys_the_laws_of_a_map() {
     let axis = [1.0, -2.0, 0.5];
-    check::map(&Hung::new(
-        joint::Universal::new([axis, [0.3, 1.0, 0.0]]).unwrap(),
-    ))
-    .assert();
-    check::map(&Hung::new(
-        joint::ConstantVelocity::new([axis, [0.3, -1.0, 0.9]]).unwrap(),
-    ))
-    .assert();
-    check::map(&Hung::new(joint::Cylindrical::new(axis).unwrap())).assert();
-    check::map(&Hung::new(joint::Prismatic::new(axis).unwrap())).assert();
-    check::map(&Hung::new(
-        joint::Planar::new(axis, [1.0, 1.0, 1.0]).unwrap(),
-    ))
-    .assert();
-    check::map(&Hung::new(joint::Helical::new(axis, 0.7).unwrap())).assert();
-    check::map(&Hung::new(joint::OnCurve::new(Helix))).assert();
-    check::map(&Hung::new(joint::OnSurface::new(Saddle))).assert();
+    check::joint(&joint::Universal::new([axis, [0.3, 1.0, 0.0]]).unwrap()).assert();
+    check::joint(&joint::ConstantVelocity::new([axis, [0.3, -1.0, 0.9]]).unwrap()).assert();
+    check::joint(&joint::Cylindrical::new(axis).unwrap()).assert();
+    check::joint(&joint::Prismatic::new(axis).unwrap()).assert();
+    check::joint(&joint::Planar::new(axis, [1.0, 1.0, 1.0]).unwrap()).assert();
+    check::joint(&joint::Helical::new(axis, 0.7).unwrap()).assert();
+    check::joint(&joint::OnCurve::new(Helix)).assert();
+    check::joint(&joint::OnSurface::new(Saddle)).assert();
 }
 
 #[test]
@@ -140,11 +130,11 @@ fn curves_through_points_and_quadrics_obey_the_laws_of_a_map() {
             }
             assert!((curve.at(s) - Vector3::from(*point)).norm() < 1e-14);
         }
-        check::map(&Hung::new(joint::OnCurve::new(curve))).assert();
+        check::joint(&joint::OnCurve::new(curve)).assert();
     }
     // At a point its third derivative jumps: the laws are those of one of the pieces.
     let from_a_point = Spline::through(&points, true, 0.0).unwrap();
-    check::map(&Hung::new(joint::OnCurve::new(from_a_point))).assert();
+    check::joint(&joint::OnCurve::new(from_a_point)).assert();
     let (start, centre, axis) = ([1.0, 0.2, 0.0], [0.1, -0.3, 0.5], [0.3, 0.1, 2.0]);
     for surface in [
         Quadric::plane(start, axis).unwrap(),
@@ -152,7 +142,7 @@ fn curves_through_points_and_quadrics_obey_the_laws_of_a_map() {
         Quadric::sphere(start, centre).unwrap(),
     ] {
         assert!((surface.at(0.0, 0.0) - Vector3::from(start)).norm() < 1e-15);
-        check::map(&Hung::new(joint::OnSurface::new(surface))).assert();
+        check::joint(&joint::OnSurface::new(surface)).assert();
     }
 }
 

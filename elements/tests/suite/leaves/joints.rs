@@ -4,18 +4,18 @@
 
 use crate::support::{numbers, reference};
 use nalgebra::{DMatrix, SVector, Vector3, Vector6};
+use pullback_conformance as check;
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{Chain, Hung, Joint, Offset, Revolute, Slide, Spherical};
-use pullback_manifold::check;
+use pullback_elements::joint::{Chain, Joint, JointMap, Offset, Revolute, Slide, Spherical};
 use pullback_manifold::map::Map;
 use pullback_manifold::so3;
 
 #[test]
 fn every_joint_obeys_the_laws_of_a_map() {
     let c = Vector3::new(0.4, -1.1, 0.7);
-    check::map(&Hung::new(Offset { c })).assert();
-    check::map(&Hung::new(Revolute::new([1.0, -2.0, 0.5]).unwrap())).assert();
-    check::map(&Hung::new(Spherical)).assert();
+    check::joint(&Offset { c }).assert();
+    check::joint(&Revolute::new([1.0, -2.0, 0.5]).unwrap()).assert();
+    check::joint(&Spherical).assert();
     let positions = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
         let chain = Chain::new(&positions, 1.2).unwrap();
@@ -27,7 +27,7 @@ fn every_joint_obeys_the_laws_of_a_map() {
 fn laws_hold_on_the_other_sheet_too() {
     let joint = Revolute::new([1.0, -2.0, 0.5]).unwrap();
     let q = SVector::<f64, 7>::from_column_slice(&[0.1, 0.2, 0.3, 0.5, -0.4, 0.8, 3.4]);
-    let mut map = Hung::new(joint);
+    let mut map = JointMap::new(joint);
     let before = map.phi(0.0, &q);
     assert!(map.change_charts(0.0, &q).charts == 1);
     let after = map.phi(0.0, &q);
@@ -42,7 +42,7 @@ fn the_offset_of_the_reference() {
         let get = |key: &str| numbers(&row[key]);
         let six = |key: &str| SVector::<f64, 6>::from_column_slice(&get(key));
         let c = Vector3::from_column_slice(&get("offset"));
-        let map = Hung::new(Offset { c });
+        let map = JointMap::new(Offset { c });
         let k = map.kinematics(0.0, &six("q"), &six("q_dot"), &six("q_ddot"));
         compare(&row, "B", &k.B);
         compare(&row, "B_dot", &k.B_dot);
@@ -63,7 +63,7 @@ fn the_revolute_joint_of_the_reference() {
         };
         let e: [f64; 3] = get("axis").try_into().expect("three");
         let joint = Revolute::new(e).unwrap();
-        let map = Hung::new(joint);
+        let map = JointMap::new(joint);
         let k = map.kinematics(0.0, &seven("q"), &seven("q_dot"), &seven("q_ddot"));
         let block = |B: &nalgebra::SMatrix<f64, 6, 7>| B.fixed_view::<3, 4>(3, 3).into_owned();
         compare(&row, "B", &block(&k.B));

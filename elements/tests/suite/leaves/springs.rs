@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, SVector, Vector3, Vector6};
-use pullback_elements::check;
+use pullback_conformance as check;
+use pullback_conformance::Random;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
-use pullback_manifold::check::Random;
 use pullback_manifold::jet::Taylor;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;

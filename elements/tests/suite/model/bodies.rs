@@ -3,11 +3,11 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
+use pullback_conformance::{self as check, Random, State};
 use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::model::{Dof, Model, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::Constant;
-use pullback_manifold::check::{self, Random, State};
 use pullback_manifold::system::{Evaluation, Point, System};
 
 /// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.

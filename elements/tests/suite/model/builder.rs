@@ -106,7 +106,7 @@ fn unknowns_have_numbers_names_and_kinds() {
     assert_eq!(model.find("hinge"), Some(hinge));
     assert_eq!(model.find("none"), None);
     assert_eq!(model.length(), 1.0);
-    assert_eq!(model.element_count(), 2);
+    assert_eq!(model.elements().len(), 2);
     let mut q = vec![0.0; 18];
     q[12..].fill(4.0);
     let before = q.clone();

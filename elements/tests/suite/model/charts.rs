@@ -4,11 +4,11 @@
 
 use crate::support::{Twin, coupled};
 use nalgebra::{Matrix3, Vector3};
+use pullback_conformance::Random;
 use pullback_elements::beam::Beam;
 use pullback_elements::element::{Motion, Response, SectionState};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight, frame_along};
 use pullback_elements::time::{Constant, Table, TimeFunction};
-use pullback_manifold::check::Random;
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;

@@ -4,10 +4,10 @@
 
 use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
 use nalgebra::{DVector, Vector3};
+use pullback_conformance::{self as check, Random, State, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
-use pullback_manifold::check::{self, Random, State, dense};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Evaluation, Kind, Point, System, Weights};
 use std::f64::consts::PI;

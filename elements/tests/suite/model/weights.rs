@@ -3,8 +3,8 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Vector3};
+use pullback_conformance as check;
 use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::check;
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::load::{CoordinateForce, EccentricForce};
 use pullback_elements::time::{Constant, Sine};

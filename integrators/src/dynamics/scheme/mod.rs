@@ -293,13 +293,13 @@ impl Scheme {
 
     /// By how much of a step y is later than the stage that it belongs to: α_m − α_f for the
     /// generalised-α method, and otherwise nothing.
-    pub(crate) fn lateness(&self) -> f64 {
+    pub fn lateness(&self) -> f64 {
         self.alpha_m - self.alpha_f
     }
 
     /// Factor of h³ q⃛ in the local error of qₙ₊₁ where accelerations are linear in time: β − 1/6 for
     /// Newmark (Zienkiewicz & Xie 1991), β + (α_m − α_f)/2 − 1/6 for the generalised-α method.
-    pub(crate) fn cubic_error(&self) -> f64 {
+    pub fn cubic_error(&self) -> f64 {
         let end = self.stages()[self.count - 1];
         let late = self.lateness();
         let weights = end.q[1..].iter().zip(self.stages());

@@ -1,6 +1,6 @@
 //! Every scheme of the list does what it claims, and the kit tells where one does not.
 
-use pullback_integrators::check;
+use pullback_conformance as check;
 use pullback_integrators::dynamics::Scheme;
 use pullback_integrators::dynamics::scheme::{Claims, SCHEMES, Stage};
 

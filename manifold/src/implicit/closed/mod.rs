@@ -220,14 +220,14 @@ impl Parametrization for Closed {
         self.core_mut().recall(memory)
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &[f64])>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
         let core = self.core_mut();
         let Some((t, q)) = at else {
-            return core.h.keep_piece(None);
+            return core.h.freeze_piece(None);
         };
         // Where nothing can be found, every law that is asked there says so.
         if core.solve(t, q).is_ok() {
-            core.h.keep_piece(Some((t, &core.work.y)));
+            core.h.freeze_piece(Some((t, &core.work.y)));
         }
     }
 

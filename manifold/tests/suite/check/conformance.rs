@@ -4,10 +4,10 @@
 
 use crate::support::{Offset, Revolute, matrix, reference, relative, vector};
 use nalgebra::{SVector, Vector3};
+use pullback_conformance as check;
 use pullback_manifold::chart::{
     Circle, Complement, Either, Euclidean, Frame, Identity, Product, RotationVector,
 };
-use pullback_manifold::check;
 use pullback_manifold::map::{Composed, Increment, Map};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::check::{self, Forces, Report, State};
+use pullback_conformance::{self as check, Forces, Report, State};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 

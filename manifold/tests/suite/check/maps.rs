@@ -3,8 +3,8 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{SMatrix, SVector, Vector3};
+use pullback_conformance::{self as check, Measure, Report};
 use pullback_manifold::chart::{Chart, Complement, Identity};
-use pullback_manifold::check::{self, Measure, Report};
 use pullback_manifold::map::{Kinematics, Map, Tangent, derived};
 use pullback_manifold::scalar::Scalar;
 
@@ -328,7 +328,7 @@ impl Map<1, 1> for Leap {
         q.map(|q| if beyond { q + 1.0 } else { q })
     }
 
-    fn keep_piece(&mut self, at: Option<(f64, &SVector<f64, 1>)>) {
+    fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, 1>)>) {
         self.kept = at.is_some_and(|(_, q)| q[0] <= 0.5);
     }
 

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
-use pullback_manifold::check;
+use pullback_conformance as check;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, Solved};
 use pullback_manifold::map::{Composed, Kinematics, Linear, Map, Rewritten};
 use pullback_manifold::scalar::Scalar;

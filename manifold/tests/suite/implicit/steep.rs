@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, SMatrix, SVector};
-use pullback_manifold::check::{Layout, Mapped, Random, Report, State, kinematics};
+use pullback_conformance::{Layout, Mapped, Random, Report, State, kinematics};
 use pullback_manifold::implicit::{Choice, Implicit, Solved};
 use pullback_manifold::map::{Kinematics, Map};
 use pullback_manifold::scalar::Scalar;

@@ -5,10 +5,11 @@
 use nalgebra::{SMatrix, SVector};
 use num_dual::{Derivative, Dual2, Dual2SVec64, Dual3, DualNum, DualSVec64};
 use num_traits::{One, Zero};
+use pullback_conformance as check;
 use pullback_manifold::jet::{Grad, Hess, Moving, Taylor, Trace};
 use pullback_manifold::map::Map;
+use pullback_manifold::quotients;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::{check, quotients};
 use std::f64::consts::FRAC_PI_2;
 
 const D: usize = 4;

@@ -4,7 +4,7 @@
 
 use crate::support::{Offset, Revolute};
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
-use pullback_manifold::check::{self, Forces, State};
+use pullback_conformance::{self as check, Forces, State};
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::scalar::Scalar;

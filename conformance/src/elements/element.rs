@@ -1,0 +1,284 @@
+//! The laws of one element.
+
+#![allow(non_snake_case)]
+
+use super::inertia;
+use crate::{Forces, Layout, Random, Report, State, forces_at, states};
+use nalgebra::{DMatrix, DVector};
+use pullback_elements::element::{Element, Motion, Response};
+use pullback_manifold::system::Weights;
+
+/// Checks every law of an element at every position within its domain.
+///
+/// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
+/// derivative of the energy where there is one; inertial forces as those of the kinetic energy; the
+/// power of all forces against the energies; that neither the residual nor a tangent depends on what
+/// else is asked for; and that a combined tangent is the sum of its parts.
+pub fn element(element: &dyn Element) -> Report {
+    let n = element.dim();
+    let name = format!("element of {n} coordinates");
+    element_at(&name, &Layout::plain(n), &states(n), element)
+}
+
+/// As [`element`], of coordinates with names and units, at given states.
+pub fn element_at(
+    subject: &str,
+    layout: &Layout,
+    states: &[(String, State)],
+    element: &dyn Element,
+) -> Report {
+    // An element without energy answers zero: only one that differs somewhere is held to it.
+    let conservative = states
+        .iter()
+        .any(|(_, s)| element.energy(&motion(s)) != 0.0);
+    let symmetric = element.is_symmetric();
+    let mut report = forces_at(subject, layout, states, symmetric, |s| {
+        let mut f = evaluate(element, s, Request::All)?;
+        f.energy = conservative.then(|| element.energy(&motion(s)));
+        Some(f)
+    });
+    let dissipative = states
+        .iter()
+        .any(|(_, s)| element.dissipation(&motion(s)) != 0.0);
+    let mut random = Random::default();
+    for (at, state) in states {
+        if let Some(all) = evaluate(element, state, Request::All) {
+            let one = One {
+                element,
+                layout,
+                at,
+                state,
+                all: &all,
+            };
+            if dissipative {
+                one.dissipation(&mut report);
+            }
+            one.requests(&mut report);
+            one.iterates(&mut report, &mut random);
+            one.combination(&mut report);
+            inertia::laws(&mut report, &one, conservative, &mut random);
+        }
+    }
+    report
+}
+
+/// An element at one state.
+pub(crate) struct One<'a> {
+    pub element: &'a dyn Element,
+    pub layout: &'a Layout,
+    pub at: &'a str,
+    pub state: &'a State,
+    /// What it answers there.
+    pub all: &'a Forces,
+}
+
+impl One<'_> {
+    /// The norm of a tangent in units of the coordinates: an energy.
+    pub(crate) fn norm(&self, A: &DMatrix<f64>) -> f64 {
+        let units = self.layout.units();
+        let scaled = DMatrix::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)] * units[i] * units[j]);
+        scaled.norm()
+    }
+
+    /// A direction with entries of the size of the units.
+    pub(crate) fn direction(&self, random: &mut Random) -> DVector<f64> {
+        let mut d = DVector::zeros(self.state.x.len());
+        random.direction(1.0, d.as_mut_slice());
+        d.component_mul(&DVector::from_vec(self.layout.units()))
+    }
+
+    /// The state with other velocities and accelerations.
+    pub(crate) fn moving(&self, v: DVector<f64>, a: DVector<f64>) -> State {
+        let (t, x) = (self.state.t, self.state.x.clone());
+        State { t, x, v, a }
+    }
+
+    /// The same motion at other coordinates.
+    pub(crate) fn moved(&self, x: DVector<f64>) -> State {
+        State {
+            x,
+            ..self.state.clone()
+        }
+    }
+
+    /// The state at rest, where nothing moves but could.
+    pub(crate) fn rest(&self) -> State {
+        let none = || DVector::zeros(self.state.x.len());
+        self.moving(none(), none())
+    }
+}
+
+/// What is asked for in one evaluation.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Request {
+    All,
+    Residual,
+    Stiffness,
+}
+
+pub(crate) fn motion(s: &State) -> Motion<'_> {
+    Motion {
+        t: s.t,
+        x: s.x.as_slice(),
+        v: s.v.as_slice(),
+        a: s.a.as_slice(),
+    }
+}
+
+pub(crate) fn evaluate(element: &dyn Element, s: &State, ask: Request) -> Option<Forces> {
+    evaluate_from(element, None, s, ask)
+}
+
+fn evaluate_from(
+    element: &dyn Element,
+    previous: Option<&DVector<f64>>,
+    s: &State,
+    ask: Request,
+) -> Option<Forces> {
+    let n = element.dim();
+    let matrix = || DMatrix::zeros(n, n);
+    let (mut r, mut r_t) = (DVector::zeros(n), DVector::zeros(n));
+    let (mut K, mut C, mut M) = (matrix(), matrix(), matrix());
+    let moving = ask == Request::All && !s.is_static();
+    let mut out = Response {
+        r: r.as_mut_slice(),
+        K: (ask != Request::Residual).then_some(K.as_mut_slice()),
+        C: moving.then_some(C.as_mut_slice()),
+        M: moving.then_some(M.as_mut_slice()),
+        r_t: (ask == Request::All).then_some(r_t.as_mut_slice()),
+    };
+    let done = match previous {
+        None => element.evaluate(&motion(s), &mut out),
+        Some(x) => element.evaluate_from(x.as_slice(), &motion(s), &mut out),
+    };
+    done.ok()?;
+    Some(Forces {
+        r,
+        K,
+        C: moving.then_some(C),
+        M: moving.then_some(M),
+        r_t: Some(r_t),
+        energy: None,
+    })
+}
+
+impl One<'_> {
+    /// A request for less gives the same numbers, to the last bit.
+    fn requests(&self, report: &mut Report) {
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
+        let gap = |f: Option<Forces>, of: fn(&Forces, &Forces) -> f64| {
+            f.map_or(f64::NAN, |f| of(&f, all))
+        };
+        let alone = gap(evaluate(element, s, Request::Residual), |f, all| {
+            (&f.r - &all.r).norm()
+        });
+        report.defect("r does not depend on what else is asked", at, alone, 0.0);
+        let with_K = gap(evaluate(element, s, Request::Stiffness), |f, all| {
+            (&f.K - &all.K).norm() + (&f.r - &all.r).norm()
+        });
+        report.defect("K does not depend on what else is asked", at, with_K, 0.0);
+        if s.is_static() {
+            // Sums of terms that are zero may still be ordered differently.
+            let size = all.r.norm() + all.K.norm() * (1.0 + s.x.norm());
+            let moving = gap(evaluate(element, &self.rest(), Request::All), |f, all| {
+                (&f.r - &all.r).norm() + (&f.K - &all.K).norm()
+            });
+            report.defect("statics is the motion at rest", at, moving, 1e-14 * size);
+        }
+    }
+
+    /// The combined tangent is the sum of its parts, and an element that is dead has none.
+    fn combination(&self, report: &mut Report) {
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
+        let rate = self.layout.rate;
+        let weights = Weights {
+            K: 1.0,
+            C: 2.0 / rate,
+            M: 3.0 / (rate * rate),
+        };
+        let parts = [
+            (weights.K, Some(&all.K)),
+            (weights.C, all.C.as_ref()),
+            (weights.M, all.M.as_ref()),
+        ];
+        let mut sum = DMatrix::zeros(s.x.len(), s.x.len());
+        let mut size = self.layout.forces(all.r.as_slice()).iter().sum::<f64>();
+        for (weight, part) in parts {
+            if let Some(part) = part {
+                sum += part * weight;
+                size += weight * self.norm(part);
+            }
+        }
+        if element.is_dead() {
+            report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
+        }
+        let Some(combined) = element.combined() else {
+            return;
+        };
+        let (mut r, mut S) = (all.r.clone() * 0.0, sum.clone() * 0.0);
+        let (r_slice, S_slice) = (r.as_mut_slice(), S.as_mut_slice());
+        let done = combined.evaluate_combined(None, &motion(s), weights, r_slice, S_slice);
+        let off = |()| {
+            let r = self.layout.forces((r - &all.r).as_slice());
+            r.iter().sum::<f64>() + self.norm(&(S - &sum))
+        };
+        let gap = done.map_or(f64::NAN, off);
+        report.defect("S = cK K + cC C + cM M", at, gap, 1e-13 * size);
+    }
+
+    /// Damping takes the power it says, and never gives any.
+    ///
+    /// Without inertia, what the velocities change in the force is damping: its power at ẋ is the
+    /// dissipation. With inertia only the sign is known, gyroscopic forces also have power.
+    fn dissipation(&self, report: &mut Report) {
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
+        let lost = element.dissipation(&motion(s));
+        report.defect("dissipation >= 0", at, (-lost).max(0.0), 0.0);
+        if s.is_static() {
+            report.defect("no dissipation at rest", at, lost.abs(), 0.0);
+        } else if all.M.as_ref().is_none_or(|M| M.norm() == 0.0) {
+            let power = evaluate(element, &self.rest(), Request::Residual)
+                .map_or(f64::NAN, |rest| (&all.r - rest.r).dot(&s.v));
+            let size = lost + all.r.norm() * s.v.norm();
+            let law = "power of damping = -dissipation";
+            report.defect(law, at, (power + lost).abs(), 1e-12 * size);
+        }
+    }
+
+    /// The tangent of a Newton iterate: exact without a step, and off by its square otherwise.
+    fn iterates(&self, report: &mut Report, random: &mut Random) {
+        let Self {
+            element,
+            at,
+            state: s,
+            all,
+            ..
+        } = *self;
+        let d = self.direction(random);
+        let from = |e: f64| evaluate_from(element, Some(&(&s.x - &d * e)), s, Request::Stiffness);
+        let gap = from(0.05).map_or(f64::NAN, |f| (&f.r - &all.r).norm());
+        report.defect("r does not depend on the previous iterate", at, gap, 0.0);
+        let size = self.norm(&all.K) * (1.0 + s.x.norm());
+        report.slope("K from the previous iterate", at, 2.0, 0.05, size, |e| {
+            from(e).map_or(f64::NAN, |f| self.norm(&(&f.K - &all.K)))
+        });
+    }
+}

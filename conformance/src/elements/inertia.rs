@@ -1,0 +1,163 @@
+//! Inertial forces follow from a kinetic energy, and all forces together keep the books of power.
+
+#![allow(non_snake_case)]
+
+use super::element::{One, Request, evaluate, motion};
+use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, sizes};
+use nalgebra::{DMatrix, DVector};
+
+/// First step along coordinates, as in the laws of forces.
+const FIRST: f64 = 0.05;
+/// Step of differences that tell where a force is wrong.
+const STEP: f64 = 1e-3;
+/// Masses with different velocities are the same below this, relatively.
+const SAME: f64 = 1e-12;
+
+/// Notes the laws of inertia at a state in motion; `conservative` where the element has an energy.
+pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, random: &mut Random) {
+    let s = one.state;
+    let Some(M) = one.all.M.as_ref().filter(|_| one.element.is_symmetric()) else {
+        return;
+    };
+    let mass = |state: &State| {
+        let all = evaluate(one.element, state, Request::All)?;
+        Some(
+            all.M
+                .unwrap_or_else(|| DMatrix::zeros(s.x.len(), s.x.len())),
+        )
+    };
+    let heavy = M.norm() > 0.0;
+    if heavy {
+        symmetric(report, one, M);
+    }
+    // T = ½ ẋ·M(x) ẋ is all that is known of a kinetic energy: where M depends on velocities there
+    // is another one.
+    let quadratic =
+        mass(&one.rest()).is_some_and(|at_rest| one.norm(&(&at_rest - M)) <= SAME * one.norm(M));
+    if !quadratic {
+        return;
+    }
+    if heavy {
+        lagrange(report, one, M, &mass, random);
+    }
+    // An element that exerts forces at rest and tells no energy cannot be held to one.
+    let rest = evaluate(one.element, &one.rest(), Request::Residual);
+    let silent = rest.is_none_or(|f| f.r.norm() > 0.0) && !conservative;
+    if !(one.element.is_load() || silent) {
+        power(report, one, &mass);
+    }
+}
+
+/// M is symmetric and positive semidefinite.
+fn symmetric(report: &mut Report, one: &One<'_>, M: &DMatrix<f64>) {
+    let units = one.layout.units();
+    let scaled = DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * units[i] * units[j]);
+    let size = scaled.norm();
+    let gap = (&scaled - scaled.transpose()).norm();
+    report.defect("M symmetric", one.at, gap, 1e-13 * size);
+    let least = ((&scaled + scaled.transpose()) * 0.5)
+        .symmetric_eigenvalues()
+        .min();
+    let law = "M positive semidefinite";
+    report.defect(law, one.at, (-least).max(0.0), 1e-12 * size);
+}
+
+/// f_acc = d/dt ∂T/∂ẋ − ∂T/∂x with T = ½ ẋ·M ẋ (theory of \[M04\] (119)): what the tangents of a
+/// wrong force, which are its derivatives all the same, do not show.
+///
+/// The force is the part that is even in ẋ: damping and gyroscopic potentials are odd.
+fn lagrange(
+    report: &mut Report,
+    one: &One<'_>,
+    M: &DMatrix<f64>,
+    mass: &dyn Fn(&State) -> Option<DMatrix<f64>>,
+    random: &mut Random,
+) {
+    let (s, rate) = (one.state, one.layout.rate);
+    let r = |s: &State| evaluate(one.element, s, Request::Residual).map(|f| f.r);
+    let back = one.moving(-&s.v, s.a.clone());
+    let (Some(rest), Some(back)) = (r(&one.rest()), r(&back)) else {
+        return;
+    };
+    let force = rest - (&one.all.r + back) * 0.5;
+    let at = |x: DVector<f64>| one.moved(x);
+    let momentum = |tau: f64| -> Option<DVector<f64>> {
+        let there = at(&s.x + &s.v * tau);
+        Some(mass(&there)? * (&s.v + &s.a * tau))
+    };
+    let kinetic = |x: DVector<f64>| Some(0.5 * s.v.dot(&(mass(&at(x))? * &s.v)));
+    let (p, T) = (M * &s.v, 0.5 * s.v.dot(&(M * &s.v)));
+
+    let d = one.direction(random);
+    let work = force.dot(&d);
+    let absolute = |A: &DMatrix<f64>, x: &DVector<f64>| (A.abs() * x.abs()).dot(&d.abs());
+    let size = absolute(M, &s.v) * rate + absolute(M, &s.a) + T.abs() + work.abs();
+    let law = "inertia = d/dt dT/dv - dT/dx";
+    report.slope(law, one.at, 2.0, FIRST, size, |e| {
+        let ahead = momentum(e / rate).map(|m| (m - &p).dot(&d) * rate);
+        let aside = kinetic(&s.x + &d * e).map(|k| k - T);
+        match (ahead, aside) {
+            (Some(ahead), Some(aside)) => (ahead - aside - work * e).abs(),
+            _ => f64::NAN,
+        }
+    });
+    let right = || -> Option<Vec<f64>> {
+        let units = one.layout.units();
+        let mut right = difference(STEP / rate, |tau| Some(momentum(tau)?.as_slice().to_vec()))?;
+        for (i, unit) in units.iter().enumerate() {
+            let slope = difference(STEP * unit, |e| {
+                let mut x = s.x.clone();
+                x[i] += e;
+                Some(vec![kinetic(x)?])
+            });
+            right[i] -= slope?[0];
+        }
+        Some(right)
+    };
+    let force = force.as_slice();
+    report.second_opinion(|| {
+        let right = right()?;
+        let gap: Vec<f64> = force.iter().zip(&right).map(|(a, b)| a - b).collect();
+        Some((one.layout.forces(&gap).iter().sum(), CONFIRMED * size))
+    });
+    report.blame(|| {
+        let compared = |right| {
+            Compared {
+                matrix: "inertial force",
+                rows: one.layout,
+                columns: &Layout::single(),
+                forces: true,
+                values: vec![(0, force.to_vec(), right)],
+            }
+            .worst()
+        };
+        right().map_or_else(Vec::new, compared)
+    });
+}
+
+/// d/dt (U + T) = −ẋ·r − dissipation, with time held in the potential.
+fn power(report: &mut Report, one: &One<'_>, mass: &dyn Fn(&State) -> Option<DMatrix<f64>>) {
+    let (s, rate) = (one.state, one.layout.rate);
+    let energy = |tau: f64| {
+        let there = one.moved(&s.x + &s.v * tau + &s.a * (0.5 * tau * tau));
+        let v = &s.v + &s.a * tau;
+        let M = mass(&there)?;
+        Some(one.element.energy(&motion(&there)) + 0.5 * v.dot(&(M * &v)))
+    };
+    let Some(now) = energy(0.0) else { return };
+    let lost = one.element.dissipation(&motion(s));
+    let gain = -one.all.r.dot(&s.v) - lost;
+    // The power of each group's forces: its speed in units, times what cancels in the force.
+    let sizes = sizes(one.layout, s, one.all);
+    let speeds = one.layout.coordinates(s.v.as_slice());
+    let work: f64 = sizes.iter().zip(&speeds).map(|(f, v)| f * v).sum();
+    let size = now.abs() + (work + lost) / rate;
+    let law = "d(U + T)/dt = -v.r - dissipation";
+    report.slope(law, one.at, 2.0, FIRST / rate, size, |tau| {
+        energy(tau).map_or(f64::NAN, |there| (there - now - gain * tau).abs())
+    });
+    report.second_opinion(|| {
+        let found = difference(STEP / rate, |tau| Some(vec![energy(tau)?]))?[0];
+        Some(((found - gain).abs() / rate, CONFIRMED * size))
+    });
+}

@@ -1,0 +1,15 @@
+//! The laws of elements and joints.
+
+mod element;
+mod inertia;
+pub(crate) mod invariance;
+mod joint;
+mod rigid;
+mod same;
+
+pub(crate) use element::{Request, evaluate};
+pub use element::{element, element_at};
+pub(crate) use invariance::{EXACT, Placed, vector};
+pub use joint::joint;
+pub(crate) use rigid::{Carrier, Frame, carry};
+pub use same::same;

@@ -1,0 +1,227 @@
+//! The laws of forces: tangents are derivatives of the residual, conservative forces those of an
+//! energy.
+
+mod system;
+mod tangents;
+
+use crate::block::{Compared, difference};
+use crate::layout::Layout;
+use crate::report::Report;
+use crate::sample::Random;
+use tangents::{Part, STEP, Tangents, tangents};
+
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::sparse::BlockPattern;
+pub use system::{dense, system, system_at, system_sizes};
+pub use tangents::CONFIRMED;
+
+/// Time and motion at which forces are asked; `v` and `a` are empty in statics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Time.
+    pub t: f64,
+    /// Coordinates.
+    pub x: DVector<f64>,
+    /// Velocities.
+    pub v: DVector<f64>,
+    /// Accelerations.
+    pub a: DVector<f64>,
+}
+
+impl State {
+    /// A state at rest for statics: without velocities and accelerations.
+    pub fn statics(t: f64, x: DVector<f64>) -> Self {
+        let none = || DVector::zeros(0);
+        Self {
+            t,
+            x,
+            v: none(),
+            a: none(),
+        }
+    }
+
+    /// Whether velocities and accelerations are absent.
+    pub fn is_static(&self) -> bool {
+        self.v.is_empty()
+    }
+}
+
+/// What forces answer at a state. Absent tangents count as zero, other absent things are not asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces {
+    /// Residual.
+    pub r: DVector<f64>,
+    /// −∂r/∂x.
+    pub K: DMatrix<f64>,
+    /// −∂r/∂ẋ.
+    pub C: Option<DMatrix<f64>>,
+    /// −∂r/∂ẍ.
+    pub M: Option<DMatrix<f64>>,
+    /// ∂r/∂t.
+    pub r_t: Option<DVector<f64>>,
+    /// Energy with r = −∂E/∂x in statics.
+    pub energy: Option<f64>,
+}
+
+/// States in statics and in motion at every position.
+pub fn states(n: usize) -> Vec<(String, State)> {
+    let mut random = Random::default();
+    let mut out = Vec::new();
+    for (name, x) in random.positions(n) {
+        let x = DVector::from_vec(x);
+        out.push((format!("{name}, at rest"), State::statics(0.37, x.clone())));
+        let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
+        random.fill(v.as_mut_slice());
+        random.fill(a.as_mut_slice());
+        out.push((format!("{name}, moving"), State { t: 0.37, x, v, a }));
+    }
+    out
+}
+
+/// Checks forces of `n` coordinates at every position; `evaluate` answers `None` outside its domain.
+pub fn forces(
+    subject: &str,
+    n: usize,
+    symmetric: bool,
+    evaluate: impl FnMut(&State) -> Option<Forces>,
+) -> Report {
+    forces_at(subject, &Layout::plain(n), &states(n), symmetric, evaluate)
+}
+
+/// As [`forces`], of coordinates with names and units, at given states.
+pub fn forces_at(
+    subject: &str,
+    layout: &Layout,
+    states: &[(String, State)],
+    symmetric: bool,
+    mut evaluate: impl FnMut(&State) -> Option<Forces>,
+) -> Report {
+    let mut report = Report::new(subject);
+    let mut random = Random::new(7);
+    let mut asked = 0;
+    for (at, state) in states {
+        if let Some(f) = evaluate(state) {
+            asked += 1;
+            let mut laws = Laws {
+                report: &mut report,
+                layout,
+                at,
+                state,
+                random: &mut random,
+            };
+            laws.forces(&f, symmetric, &mut evaluate);
+        }
+    }
+    if asked == 0 {
+        report.impossible("domain", "everywhere", "no state is inside the domain");
+    }
+    report
+}
+
+/// First step along coordinates: half the change at which a rotation chart's edge is left.
+pub(crate) const FIRST: f64 = 0.05;
+
+/// What is checked at one state, and where it is noted.
+pub(crate) struct Laws<'a> {
+    pub report: &'a mut Report,
+    pub layout: &'a Layout,
+    pub at: &'a str,
+    pub state: &'a State,
+    pub random: &'a mut Random,
+}
+
+/// Sizes of what cancels in each group of the residual of given forces, as energies: terms of
+/// these magnitudes make its round-off.
+pub fn sizes(layout: &Layout, state: &State, f: &Forces) -> Vec<f64> {
+    let pattern = BlockPattern::dense(state.x.len());
+    f.tangents(&pattern).sizes(layout, state)
+}
+
+impl Forces {
+    fn tangents<'a>(&'a self, pattern: &'a BlockPattern) -> Tangents<'a> {
+        let n = pattern.len();
+        let or_zero = |m: &Option<DMatrix<f64>>| match m {
+            Some(m) => m.as_slice().to_vec(),
+            None => vec![0.0; n],
+        };
+        Tangents {
+            pattern,
+            r: self.r.as_slice(),
+            values: [
+                self.K.as_slice().to_vec(),
+                or_zero(&self.C),
+                or_zero(&self.M),
+            ],
+        }
+    }
+}
+
+impl Laws<'_> {
+    fn forces(
+        &mut self,
+        f: &Forces,
+        symmetric: bool,
+        evaluate: &mut dyn FnMut(&State) -> Option<Forces>,
+    ) {
+        let (n, at, state) = (self.state.x.len(), self.at, self.state);
+        let pattern = BlockPattern::dense(n);
+        let all = f.tangents(&pattern);
+        let mut residual = |s: &State| evaluate(s).map(|f| f.r.as_slice().to_vec());
+        let sizes = all.sizes(self.layout, self.state);
+        tangents(self, &all, &sizes, &mut residual);
+        if symmetric && state.is_static() {
+            all.symmetric(self, Part::K, &[]);
+        }
+        if let Some(r_t) = &f.r_t {
+            let size = f.r.norm() + r_t.norm() * (1.0 + state.t.abs());
+            self.report.slope("r_t = dr/dt", at, 2.0, FIRST, size, |e| {
+                let t = state.t + e;
+                let later = State { t, ..state.clone() };
+                let there = evaluate(&later).map(|f| f.r);
+                there.map_or(f64::NAN, |there| (there - &f.r - r_t * e).norm())
+            });
+        }
+        if let (Some(energy), true) = (f.energy, state.is_static()) {
+            let units = self.layout.units();
+            let mut d = DVector::zeros(n);
+            self.random.direction(1.0, d.as_mut_slice());
+            d.iter_mut().zip(&units).for_each(|(d, u)| *d *= u);
+            let magnitudes = self.layout.magnitudes(state.x.as_slice(), 0);
+            let work = f.r.iter().zip(&magnitudes).map(|(r, x)| (r * x).abs());
+            let size = energy.abs() + work.sum::<f64>();
+            let mut there = |x: DVector<f64>| {
+                let moved = State::statics(state.t, x);
+                evaluate(&moved).and_then(|f| f.energy)
+            };
+            self.report.slope("r = -dE/dx", at, 2.0, FIRST, size, |e| {
+                let there = there(&state.x + &d * e).unwrap_or(f64::NAN);
+                (there - energy + f.r.dot(&d) * e).abs()
+            });
+            if self.report.rows().last().is_some_and(|row| row.passed) {
+                return;
+            }
+            let by_differences = units.iter().enumerate().map(|(i, unit)| {
+                let slope = difference(STEP * unit, |e| {
+                    let mut x = state.x.clone();
+                    x[i] += e;
+                    Some(vec![there(x)?])
+                });
+                slope.map_or(f64::NAN, |slope| -slope[0])
+            });
+            let right: Vec<f64> = by_differences.collect();
+            let gap: Vec<f64> = f.r.iter().zip(&right).map(|(a, b)| a - b).collect();
+            let off: f64 = self.layout.forces(&gap).iter().sum();
+            self.report.second_opinion(|| Some((off, CONFIRMED * size)));
+            self.report.blame(|| {
+                Compared {
+                    matrix: "force",
+                    rows: self.layout,
+                    columns: &Layout::single(),
+                    forces: true,
+                    values: vec![(0, f.r.as_slice().to_vec(), right)],
+                }
+                .worst()
+            });
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The laws of a system: the assembled tangent, taken out of its pattern, is that of its residual.
+
+use super::tangents::{CONFIRMED, Part, Tangents, tangents};
+use super::{FIRST, Laws, State};
+use crate::block::difference;
+use crate::layout::Layout;
+use crate::report::Report;
+use crate::sample::Random;
+use nalgebra::DMatrix;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+
+/// Changes in the last digits that are looked at: the round-off of one may vanish by chance.
+const SAMPLES: u32 = 8;
+/// What round-off in a tangent may be, of what a change in the last digits of coordinates makes.
+const NOISE: f64 = 100.0;
+
+/// The full matrix of values in a pattern.
+pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
+    let n = pattern.dim();
+    let mut out = DMatrix::zeros(n, n);
+    for j in 0..pattern.blocks() {
+        for (i, range) in pattern.column(j) {
+            let (rows, columns) = (pattern.unknowns(i), pattern.unknowns(j));
+            let block = DMatrix::from_column_slice(rows.len(), columns.len(), &values[range]);
+            out.view_mut((rows.start, columns.start), block.shape())
+                .copy_from(&block);
+        }
+    }
+    out
+}
+
+/// Checks a system's residual and tangents at given states.
+///
+/// ∂r/∂t is asked at rest only: in motion the path of driven coordinates would need a third time
+/// derivative, which no solver asks for.
+pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]) -> Report {
+    let layout = Layout::of(system);
+    system_at(subject, &layout, system, states)
+}
+
+/// As [`system`], of coordinates with names and units.
+pub fn system_at(
+    subject: &str,
+    layout: &Layout,
+    system: &mut dyn System,
+    states: &[(String, State)],
+) -> Report {
+    let mut report = Report::new(subject);
+    let mut random = Random::new(7);
+    let mut asked = 0;
+    for (at, state) in states {
+        let laws = Laws {
+            report: &mut report,
+            layout,
+            at,
+            state,
+            random: &mut random,
+        };
+        asked += usize::from(one(laws, system).is_some());
+    }
+    if asked == 0 {
+        report.impossible("domain", "everywhere", "no state is inside the domain");
+    }
+    report
+}
+
+/// Sizes of what cancels in each group of a system's residual, as energies: terms of these
+/// magnitudes make its round-off. `None` outside of the domain.
+pub fn system_sizes(layout: &Layout, system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+    let (r, values) = parts(system, state)?;
+    let all = Tangents {
+        pattern: system.pattern(),
+        r: &r,
+        values,
+    };
+    Some(all.sizes(layout, state))
+}
+
+fn weights(K: f64, C: f64, M: f64) -> Weights {
+    Weights { K, C, M }
+}
+
+/// The residual, and the values of K, C and M.
+fn parts(system: &mut dyn System, state: &State) -> Option<(Vec<f64>, [Vec<f64>; 3])> {
+    let (r, K) = combined(system, state, weights(1.0, 0.0, 0.0))?;
+    let (mut C, mut M) = (vec![0.0; K.len()], vec![0.0; K.len()]);
+    if !state.is_static() {
+        C = combined(system, state, weights(0.0, 1.0, 0.0))?.1;
+        M = combined(system, state, weights(0.0, 0.0, 1.0))?.1;
+    }
+    Some((r, [K, C, M]))
+}
+
+/// Notes the laws at one state; nothing where it is outside of the domain.
+fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
+    let (state, at) = (laws.state, laws.at);
+    let pattern = system.pattern().clone();
+    let (r, values) = parts(system, state)?;
+    let all = Tangents {
+        pattern: &pattern,
+        r: &r,
+        values,
+    };
+    let sizes = with_noise(all.sizes(laws.layout, state), &laws, system, &r);
+    tangents(&mut laws, &all, &sizes, &mut |s| residual(system, s));
+
+    // One evaluation with three weights is the weighted sum of three evaluations; at rest there is K alone.
+    let rates = if state.is_static() { 0.0 } else { 1.0 };
+    let w = weights(0.7, -1.3 * rates, 2.1 * rates);
+    let [K, C, M] = &all.values;
+    let nowhere = || (r.clone(), vec![f64::NAN; K.len()]);
+    let (again, S) = combined(system, state, w).unwrap_or_else(nowhere);
+    let (mut gap, mut size) = (Vec::new(), Vec::new());
+    for (k, S) in S.iter().enumerate() {
+        let parts = [w.K * K[k], w.C * C[k], w.M * M[k]];
+        gap.push((S - parts.iter().sum::<f64>()).abs());
+        size.push(parts.iter().map(|p| p.abs()).sum());
+    }
+    let by_row = |values: &[f64]| {
+        let mut rows = vec![0.0; r.len()];
+        pattern.multiply_add(1.0, values, &laws.layout.units(), &mut rows);
+        laws.layout.forces(&rows)
+    };
+    // Stiff parts that cancel leave their round-off, which nothing here shows but the change of S with
+    // the last digits of the coordinates.
+    let mut noise = vec![0.0_f64; S.len()];
+    let mut of_parts = [K, C, M].map(|values| vec![0.0_f64; values.len()]);
+    for sample in 1..=SAMPLES {
+        let beside = beside(state, laws.layout, sample);
+        let whole = combined(system, &beside, w);
+        let (Some((_, there)), Some((_, parts))) = (whole, parts(system, &beside)) else {
+            continue;
+        };
+        for k in 0..S.len() {
+            let part = |i: usize| (parts[i][k] - all.values[i][k]).abs();
+            for (i, noise) in of_parts.iter_mut().enumerate() {
+                noise[k] = noise[k].max(NOISE * part(i));
+            }
+            let parts = w.K.abs() * part(0) + w.C.abs() * part(1) + w.M.abs() * part(2);
+            noise[k] = noise[k].max((there[k] - S[k]).abs() + parts);
+        }
+    }
+    if system.is_symmetric() {
+        let part = if state.is_static() { Part::K } else { Part::M };
+        all.symmetric(&mut laws, part, &of_parts[part as usize]);
+    }
+    let allowed = by_row(&size).into_iter().zip(by_row(&noise));
+    let allowed: Vec<f64> = allowed.map(|(s, n)| 1e-12 * s + NOISE * n).collect();
+    let law = "S = cK K + cC C + cM M";
+    laws.report.defects(law, at, &by_row(&gap), &allowed);
+
+    let alone = residual(system, state).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+    let gap = alone.iter().zip(&again).map(|(a, b)| (a - b).abs());
+    let law = "r does not depend on what else is asked";
+    laws.report.defect(law, at, gap.sum(), 0.0);
+
+    if state.is_static() {
+        let mut rate = vec![1e3; r.len()];
+        let mut again = r.clone();
+        let out = Evaluation {
+            r: &mut again,
+            S: None,
+            r_t: Some(&mut rate),
+        };
+        system.evaluate(point(state), out).ok()?;
+        load_rate(&mut laws, system, &r, &rate, &sizes);
+    }
+    Some(())
+}
+
+/// A state that differs in its last digits.
+fn beside(state: &State, layout: &Layout, sample: u32) -> State {
+    let mut beside = state.clone();
+    for (i, (x, unit)) in beside.x.iter_mut().zip(layout.units()).enumerate() {
+        let digit = f64::from(sample) * f64::EPSILON * (x.abs() + unit);
+        *x += if i % 2 == 0 { digit } else { -digit };
+    }
+    beside
+}
+
+/// Sizes of what cancels in the residual, raised to what its change with the last digits of the
+/// coordinates says: forces of a loop that do no work on its coordinates are in no row.
+fn with_noise(
+    mut sizes: Vec<f64>,
+    laws: &Laws<'_>,
+    system: &mut dyn System,
+    r: &[f64],
+) -> Vec<f64> {
+    for sample in 1..=SAMPLES {
+        let Some(there) = residual(system, &beside(laws.state, laws.layout, sample)) else {
+            continue;
+        };
+        let gaps: Vec<f64> = there.iter().zip(r).map(|(a, b)| (a - b).abs()).collect();
+        let digit = f64::from(sample) * f64::EPSILON;
+        for (size, gap) in sizes.iter_mut().zip(laws.layout.forces(&gaps)) {
+            *size = size.max(gap / digit);
+        }
+    }
+    sizes
+}
+
+/// Least size of forces over the largest: what cancels in a group, as a weight on a plane, is in no tangent.
+const ROUGH: f64 = 1e-4;
+
+/// ∂r/∂t, on steps that do not reach the next kink of a function of time.
+fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
+    let (state, layout) = (laws.state, laws.layout);
+    let kinks = system.kinks().into_iter().map(|k| k - state.t);
+    let next = kinks
+        .filter(|&ahead| ahead > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let rates = layout.forces(rate);
+    let largest = sizes.iter().copied().fold(0.0, f64::max);
+    let sizes: Vec<f64> = (rates.iter().zip(sizes))
+        .map(|(rate, size)| size.max(ROUGH * largest) + rate * (1.0 + state.t.abs()))
+        .collect();
+    let first = FIRST.min(0.5 * next);
+    let mut at = |t: f64| residual(system, &State { t, ..state.clone() });
+    laws.report
+        .slopes("r_t = dr/dt", laws.at, 2.0, first, &sizes, |e| {
+            let there = at(state.t + e).unwrap_or_else(|| vec![f64::NAN; r.len()]);
+            let parts = there.iter().zip(r).zip(rate);
+            let left: Vec<f64> = parts.map(|((a, b), rate)| a - b - rate * e).collect();
+            layout.forces(&left)
+        });
+    laws.report.second_opinion(|| {
+        let right = difference(1e-2 * first, |e| at(state.t + e))?;
+        let gaps: Vec<f64> = right.iter().zip(rate).map(|(a, b)| a - b).collect();
+        let strains = layout.forces(&gaps).into_iter().zip(&sizes);
+        let worst = strains.map(|(gap, size)| gap / size).fold(0.0, f64::max);
+        Some((worst, CONFIRMED))
+    });
+}
+
+fn point(s: &State) -> Point<'_> {
+    Point {
+        t: s.t,
+        q: s.x.as_slice(),
+        v: s.v.as_slice(),
+        a: s.a.as_slice(),
+    }
+}
+
+fn residual(system: &mut dyn System, state: &State) -> Option<Vec<f64>> {
+    let mut r = vec![0.0; state.x.len()];
+    system
+        .evaluate(point(state), Evaluation::residual(&mut r))
+        .ok()?;
+    Some(r)
+}
+
+fn combined(
+    system: &mut dyn System,
+    state: &State,
+    weights: Weights,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let mut r = vec![0.0; state.x.len()];
+    // Entries that an evaluation forgets to overwrite show up.
+    let mut values = vec![1e3; system.pattern().len()];
+    let out = Evaluation::with_tangent(&mut r, weights, &mut values);
+    system.evaluate(point(state), out).ok()?;
+    Some((r, values))
+}

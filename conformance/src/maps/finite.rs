@@ -1,0 +1,55 @@
+//! Values of a map that are no numbers: where they stand, before anything is compared with them.
+
+use super::kinematics::Mapped;
+use crate::forces::State;
+use crate::layout::Layout;
+
+/// How far coordinates go to where there may be numbers, in units.
+const BESIDE: f64 = 1e-3;
+
+impl Mapped<'_> {
+    /// Says which entry of the first of x, its rates and operators is not finite at a state, if one is,
+    /// and in which coordinates it would be beside.
+    pub(crate) fn unknown(&self, s: &State) -> Option<String> {
+        let n = self.map.dims().1;
+        let (x, B) = self.tangent(s.t, s.x.as_slice());
+        let [_, x_dot, x_ddot, _, B_dot, B_ddot] = self.kinematics(s);
+        let names = ["x", "B", "x_dot", "x_ddot", "B_dot", "B_ddot"];
+        let values = [x, B, x_dot, x_ddot, B_dot, B_ddot];
+        let find = |values: &Vec<f64>| values.iter().position(|x| !x.is_finite());
+        let found = values.iter().zip(names);
+        let (row, value, name) = found
+            .filter_map(|(all, name)| find(all).map(|k| (k % n, all[k], name)))
+            .next()?;
+        let units = self.columns.units();
+        let beside = units.iter().enumerate().filter(|(j, unit)| {
+            [BESIDE, -BESIDE].iter().any(|step| {
+                let mut s = s.clone();
+                s.x[*j] += step * **unit;
+                self.tangent(s.t, s.x.as_slice())
+                    .1
+                    .iter()
+                    .all(|b| b.is_finite())
+            })
+        });
+        let beside: Vec<String> = beside.map(|(j, _)| entry(self.columns, j)).collect();
+        let what = if name == "x" { "value" } else { "derivative" };
+        let mut why = format!(
+            "{name} is {value} in the row of {}: phi has no {what} there",
+            entry(self.rows, row)
+        );
+        if !beside.is_empty() {
+            why += &format!("; it has beside, in {}", beside.join(", "));
+        }
+        Some(why)
+    }
+}
+
+/// What coordinate i is called.
+fn entry(of: &Layout, i: usize) -> String {
+    let group = of.groups().iter().find(|g| g.range.contains(&i));
+    group.map_or_else(String::new, |g| match g.range.len() {
+        1 => g.name.clone(),
+        _ => format!("{} ({})", g.name, i - g.range.start + 1),
+    })
+}

@@ -1,0 +1,193 @@
+//! The laws of a map: everything that [`Map`] offers is a derivative of φ.
+
+use super::kinematics::{Mapped, kinematics};
+use super::pieces::pieces;
+use crate::forces::State;
+use crate::layout::Layout;
+use crate::report::Report;
+use crate::sample::{CLEARANCE, Random};
+use nalgebra::{DVector, SMatrix, SVector};
+use pullback_manifold::map::{Kinematics, Map, derived};
+
+/// Time at which maps are evaluated: not zero, so that a forgotten t shows.
+pub(crate) const TIME: f64 = 0.37;
+
+/// Largest relative difference between a closed form and the exact derivative.
+///
+/// Both are sums of some hundred terms, each with a relative error of 1e-16, and cancel at worst
+/// like the third power of the distance 0.3 to the edge of a rotation chart: below 1e-12. A wrong
+/// formula differs in the first digits.
+pub(crate) const CLOSED_FORM: f64 = 1e-10;
+
+/// Checks every law of a map at every position within its domain.
+pub fn map<M, const D: usize, const N: usize>(map: &M) -> Report
+where
+    M: Map<D, N> + Clone + 'static,
+{
+    let mut report = Report::new(short_name::<M>());
+    let mut random = Random::default();
+    for (at, q) in within(&mut report, &mut random, |q| map.margin(TIME, q)) {
+        laws(&mut report, "", map, at, TIME, &q, &mut random);
+    }
+    report
+}
+
+/// The positions within a domain, given its margin; notes that there is none.
+pub(crate) fn within<const D: usize>(
+    report: &mut Report,
+    random: &mut Random,
+    margin: impl Fn(&SVector<f64, D>) -> f64,
+) -> Vec<(&'static str, SVector<f64, D>)> {
+    let all = random.positions(D).into_iter();
+    let all = all.map(|(at, q)| (at, SVector::from_column_slice(&q)));
+    // Written so that a margin that is not a number is skipped, and shows as "no position".
+    let inside: Vec<_> = all.filter(|(_, q)| margin(q) > CLEARANCE).collect();
+    if inside.is_empty() {
+        report.impossible("domain", "everywhere", "no position is inside the domain");
+    }
+    inside
+}
+
+/// A type's name without the paths of its crates.
+pub(crate) fn short_name<M>() -> String {
+    shortened(std::any::type_name::<M>())
+}
+
+/// A type's full name without the paths of its crates: `JointMap<Revolute>`.
+pub fn shortened(full: &str) -> String {
+    let mut out = String::new();
+    let mut word = String::new();
+    for c in full.chars() {
+        if c.is_alphanumeric() || c == '_' {
+            word.push(c);
+        } else if c == ':' {
+            word.clear();
+        } else {
+            out += &word;
+            word.clear();
+            out.push(c);
+        }
+    }
+    out + &word
+}
+
+/// What a type is called by people: the words of its name without what is generic, `on curve` of
+/// `pullback::joint::JointMap<pullback::joint::OnCurve<Helix>>`.
+pub fn plain(full: &str) -> String {
+    let short = shortened(full);
+    let bare = short.strip_prefix("JointMap<").unwrap_or(&short);
+    let name = bare.split(['<', '>']).next().unwrap_or(bare);
+    let mut out = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && !out.is_empty() {
+            out.push(' ');
+        }
+        out.extend(c.to_lowercase());
+    }
+    out
+}
+
+/// All laws of a map at one time and point.
+#[allow(clippy::too_many_arguments, reason = "what is checked, where and how")]
+pub(crate) fn laws<M, const D: usize, const N: usize>(
+    report: &mut Report,
+    prefix: &str,
+    map: &M,
+    at: &str,
+    t: f64,
+    q: &SVector<f64, D>,
+    random: &mut Random,
+) where
+    M: Map<D, N> + Clone + 'static,
+{
+    let law = |name: &str| format!("{prefix}{name}");
+    let mut one_piece = map.clone();
+    one_piece.freeze_piece(Some((t, q)));
+    let map = &one_piece;
+    let (v, a) = (random.vector::<D>(), random.vector::<D>());
+    let f = random.vector::<N>();
+    let vector = |x: &SVector<f64, D>| DVector::from_column_slice(x.as_slice());
+    let state = State {
+        t,
+        x: vector(q),
+        v: vector(&v),
+        a: vector(&a),
+    };
+    let of = Mapped {
+        map: &*map.clone().boxed(),
+        rows: &Layout::plain(N),
+        columns: &Layout::plain(D),
+    };
+    if !kinematics(report, prefix, of, at, &state, random) {
+        return;
+    }
+    pieces(report, of, at, &state, random);
+
+    // Overridden closed forms against what φ gives by itself.
+    let exact = derived::kinematics(map, t, q, &v, &a);
+    let exact_tangent = derived::tangent(map, t, q);
+    let exact_K = derived::geometric_stiffness(map, t, q, &f);
+    let k = map.kinematics(t, q, &v, &a);
+    let tangent = map.tangent(t, q);
+    let K = map.geometric_stiffness(t, q, &f);
+    // φ over numbers is φ over jets.
+    let size = tangent.x.norm() + tangent.B.norm() * (1.0 + q.norm());
+    let gap = (map.phi(t, q) - tangent.x).norm();
+    report.defect(&law("x = phi"), at, gap, CLOSED_FORM * size);
+    // A vector or operator may vanish by symmetry (Ḃ at rest, say): its size is then that of B.
+    let unit = exact.B.norm() + exact.x.norm();
+    agree(
+        report,
+        &law("tangent = derived"),
+        at,
+        &[
+            relative(&tangent.x, &exact_tangent.x, unit),
+            relative(&tangent.B, &exact_tangent.B, unit),
+        ],
+    );
+    agree(
+        report,
+        &law("kinematics = derived"),
+        at,
+        &differences(&k, &exact, unit),
+    );
+    agree(
+        report,
+        &law("geometric_stiffness = derived"),
+        at,
+        &[relative(&K, &exact_K, unit * f.norm())],
+    );
+}
+
+pub(crate) fn agree(report: &mut Report, law: &str, at: &str, differences: &[f64]) {
+    // f64::max drops NaN: a sum keeps it.
+    let worst = if differences.iter().any(|d| d.is_nan()) {
+        f64::NAN
+    } else {
+        differences.iter().copied().fold(0.0, f64::max)
+    };
+    report.defect(law, at, worst, CLOSED_FORM);
+}
+
+pub(crate) fn relative<const R: usize, const C: usize>(
+    found: &SMatrix<f64, R, C>,
+    exact: &SMatrix<f64, R, C>,
+    unit: f64,
+) -> f64 {
+    (found - exact).norm() / (exact.norm() + unit)
+}
+
+fn differences<const D: usize, const N: usize>(
+    k: &Kinematics<D, N>,
+    exact: &Kinematics<D, N>,
+    unit: f64,
+) -> [f64; 6] {
+    [
+        relative(&k.x, &exact.x, unit),
+        relative(&k.x_dot, &exact.x_dot, unit),
+        relative(&k.x_ddot, &exact.x_ddot, unit),
+        relative(&k.B, &exact.B, unit),
+        relative(&k.B_dot, &exact.B_dot, unit),
+        relative(&k.B_ddot, &exact.B_ddot, unit),
+    ]
+}

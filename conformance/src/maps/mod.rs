@@ -1,0 +1,15 @@
+//! The laws of maps, of charts and of implicit constraints.
+
+mod chart;
+mod finite;
+mod implicit;
+mod kinematics;
+mod map;
+mod pieces;
+
+pub use chart::chart;
+pub use implicit::{implicit, rewriting};
+pub use kinematics::{Mapped, kinematics};
+pub(crate) use map::{TIME, laws, short_name, within};
+pub use map::{map, plain, shortened};
+pub use pieces::pieces;

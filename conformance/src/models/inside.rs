@@ -1,0 +1,51 @@
+//! States in the middle of domains.
+
+use super::view::{maps, parent_state};
+use pullback_elements::model::{Model, NodeForm};
+use pullback_manifold::system::Point;
+
+/// A joint with less room than this is at the edge of its domain, and how far from there it is taken,
+/// in units of its coordinates.
+const NARROW: f64 = 1e-3;
+const STEP: f64 = 0.1;
+
+/// Takes coordinates of joints that are at the edges of their domains, a slide at the end of its
+/// chain, a little inside: nothing can be said about derivatives where a step leads outside.
+pub(super) fn step_inside(model: &mut Model, t: f64, q: &mut [f64], units: &[f64]) {
+    for k in 0..model.mapped_nodes().len() {
+        let Some(margin) = room(model, k, t, q).filter(|&room| room < NARROW) else {
+            continue;
+        };
+        let Some((_, _, parents)) = maps(model).nth(k) else {
+            continue;
+        };
+        let steps: Vec<(usize, f64)> = (parents.iter())
+            .filter(|&&m| model.nodes()[m as usize].form() == NodeForm::Coordinates)
+            .flat_map(|&m| {
+                let free = model.nodes()[m as usize].range();
+                let free = free.filter_map(|c| model.unknown_of(c));
+                free.map(move |u| (u, STEP * units[m as usize]))
+            })
+            .collect();
+        let mut best = (10.0 * margin, None);
+        for (u, step) in steps.into_iter().flat_map(|(u, s)| [(u, s), (u, -s)]) {
+            q[u] += step;
+            let there = room(model, k, t, q).unwrap_or(0.0);
+            q[u] -= step;
+            if there > best.0 {
+                best = (there, Some((u, step)));
+            }
+        }
+        if let Some((u, step)) = best.1 {
+            q[u] += step;
+        }
+    }
+}
+
+/// The margin of map number `k` at a state at rest; none outside of its domain.
+fn room(model: &mut Model, k: usize, t: f64, q: &[f64]) -> Option<f64> {
+    let (v, a) = (&[][..], &[][..]);
+    model.configure(Point { t, q, v, a }).ok()?;
+    let (_, map, parents) = maps(model).nth(k)?;
+    Some(map.margin(t, parent_state(model, parents, t).x.as_slice()))
+}

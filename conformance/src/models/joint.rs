@@ -1,0 +1,194 @@
+//! The laws of a model's joints: maps from the coordinates of parents to those of a frame.
+
+#![allow(non_snake_case)]
+
+use super::segments::{self, Child};
+use super::view::{self, maps, parent_state};
+use crate::elements::{Carrier, EXACT, Frame, carry, vector};
+use crate::{Mapped, Random, Report, State, kinematics, pieces};
+use nalgebra::{DVector, Vector3};
+use pullback_elements::model::Model;
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::so3::{log_quaternion, quaternion};
+
+/// First relative motion of the parents in the limit of small ones, in units.
+const FIRST: f64 = 0.1;
+
+/// Notes the laws of all joints, in the configuration last set, which is that of a state.
+pub(super) fn laws(
+    report: &mut Report,
+    model: &mut Model,
+    units: &[f64],
+    (at, state): &(String, State),
+    random: &mut Random,
+) {
+    let [q, v, a] = [&state.x, &state.v, &state.a].map(|x| x.as_slice());
+    let point = pullback_manifold::system::Point {
+        t: state.t,
+        q,
+        v,
+        a,
+    };
+    if let Err(error) = model.configure(point) {
+        return report.impossible("domain", at, error.to_string());
+    }
+    for mapped in maps(model) {
+        let (n, _, parents) = mapped;
+        let joint = view::joint(model, mapped, units);
+        let rows = view::rows(model, n, units);
+        let node = &model.nodes()[n as usize];
+        let framed = view::is_frame(node);
+        let mut own = Report::new(joint.name.clone());
+        let s = parent_state(model, parents, state.t);
+        let of = Mapped {
+            map: joint.thing,
+            rows: &rows,
+            columns: &joint.layout,
+        };
+        // Velocities of the model are of its own rate; those of a map have the rate of time.
+        let mut columns = joint.layout.clone();
+        columns.rate = rate(&joint.layout.units(), &s);
+        let rated = Mapped {
+            columns: &columns,
+            ..of
+        };
+        if !kinematics(&mut own, "", rated, at, &s, random) {
+            report.extend(own);
+            continue;
+        }
+        pieces(&mut own, of, at, &s, random);
+        let child = Child {
+            rows: &rows,
+            framed,
+            position: node.position(),
+        };
+        for sides in segments::changes(model, n, s.t) {
+            segments::laws(&mut own, &child, at, &sides, random);
+        }
+        if framed && !joint.frames.is_empty() && joint.thing.is_objective() {
+            let length = joint.layout.units()[joint.frames[0].first];
+            Carried {
+                of,
+                position: node.position(),
+                frames: &joint.frames,
+                rotations: &joint.rotations,
+                length,
+            }
+            .laws(&mut own, at, &s, random);
+        }
+        report.extend(own);
+    }
+}
+
+/// How fast coordinates change, in units. Parents in a loop may be at a turning point, where only
+/// their accelerations tell.
+fn rate(units: &[f64], s: &State) -> f64 {
+    let speeds = s.v.iter().zip(units).map(|(v, u)| (v / u).abs());
+    let turns = s.a.iter().zip(units).map(|(a, u)| (a / u).abs().sqrt());
+    let fastest = speeds.chain(turns).fold(0.0, f64::max);
+    if fastest.is_normal() { fastest } else { 1.0 }
+}
+
+/// A joint whose parents are carried by a rigid motion.
+struct Carried<'a> {
+    of: Mapped<'a>,
+    position: Vector3<f64>,
+    frames: &'a [Frame],
+    rotations: &'a [usize],
+    length: f64,
+}
+
+impl Carried<'_> {
+    fn child(&self, map: &dyn Parametrization, s: &State) -> DVector<f64> {
+        let (d, n) = map.dims();
+        let (mut x, mut B) = (DVector::from_element(n, f64::NAN), vec![0.0; n * d]);
+        if map.margin(s.t, s.x.as_slice()) > 0.0 {
+            map.tangent(s.t, s.x.as_slice(), x.as_mut_slice(), &mut B);
+        }
+        x
+    }
+
+    /// How far the frame is from where the motion of its parents takes it: in lengths, and in
+    /// radians, whatever the chart.
+    fn defect(&self, by: Carrier, turn: &Vector3<f64>, s: &State) -> Vec<f64> {
+        let still = State::statics(s.t, s.x.clone());
+        let mut moved = carry(by, 0.0, self.frames, &still).state;
+        for &k in self.rotations {
+            // Rotations of joints are those of frames, in global components.
+            let psi = moved.x.fixed_rows::<3>(k).into_owned();
+            let turned = log_quaternion(&quaternion(turn).product(&quaternion(&psi)));
+            moved.x.fixed_rows_mut::<3>(k).copy_from(&turned);
+        }
+        let here = State::statics(s.t, self.child(self.of.map, &still));
+        let own = [Frame {
+            first: 0,
+            position: self.position,
+        }];
+        let right = carry(by, 0.0, &own, &here).state.x;
+        let found = self.child(self.of.map, &moved);
+        let [a, b] = [&found, &right].map(|x| quaternion(&x.fixed_rows::<3>(3).into_owned()));
+        let turns = a.conjugate().product(&b).v.norm() * 2.0;
+        let gap = (found.fixed_rows::<3>(0) - right.fixed_rows::<3>(0)).norm();
+        vec![gap / self.length, turns]
+    }
+
+    fn laws(&self, report: &mut Report, at: &str, s: &State, random: &mut Random) {
+        let about = self.frames[0].position;
+        let turn = vector(random, 0.9);
+        let by = Carrier::still(about, turn, vector(random, self.length));
+        let sizes: Vec<f64> = {
+            let reach = self
+                .of
+                .rows
+                .magnitudes(self.child(self.of.map, s).as_slice(), 0);
+            let all = self.of.columns.magnitudes(s.x.as_slice(), 0);
+            let most = |x: &[f64]| x.iter().fold(0.0, |a: f64, b| a.max(*b));
+            vec![(most(&reach) + most(&all)) / self.length, 1.0]
+        };
+        let law = "frames move rigidly with their parents";
+        let allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s).collect();
+        let defects = self.defect(by, &turn, s);
+        let exact = defects.iter().zip(&allowed).all(|(d, a)| d <= a);
+        if exact || self.frames.len() == 1 {
+            report.defects(law, at, &defects, &allowed);
+            return;
+        }
+        let law = format!("{law} in the limit of small strains");
+        for last in [false, true] {
+            self.limit(report, &law, (by, &turn), s, &sizes, random);
+            // Terms of two orders may cancel by chance: not in two directions.
+            if last || !report.retry() {
+                break;
+            }
+        }
+    }
+
+    /// Interpolated rotation vectors are off by the second order in the relative motion of parents.
+    fn limit(
+        &self,
+        report: &mut Report,
+        law: &str,
+        (by, turn): (Carrier, &Vector3<f64>),
+        s: &State,
+        sizes: &[f64],
+        random: &mut Random,
+    ) {
+        let mut noise = DVector::zeros(s.x.len());
+        random.fill(noise.as_mut_slice());
+        let units = self.of.columns.units();
+        let about = self.frames[0].position;
+        let rigid = Carrier::still(about, vector(random, 1.3), Vector3::zeros());
+        let near = |e: f64| {
+            let mut x = s.x.clone();
+            for f in self.frames {
+                for k in f.first..f.first + 6 {
+                    x[k] = noise[k] * units[k] * e;
+                }
+            }
+            carry(rigid, 0.0, self.frames, &State::statics(s.t, x)).state
+        };
+        report.slopes(law, "rigid", 2.0, FIRST, sizes, |e| {
+            self.defect(by, turn, &near(e))
+        });
+    }
+}

@@ -1,0 +1,235 @@
+//! The laws of a whole model: of each component where the model uses it, and of the assembled system.
+
+#![allow(non_snake_case)]
+
+mod inside;
+mod joint;
+mod segments;
+mod states;
+mod transport;
+mod view;
+
+use crate::elements::{Placed, Request, element_at, evaluate, invariance};
+use crate::{Forces, Layout, Random, Report, State, system_at};
+use nalgebra::DVector;
+use pullback_elements::model::Model;
+use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use states::{Size, beside, moving};
+
+/// Where a model is checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Seed of everything random: the same seed gives the same report.
+    pub seed: u64,
+    /// Time, or load parameter. Not one of the model's kinks, where nothing is smooth.
+    pub t: f64,
+    /// Coordinates of the state from which others are drawn; the reference configuration if empty.
+    pub q: Vec<f64>,
+    /// How many random states besides that one; large models may take few.
+    pub states: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            t: 0.37,
+            q: Vec::new(),
+            states: 3,
+        }
+    }
+}
+
+/// Checks a model: every element and load, every joint, and the assembled system; at `options.q`
+/// and at random states around it, at rest and in motion. One row for each component and law, from
+/// the state where it came closest to failing.
+///
+/// - elements and loads: the laws of [`element`](super::element); that forces and energies turn with
+///   a rigid motion superposed (what is internal), and are the same in the other chart. Both hold
+///   to round-off, or in the limit of small relative motions of the nodes where an element
+///   interpolates total rotation vectors: the law's name says which was found;
+/// - joints: B, ẋ, ẍ, Ḃ, B̈ and K_σ are derivatives of φ, frames move rigidly with their parents; where
+///   formulas or lines of a chain take over from one another, motion and forces stay;
+/// - the system: K, C, M block row by block row, their symmetry, the combined tangent; a change of
+///   the charts of nodes and back leaves positions, velocities, forces and energies as they were;
+///   d(T + U)/dt is the power supplied less the power lost.
+///
+/// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
+/// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
+/// coordinates the model has then is for its next change of charts to say.
+///
+/// Maps that are pieced together from several formulas keep to the one that holds at each state, beyond
+/// its ends too ([`Map::freeze_piece`]): a curve through points is smooth in its third derivative only
+/// between them.
+///
+/// Joints that start at the edge of their domain, such as a slide at the end of its chain, are looked
+/// at a little inside.
+///
+/// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
+///
+/// [`Map::freeze_piece`]: pullback_manifold::map::Map::freeze_piece
+/// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
+pub fn model(model: &mut Model, options: &Options) -> Report {
+    // Random states satisfy nothing that multipliers hold.
+    model.watch_equations(false);
+    let report = all(model, options);
+    model.watch_equations(true);
+    report
+}
+
+fn all(model: &mut Model, options: &Options) -> Report {
+    let mut report = Report::new("model");
+    let n = model.pattern().dim();
+    let mut q = options.q.clone();
+    q.resize(n, 0.0);
+    let mut random = Random::new(options.seed);
+    let units = view::node_units(model);
+    let mut layout = view::layout(model, &units);
+    inside::step_inside(model, options.t, &mut q, &units);
+
+    let mut plan = vec![("start".to_owned(), Size::NONE)];
+    for k in 0..options.states {
+        let size = if k % 2 == 0 { Size::FAR } else { Size::NEAR };
+        plan.push((format!("random {}", k + 1), size));
+    }
+    let mut seen: Vec<(String, Vec<State>)> = Vec::new();
+    let (at_start, memories) = ((options.t, q.as_slice()), model.map_memories());
+    let mut last = None;
+    for (k, (at, size)) in plan.iter().enumerate() {
+        model.freeze_pieces(None);
+        let rest = match beside(model, at_start, &memories, *size, &units, &mut random) {
+            Ok(rest) => rest,
+            Err(error) => {
+                report.impossible("domain", at, error.to_string());
+                return report;
+            }
+        };
+        model.freeze_pieces(Some((rest.t, rest.x.as_slice())));
+        if k == 0 {
+            layout.rate = own_rate(model, &rest, &layout.units()).unwrap_or(1.0);
+        }
+        let motion = moving(&rest, &layout.units(), layout.rate, &mut random);
+        let states = [
+            (format!("{at}, at rest"), rest),
+            (format!("{at}, moving"), motion.clone()),
+        ];
+        report.extend(system_at("model", &layout, model, &states));
+        transport::laws(&mut report, model, &layout, &states[1], &mut random);
+        joint::laws(&mut report, model, &units, &states[1], &mut random);
+        if k + 1 == plan.len() && view::rewrites(model) {
+            last = Some(states[1].clone());
+        }
+        let each = 0..model.elements().len();
+        seen.push((
+            at.clone(),
+            each.map(|k| view::element_state(model, k, options.t))
+                .collect(),
+        ));
+    }
+    for k in 0..model.elements().len() {
+        let positions = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
+        let own = component(model, k, &units, layout.rate, positions, &mut random);
+        report.extend(own);
+    }
+    if let Some(state) = last {
+        transport::rewriting(&mut report, model, &layout, &state);
+    }
+    model.freeze_pieces(None);
+    report.worst()
+}
+
+/// The laws of one element or load at its states in the model.
+fn component<'a>(
+    model: &Model,
+    k: usize,
+    units: &[f64],
+    rate: f64,
+    positions: impl Iterator<Item = (&'a str, &'a State)>,
+    random: &mut Random,
+) -> Report {
+    let mut own = view::element(model, k, units);
+    let element = own.thing;
+    own.layout.rate = rate;
+    let mut states = Vec::new();
+    for (at, rest) in positions {
+        if states.is_empty() {
+            let zero = DVector::zeros(rest.x.len());
+            let still = State {
+                v: zero.clone(),
+                a: zero,
+                ..rest.clone()
+            };
+            let all = evaluate(element, &still, Request::All);
+            own.layout.rate = all
+                .and_then(|f| element_rate(&own.layout, &f))
+                .unwrap_or(rate);
+        }
+        states.push((format!("{at}, at rest"), rest.clone()));
+        let motion = moving(rest, &own.layout.units(), own.layout.rate, random);
+        states.push((format!("{at}, moving"), motion));
+    }
+    let mut report = element_at(&own.name, &own.layout, &states, element);
+    let placed = Placed {
+        element,
+        layout: &own.layout,
+        frames: &own.frames,
+    };
+    invariance::laws(&mut report, &placed, &states, random);
+    report.worst()
+}
+
+/// A typical frequency: the geometric mean of √(K/M) over the diagonal, where there are both.
+fn mean_rate(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let logs: Vec<f64> = pairs
+        .filter(|&(K, M)| K != 0.0 && M > 0.0)
+        .map(|(K, M)| 0.5 * (K.abs() / M).ln())
+        .filter(|log| log.is_finite())
+        .collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    mean.exp().is_normal().then(|| mean.exp())
+}
+
+fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
+    let M = f.M.as_ref()?;
+    // The largest stiffness and the largest mass: single ones may be small by accident.
+    let units = layout.units();
+    let most = |A: &nalgebra::DMatrix<f64>| {
+        let scaled = units
+            .iter()
+            .enumerate()
+            .map(|(i, u)| A[(i, i)].abs() * u * u);
+        scaled.fold(0.0, f64::max)
+    };
+    mean_rate(std::iter::once((most(&f.K), most(M))))
+}
+
+/// Stiffnesses below this part of the largest, as energies, may be rounding: of a coordinate about which
+/// nothing resists.
+const NONE: f64 = 1e-12;
+
+/// The model's rate at a state.
+fn own_rate(model: &mut Model, s: &State, units: &[f64]) -> Option<f64> {
+    let n = s.x.len();
+    let zero = vec![0.0; n];
+    let mut diagonal = |K, C, M| -> Option<Vec<f64>> {
+        let mut r = vec![0.0; n];
+        let mut values = vec![0.0; model.pattern().len()];
+        let (q, v, a) = (s.x.as_slice(), &zero[..], &zero[..]);
+        let out = Evaluation::with_tangent(&mut r, Weights { K, C, M }, &mut values);
+        model.evaluate(Point { t: s.t, q, v, a }, out).ok()?;
+        let pattern = model.pattern();
+        let block = |j: usize| {
+            let (size, first) = (pattern.size(j), pattern.find(j, j));
+            let values = &values;
+            (0..size).map(move |i| first.map_or(0.0, |f| values[f + i + i * size]))
+        };
+        Some((0..pattern.blocks()).flat_map(block).collect())
+    };
+    let K = diagonal(1.0, 0.0, 0.0)?;
+    let M = diagonal(0.0, 0.0, 1.0)?;
+    let energy = |(K, u): (&f64, &f64)| K.abs() * u * u;
+    let most = K.iter().zip(units).map(energy).fold(0.0, f64::max);
+    let all = K.iter().zip(M).zip(units);
+    let resists = all.filter(|((K, _), u)| energy((K, u)) > NONE * most);
+    mean_rate(resists.map(|((K, M), _)| (*K, M)))
+}

@@ -1,0 +1,236 @@
+//! Where a model is checked: its start, and smooth random deformations of it.
+
+#![allow(non_snake_case)]
+
+use super::view::{Rotation, is_frame, unknowns};
+use crate::{Random, State};
+use nalgebra::{DVector, Vector3};
+use pullback_elements::model::Model;
+use pullback_manifold::chart::Complement;
+use pullback_manifold::map::Map;
+use pullback_manifold::so3::{log_quaternion, quaternion};
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+/// A field of displacements and rotations over the model, and how rough it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Displacements in lengths of the model.
+    pub displacement: f64,
+    /// Rotation angles in radians.
+    pub rotation: f64,
+    /// What each node has of its own, in its units.
+    pub noise: f64,
+}
+
+/// Waves of a smooth field over the model.
+const WAVES: f64 = 3.0;
+
+impl Size {
+    pub(super) const NONE: Self = Self {
+        displacement: 0.0,
+        rotation: 0.0,
+        noise: 0.0,
+    };
+    pub(super) const NEAR: Self = Self {
+        displacement: 0.02,
+        rotation: 0.2,
+        noise: 0.02,
+    };
+    pub(super) const FAR: Self = Self {
+        displacement: 0.1,
+        rotation: 1.4,
+        noise: 0.05,
+    };
+
+    fn times(self, factor: f64) -> Self {
+        Self {
+            displacement: self.displacement * factor,
+            rotation: self.rotation * factor,
+            noise: self.noise * factor,
+        }
+    }
+}
+
+/// A smooth field of vectors.
+struct Field {
+    base: Vector3<f64>,
+    amplitude: Vector3<f64>,
+    wave: Vector3<f64>,
+    phase: f64,
+}
+
+impl Field {
+    fn new(random: &mut Random, size: f64, length: f64) -> Self {
+        let mut vector = |size: f64| {
+            let mut v = Vector3::zeros();
+            random.direction(size, v.as_mut_slice());
+            v
+        };
+        Self {
+            base: vector(0.7 * size),
+            amplitude: vector(0.5 * size),
+            wave: vector(WAVES / length),
+            phase: vector(3.0).x,
+        }
+    }
+
+    fn at(&self, X: &Vector3<f64>) -> Vector3<f64> {
+        self.base + self.amplitude * (self.wave.dot(X) + self.phase).sin()
+    }
+}
+
+/// A state at rest beside `q`: inside all domains, in charts that fit. A size that leads outside, or to a
+/// singular position of a loop, where derivatives have few digits, is halved as often as it takes. Loops are
+/// solved from where `memories` has them, which is at `q`.
+///
+/// # Errors
+/// [`SystemError`] where `q` itself is outside of a domain.
+pub(super) fn beside(
+    model: &mut Model,
+    (t, q): (f64, &[f64]),
+    memories: &[Vec<f64>],
+    size: Size,
+    units: &[f64],
+    random: &mut Random,
+) -> Result<State, SystemError> {
+    let seed = random.clone();
+    let mut factor = 1.0;
+    loop {
+        let same_model = model.recall_maps(memories);
+        debug_assert!(same_model, "memories of another model");
+        let regular = model.doubts().is_empty();
+        *random = seed.clone();
+        let x = moved(model, q, size.times(factor), units, random);
+        let mut state = State::statics(t, DVector::from_vec(x));
+        let settled = settle(model, &mut state).and_then(|()| {
+            let (q, v, a) = (state.x.as_slice(), &[][..], &[][..]);
+            let mut r = vec![0.0; q.len()];
+            model.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
+        });
+        match settled {
+            Ok(()) if factor == 0.0 || !regular || model.doubts().is_empty() => return Ok(state),
+            Err(error) if factor == 0.0 => return Err(error),
+            _ => factor = if factor > 1e-3 { 0.5 * factor } else { 0.0 },
+        }
+    }
+}
+
+fn moved(model: &Model, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
+    let length = model.length();
+    let displacement = Field::new(random, size.displacement * length, length);
+    let rotation = Field::new(random, size.rotation, length);
+    let mut x = q.to_vec();
+    let unknowns = unknowns(model);
+    for (u, &(node, k, kind)) in unknowns.iter().enumerate() {
+        let own = random.range(-1.0, 1.0);
+        let position = model.nodes()[node].position();
+        let frame = is_frame(&model.nodes()[node]);
+        x[u] += match (kind, frame) {
+            (Kind::Length, true) => {
+                displacement.at(&position)[k % 3] + own * size.noise * units[node]
+            }
+            // Displacements of joints.
+            (Kind::Length, false) => own * (size.noise + size.displacement) * units[node],
+            (Kind::Angle, true) => own * size.noise,
+            (Kind::Angle, false) => own * size.rotation,
+            (Kind::Other, _) => own * size.rotation,
+        };
+    }
+    for rotation_of in model.free_rotations() {
+        let Some(&u) = rotation_of.iter().flatten().next() else {
+            continue;
+        };
+        let position = model.nodes()[unknowns[u].0].position();
+        let turn = rotation.at(&position);
+        let now = Vector3::from_fn(|i, _| rotation_of[i].map_or(0.0, |u| x[u]));
+        // A rotation that is held in part can only go on about the axes that are free.
+        let turned = match rotation_of.iter().all(Option::is_some) {
+            true => log_quaternion(&quaternion(&turn).product(&quaternion(&now))),
+            false => now + turn,
+        };
+        for (u, psi) in rotation_of.iter().zip(turned.iter()) {
+            if let Some(u) = *u {
+                x[u] = *psi;
+            }
+        }
+    }
+    x
+}
+
+/// Random velocities and accelerations of the sizes of units and rate.
+pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -> State {
+    let mut noise = |order: i32| {
+        let mut v = DVector::zeros(s.x.len());
+        random.fill(v.as_mut_slice());
+        v.component_mul(&DVector::from_column_slice(units)) * rate.powi(order)
+    };
+    State {
+        t: s.t,
+        x: s.x.clone(),
+        v: noise(1),
+        a: noise(2),
+    }
+}
+
+/// Writes rotations of a state in their other charts, with everything that follows from that, as at
+/// the end of a step; how many. Those near 0 or 2π, where the other chart ends, stay.
+pub(super) fn switch(
+    model: &mut Model,
+    rotations: &[Rotation],
+    s: &mut State,
+) -> Result<usize, SystemError> {
+    // From the nearer of 0 and 2π.
+    let away = |unknowns: &Rotation| {
+        let parts = unknowns.iter().flatten().map(|&u| s.x[u] * s.x[u]);
+        let psi = parts.sum::<f64>().sqrt();
+        psi.min(TAU - psi)
+    };
+    let most = rotations.iter().map(away).fold(0.0, f64::max);
+    let least = (LARGER * most).clamp(TURNED[0], TURNED[1]);
+    let clear = least..TAU - least;
+    let before = s.x.clone();
+    let count = rotations
+        .iter()
+        .filter(|r| complement(r, s, &clear))
+        .count();
+    model.follow_charts(s.t, before.as_slice(), s.x.as_slice())?;
+    Ok(count)
+}
+
+/// Charts as a run that starts at a state has them.
+fn settle(model: &mut Model, s: &mut State) -> Result<(), SystemError> {
+    for unknowns in model.free_rotations() {
+        complement(&unknowns, s, &(PI..TAU));
+    }
+    model.settle_charts(s.t, s.x.as_slice())
+}
+
+/// Writes a rotation of a state, in motion or at rest, in its other chart, where its angle is among
+/// those given; whether it is.
+fn complement(unknowns: &Rotation, s: &mut State, angles: &Range<f64>) -> bool {
+    let take = |from: &DVector<f64>| {
+        let entry = |u: usize| from.get(u).copied().unwrap_or(0.0);
+        Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, entry))
+    };
+    let [x, v, a] = [&s.x, &s.v, &s.a].map(take);
+    if !angles.contains(&x.norm()) {
+        return false;
+    }
+    let k = Complement.kinematics(0.0, &x, &v, &a);
+    for (to, from) in [(&mut s.x, k.x), (&mut s.v, k.x_dot), (&mut s.a, k.x_ddot)] {
+        for (u, x) in unknowns.iter().zip(from.iter()) {
+            if let Some(to) = u.and_then(|u| to.get_mut(u)) {
+                *to = *x;
+            }
+        }
+    }
+    true
+}
+
+/// Rotation vectors close to 0 or 2π keep their chart: there the change of charts enlarges round-off by
+/// 2π/ψ, and the smallest ψ would decide what is allowed for all. Charts change at this distance or
+/// more, and where all rotations are smaller than the second one, at those near the largest.
+const TURNED: [f64; 2] = [0.2, 1.0];
+const LARGER: f64 = 0.7;

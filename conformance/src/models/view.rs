@@ -1,0 +1,308 @@
+//! The components of a model one by one, with the units of their coordinates.
+
+use crate::elements::Frame;
+use crate::{Group, Layout, State, plain};
+use nalgebra::{DVector, Vector3};
+use pullback_elements::element::{Element, Motion, Response};
+use pullback_elements::model::{Model, Node, NodeForm};
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+use std::ops::Range;
+
+/// One component, with its coordinates.
+pub(super) struct Component<T> {
+    /// What it is called in reports.
+    pub name: String,
+    pub thing: T,
+    pub layout: Layout,
+    /// Those of its coordinates that are frames.
+    pub frames: Vec<Frame>,
+    /// First coordinates of rotation vectors that are no frame's.
+    pub rotations: Vec<usize>,
+}
+
+/// A rotation vector that can be written in another chart: unknowns of its components.
+pub(super) type Rotation = [Option<usize>; 3];
+
+pub(super) fn is_frame(node: &Node) -> bool {
+    node.form() == NodeForm::Frame
+}
+
+/// Element `k` with its layout; `units` are those of the nodes.
+pub(super) fn element<'a>(model: &'a Model, k: usize, units: &[f64]) -> Component<&'a dyn Element> {
+    let e = &model.elements()[k];
+    let element = e.element();
+    let what = if element.is_load() { "load" } else { "element" };
+    let own = extent(model, e.nodes()).unwrap_or(0.0);
+    let unit = |n: usize| if own > 0.0 { own } else { units[n] };
+    let name = format!("{what} {} ({})", e.name(), plain(element.kind()));
+    component(model, name, element, e.nodes(), &unit)
+}
+
+/// The state of element `k`, in its chart, without motion.
+pub(super) fn element_state(model: &Model, k: usize, t: f64) -> State {
+    let [x, ..] = model.element_motion(&model.elements()[k]);
+    State::statics(t, DVector::from_vec(x))
+}
+
+/// The maps of a model: the node that follows, its map, the nodes that this reads.
+pub(super) fn maps(model: &Model) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
+    model.mapped_nodes().iter().filter_map(|&n| {
+        let node = &model.nodes()[n as usize];
+        let map = node.map()?;
+        Some((n, map, node.parents(map.segment())))
+    })
+}
+
+/// The map of a node with the layout of what it takes.
+pub(super) fn joint<'a>(
+    model: &'a Model,
+    (n, map, parents): (u32, &'a dyn Parametrization, &[u32]),
+    units: &[f64],
+) -> Component<&'a dyn Parametrization> {
+    let node = &model.nodes()[n as usize];
+    let kind = plain(map.kind());
+    let name = match is_frame(node) {
+        true => format!("joint {} ({kind})", node.name()),
+        false if kind == LOOP => format!("{} ({kind})", node.name()),
+        false => format!("coordinate {} ({kind})", node.name()),
+    };
+    component(model, name, map, parents, &|n| units[n])
+}
+
+/// The kind of the map of a closed loop, whose node's name says what it is.
+const LOOP: &str = "closed loop";
+
+/// The layout of what the map of a node gives.
+pub(super) fn rows(model: &Model, n: u32, units: &[f64]) -> Layout {
+    component(model, String::new(), (), &[n], &|n| units[n]).layout
+}
+
+/// The motion of the parents of a map, in the configuration last set.
+pub(super) fn parent_state(model: &Model, parents: &[u32], t: f64) -> State {
+    let [x, v, a] = model.configuration().map(|all| {
+        let ranges = parents.iter().map(|&m| model.nodes()[m as usize].range());
+        DVector::from_iterator(
+            ranges.clone().map(|r| r.len()).sum(),
+            ranges.flatten().map(|c| all[c]),
+        )
+    });
+    State { t, x, v, a }
+}
+
+fn component<T>(
+    model: &Model,
+    name: String,
+    thing: T,
+    nodes: &[u32],
+    unit: &dyn Fn(usize) -> f64,
+) -> Component<T> {
+    let (mut groups, mut first) = (Vec::new(), 0);
+    let (mut frames, mut rotations) = (Vec::new(), Vec::new());
+    for &n in nodes {
+        let node = &model.nodes()[n as usize];
+        for (range, name, kind) in groups_of(node) {
+            let range = range.start + first..range.end + first;
+            groups.push(group(node, range, name, kind, unit(n as usize)));
+        }
+        match node.form() {
+            NodeForm::Frame => frames.push(Frame {
+                first,
+                position: node.position(),
+            }),
+            NodeForm::Rotation => rotations.push(first),
+            _ => {}
+        }
+        first += node.range().len();
+    }
+    Component {
+        name,
+        thing,
+        layout: Layout::new(groups),
+        frames,
+        rotations,
+    }
+}
+
+/// The largest distance between frames among nodes; `None` where there are none.
+fn extent(model: &Model, nodes: &[u32]) -> Option<f64> {
+    let positions = || {
+        let nodes = nodes.iter().map(|&n| &model.nodes()[n as usize]);
+        nodes.filter(|n| is_frame(n)).map(Node::position)
+    };
+    positions()
+        .flat_map(|a| positions().map(move |b| (a - b).norm()))
+        .reduce(f64::max)
+}
+
+/// A typical length at each node: the size of the smallest element that it belongs to, and of the
+/// model where that has none.
+pub(super) fn node_units(model: &Model) -> Vec<f64> {
+    let mut units = vec![f64::INFINITY; model.nodes().len()];
+    for e in model.elements() {
+        if let Some(size) = extent(model, e.nodes()).filter(|&l| l > 0.0) {
+            for &n in e.nodes() {
+                let unit = &mut units[n as usize];
+                *unit = unit.min(size);
+            }
+        }
+    }
+    // The coordinates of a joint are of the size of what it joins.
+    for &n in model.mapped_nodes().iter().rev() {
+        let node = &model.nodes()[n as usize];
+        let parents = node
+            .map()
+            .map_or(&[][..], |map| node.parents(map.segment()));
+        let all = || parents.iter().chain([&n]).map(|&m| m as usize);
+        let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
+        all().for_each(|m| {
+            if units[m].is_infinite() {
+                units[m] = least
+            }
+        });
+    }
+    let missing = units.iter_mut().filter(|u| u.is_infinite());
+    missing.for_each(|u| *u = model.length());
+    units
+}
+
+/// The layout of the unknowns.
+pub(super) fn layout(model: &Model, units: &[f64]) -> Layout {
+    let mut groups: Vec<Group> = Vec::new();
+    for (n, node) in model.nodes().iter().enumerate() {
+        for (range, name, kind) in groups_of(node) {
+            let all = range.start + node.range().start..range.end + node.range().start;
+            let mut unknowns = all.filter_map(|c| model.unknown_of(c));
+            if let Some(first) = unknowns.next() {
+                let range = first..first + 1 + unknowns.count();
+                groups.push(group(node, range, name, kind, units[n]));
+            }
+        }
+    }
+    Layout::new(groups)
+}
+
+/// Rate at which prescribed coordinates change, in radians and lengths of the model, in the
+/// configuration last set.
+pub(super) fn prescribed_rate(model: &Model) -> f64 {
+    let [_, v, a] = model.configuration();
+    let own = model.nodes().iter().filter(|n| n.map().is_none());
+    let coordinates = own.flat_map(|node| node.range().zip(node.kinds()));
+    let rate = |(c, kind): (usize, &Kind)| {
+        let unit = if *kind == Kind::Length {
+            model.length()
+        } else {
+            1.0
+        };
+        (v[c].abs() / unit).max((a[c].abs() / unit).sqrt())
+    };
+    let prescribed = coordinates.filter(|(c, _)| model.unknown_of(*c).is_none());
+    prescribed.map(rate).fold(0.0, f64::max)
+}
+
+/// For each unknown: its node, which coordinate of the node it is, and what it measures.
+pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Kind)> {
+    let nodes = model.nodes().iter().enumerate();
+    let coordinates = nodes.flat_map(|(n, node)| {
+        let own = node.range().zip(node.kinds()).enumerate();
+        own.map(move |(k, (c, &kind))| (c, (n, k, kind)))
+    });
+    let free = coordinates.filter(|(c, _)| model.unknown_of(*c).is_some());
+    free.map(|(_, unknown)| unknown).collect()
+}
+
+/// Whether a map may give coordinates another meaning.
+pub(super) fn rewrites(model: &Model) -> bool {
+    maps(model).any(|(_, map, _)| map.rewrites())
+}
+
+/// What a model answers that does not depend on the charts of its nodes, and the residual.
+pub(super) struct Snapshot {
+    /// Residual of the unknowns, in their charts.
+    pub r: Vec<f64>,
+    /// Of every frame: position, a direction that turns with it, velocity, angular velocity,
+    /// acceleration.
+    pub frames: Vec<[Vector3<f64>; 5]>,
+}
+
+/// Residual and configuration at a state in motion.
+pub(super) fn snapshot(model: &mut Model, s: &State) -> Result<Snapshot, SystemError> {
+    let mut r = vec![0.0; s.x.len()];
+    let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
+    model.evaluate(Point { t: s.t, q, v, a }, Evaluation::residual(&mut r))?;
+    let direction = Vector3::new(0.48, -0.6, 0.64);
+    let frames = model.frames().map(|(n, _)| {
+        let n = model.node_state(n);
+        [
+            n.position,
+            n.R * direction,
+            n.velocity,
+            n.omega,
+            n.acceleration,
+        ]
+    });
+    Ok(Snapshot {
+        frames: frames.collect(),
+        r,
+    })
+}
+
+/// The power of elements that exert forces at rest but tell of no energy: control forces, say. They
+/// count as loads, in the configuration last evaluated in motion.
+pub(super) fn silent_power(model: &Model, t: f64) -> f64 {
+    let mut power = 0.0;
+    for e in model.elements().iter().filter(|e| !e.element().is_load()) {
+        let [x, v, _] = model.element_motion(e);
+        let mut r = vec![0.0; x.len()];
+        let rest = Motion {
+            t,
+            x: &x,
+            v: &[],
+            a: &[],
+        };
+        if e.element().energy(&rest) != 0.0 {
+            continue;
+        }
+        let mut out = Response {
+            r: &mut r,
+            K: None,
+            C: None,
+            M: None,
+            r_t: None,
+        };
+        // Outside of a domain the evaluation before has failed.
+        if e.element().evaluate(&rest, &mut out).is_ok() {
+            power += r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
+        }
+    }
+    power
+}
+
+/// The coordinates of a node in groups: which, what they are called, what they measure.
+fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Kind)> {
+    let name = node.name();
+    match node.form() {
+        NodeForm::Frame => vec![
+            (0..3, format!("displacement of node {name}"), Kind::Length),
+            (3..6, format!("rotation of node {name}"), Kind::Angle),
+        ],
+        NodeForm::Rotation => vec![(0..3, name.to_owned(), Kind::Angle)],
+        _ => (node.kinds().iter().enumerate())
+            .map(|(k, &kind)| (k..k + 1, node.coordinate_name(k), kind))
+            .collect(),
+    }
+}
+
+fn group(node: &Node, range: Range<usize>, name: String, kind: Kind, length: f64) -> Group {
+    let measured = kind == Kind::Length;
+    Group {
+        name,
+        range,
+        unit: if measured { length } else { 1.0 },
+        reach: if measured {
+            node.position().norm() / length
+        } else {
+            0.0
+        },
+    }
+}

@@ -1,0 +1,97 @@
+//! Where laws are checked: a seeded generator and the positions every chart must get right.
+
+use nalgebra::SVector;
+use std::f64::consts::{PI, TAU};
+
+/// Points closer than this to the edge of a domain are not asked.
+pub(crate) const CLEARANCE: f64 = 0.02;
+
+/// Names of the positions and the norm of every three consecutive coordinates there.
+///
+/// A `None` stands for a random norm. Several random positions: directions matter more than norms.
+const PLACES: [(&str, Option<f64>); 8] = [
+    ("0", Some(0.0)),
+    ("1e-8", Some(1e-8)),
+    ("random 1", None),
+    ("random 2", None),
+    ("random 3", None),
+    ("pi - 1e-3", Some(PI - 1e-3)),
+    ("pi + 1e-3", Some(PI + 1e-3)),
+    ("2pi - 0.3", Some(TAU - 0.3)),
+];
+
+/// A small seeded generator (splitmix64): the same numbers on every machine.
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Default for Random {
+    fn default() -> Self {
+        Self::new(0x5EED)
+    }
+}
+
+impl Random {
+    /// A generator with a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next number in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next number in [from, to).
+    pub fn range(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.unit()
+    }
+
+    /// Fills a slice from [−1, 1).
+    pub fn fill(&mut self, out: &mut [f64]) {
+        out.iter_mut().for_each(|x| *x = self.range(-1.0, 1.0));
+    }
+
+    /// A vector with entries in [−1, 1).
+    pub fn vector<const D: usize>(&mut self) -> SVector<f64, D> {
+        let mut out = SVector::<f64, D>::zeros();
+        self.fill(out.as_mut_slice());
+        out
+    }
+
+    /// Fills a slice with a random direction of the given norm.
+    pub fn direction(&mut self, norm: f64, out: &mut [f64]) {
+        // Directions are drawn until one is long enough to be scaled, for any length of slice.
+        loop {
+            self.fill(out);
+            let length = out.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length > 0.1 || out.is_empty() {
+                out.iter_mut().for_each(|x| *x *= norm / length);
+                return;
+            }
+        }
+    }
+
+    /// Gives every three consecutive entries the norm of a position and random directions.
+    fn triples(&mut self, norm: Option<f64>, out: &mut [f64]) {
+        for triple in out.chunks_mut(3) {
+            let norm = norm.unwrap_or_else(|| self.range(0.3, 2.8));
+            self.direction(norm, triple);
+        }
+    }
+
+    /// All positions in D coordinates, with their names.
+    pub(crate) fn positions(&mut self, dim: usize) -> Vec<(&'static str, Vec<f64>)> {
+        PLACES
+            .iter()
+            .map(|(name, norm)| {
+                let mut q = vec![0.0; dim];
+                self.triples(*norm, &mut q);
+                (*name, q)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,244 @@
+//! The laws of a scheme: what it claims, measured on runs.
+//!
+//! | law | measured on |
+//! |---|---|
+//! | order | a nonlinear, driven motion that is known ([`Known`]): errors of position, velocity and acceleration at the end over the step |
+//! | order under changes of chart | the same, coordinates replaced by others every third step |
+//! | same history in all charts | an angle that makes turns, with and without leaps by 2π |
+//! | exactness | a polynomial of the degree of the order; from order 2 on the velocity of a cubic, and its position but for the scheme's error of it |
+//! | orders with multipliers | a mass that a multiplier holds to a circle, all of it known: errors of position, velocity, acceleration and multiplier at the end; or that the scheme refuses multipliers, as it damps nothing at infinite frequencies |
+//! | stability | Schur's and Cohn's conditions on the characteristic polynomial of a step (before a projection to its energy), from Ω = 10⁻³ to 10⁶ or to the limit claimed |
+//! | limit of stability | growth beyond the limit claimed |
+//! | time reversal | a conservative motion forth and back, where the scheme is said to be symmetric |
+
+#![allow(non_snake_case)]
+
+mod multipliers;
+mod problems;
+
+pub use problems::Known;
+
+use crate::Report;
+use problems::{Polynomial, Turning};
+use pullback_integrators::dynamics::{
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, integrate, start,
+};
+use pullback_integrators::spectrum::{Numbers, amplification, characteristic, logarithmic};
+use pullback_manifold::system::System;
+use std::ops::ControlFlow;
+
+/// Measures what a scheme claims.
+pub fn scheme(scheme: &Scheme) -> Report {
+    let mut report = Report::new(scheme.to_string());
+    order(&mut report, scheme, false);
+    order(&mut report, scheme, true);
+    turns(&mut report, scheme);
+    exactness(&mut report, scheme);
+    cubic(&mut report, scheme);
+    stability(&mut report, scheme);
+    multipliers::orders(&mut report, scheme);
+    if scheme.claims().symmetric {
+        reversal(&mut report, scheme);
+    }
+    report
+}
+
+/// A run in equal steps.
+fn run<Y: System>(
+    system: &mut Y,
+    scheme: &Scheme,
+    progress: &mut Progress,
+    to: f64,
+    steps: usize,
+) -> Result<(), DynamicsError> {
+    let options = DynamicOptions {
+        scheme: *scheme,
+        newton: NewtonOptions {
+            relative: 1e-13,
+            ..NewtonOptions::default()
+        },
+        ..DynamicOptions::new(to, (to - progress.state.t) / steps as f64)
+    };
+    integrate(system, progress, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })
+}
+
+/// Errors of position, velocity and acceleration at the end of the known motion.
+fn errors(scheme: &Scheme, steps: usize, switching: bool) -> Result<[f64; 3], DynamicsError> {
+    let end = 1.5;
+    let mut system = Known::new(switching);
+    let [x, v, _] = Known::motion(0.0);
+    let mut progress = Progress::new(start(&system, 0.0, &x, &v)?);
+    run(&mut system, scheme, &mut progress, end, steps)?;
+    let State { q, v, a, .. } = &progress.state;
+    let found = system.position([q, v, a]);
+    let exact = Known::motion(end);
+    let gap = |k: usize| (0..2).map(move |i| (found[k][i] - exact[k][i]).abs());
+    Ok([0, 1, 2].map(|k| gap(k).fold(0.0, f64::max)))
+}
+
+fn order(report: &mut Report, scheme: &Scheme, switching: bool) {
+    let law = match switching {
+        true => "order under changes of chart",
+        false => "order",
+    };
+    // Steps that show the order of coarse schemes, and no rounding errors of fine ones.
+    let runs = [60, 120, 240].map(|steps| errors(scheme, steps, switching));
+    let [Ok(_), Ok(coarse), Ok(fine)] = runs else {
+        let error = runs.into_iter().find_map(Result::err);
+        let why = error.map_or_else(String::new, |e| e.to_string());
+        report.impossible(law, "a known motion", why);
+        return;
+    };
+    for (k, what) in ["position", "velocity", "acceleration"].iter().enumerate() {
+        let slope = (coarse[k] / fine[k]).log2();
+        report.rate(law, what, slope, scheme.order() as f64);
+    }
+}
+
+fn turns(report: &mut Report, scheme: &Scheme) {
+    let law = "same history in all charts";
+    let end = |leaping: bool| -> Result<[f64; 2], DynamicsError> {
+        let mut system = Turning::new(leaping);
+        let mut progress = Progress::new(start(&system, 0.0, &[1.0], &[8.0])?);
+        run(&mut system, scheme, &mut progress, 4.0, 200)?;
+        let angle = progress.state.q[0] + system.turns();
+        Ok([angle, progress.state.v[0]])
+    };
+    match (end(false), end(true)) {
+        (Ok(a), Ok(b)) => {
+            let defect = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+            report.defect(law, "five turns", defect, 1e-10);
+        }
+        (Err(error), _) | (_, Err(error)) => {
+            report.impossible(law, "five turns", error.to_string());
+        }
+    }
+}
+
+fn exactness(report: &mut Report, scheme: &Scheme) {
+    let law = "exactness";
+    let degree = scheme.order().min(Polynomial::DEGREE);
+    let at = ["a line", "a parabola", "a cubic", "a quartic"][degree.clamp(1, 4) - 1];
+    let mut system = Polynomial::new(degree);
+    let [q, v] = system.motion(0.0);
+    let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
+        let mut progress = Progress::new(state);
+        run(&mut system, scheme, &mut progress, 2.0, 10)?;
+        Ok(progress.state)
+    });
+    match run {
+        Ok(state) => {
+            let [q, v] = system.motion(2.0);
+            let defect = (state.q[0] - q).abs().max((state.v[0] - v).abs());
+            report.defect(law, at, defect, 1e-12);
+        }
+        Err(error) => report.impossible(law, at, error.to_string()),
+    }
+}
+
+/// A cubic, whose accelerations are linear in time: schemes of order 2 and more integrate its velocity
+/// exactly, and err in its place by the same part of h³ in every step.
+fn cubic(report: &mut Report, scheme: &Scheme) {
+    let (law, at) = ("exactness", "a cubic");
+    if scheme.order() < 2 {
+        return;
+    }
+    let mut system = Polynomial::new(3);
+    let [q, v] = system.motion(0.0);
+    let (to, steps) = (2.0, 10_u32);
+    let h = to / f64::from(steps);
+    let late = system.acceleration(scheme.lateness() * h);
+    let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
+        let mut progress = Progress::new(state);
+        // Accelerations at the start first.
+        let begin = DynamicOptions {
+            scheme: *scheme,
+            ..DynamicOptions::new(0.0, h)
+        };
+        integrate(&mut system, &mut progress, &begin, &mut |_, _| {
+            ControlFlow::Continue(())
+        })?;
+        progress.state.algorithmic[0] = late;
+        run(&mut system, scheme, &mut progress, to, steps as usize)?;
+        Ok(progress.state)
+    });
+    match run {
+        Ok(state) => {
+            let jerk = system.acceleration(1.0) - system.acceleration(0.0);
+            let own = f64::from(steps) * scheme.cubic_error() * h.powi(3) * jerk;
+            let [q, v] = system.motion(to);
+            let defect = (state.q[0] - own - q).abs().max((state.v[0] - v).abs());
+            report.defect(law, at, defect, 1e-12);
+        }
+        Err(error) => report.impossible(law, at, error.to_string()),
+    }
+}
+
+/// By how much Schur's and Cohn's conditions for roots of λ³ + p₁ λ² + p₂ λ + p₃ in the unit circle
+/// are missed, at most.
+fn outside([p1, p2, p3]: [f64; 3]) -> f64 {
+    let missed = [
+        -(1.0 + p1 + p2 + p3),
+        -(1.0 - p1 + p2 - p3),
+        p3.abs() - 1.0,
+        p3 * p3 - 1.0 + (p2 - p1 * p3).abs(),
+    ];
+    let worse = |m: f64, x: f64| if x > m || x.is_nan() { x } else { m };
+    missed.into_iter().fold(0.0, worse)
+}
+
+fn stability(report: &mut Report, scheme: &Scheme) {
+    let law = "stability";
+    let limit = scheme.claims().limit;
+    let last = limit.map_or(1e6, |limit| limit * (1.0 - 1e-6));
+    let (mut worst, mut position) = (0.0, 1e-3);
+    for Omega in logarithmic(1e-3, last, 91) {
+        match amplification(scheme, Omega) {
+            Ok(A) => {
+                let defect = outside(characteristic(A));
+                if defect > worst || defect.is_nan() {
+                    (worst, position) = (defect, Omega);
+                }
+            }
+            Err(error) => {
+                return report.impossible(law, &format!("Ω = {Omega}"), error.to_string());
+            }
+        }
+    }
+    report.defect(law, &format!("Ω = {position:.3e}"), worst, 1e-12);
+    let Some(limit) = limit else { return };
+    let (law, Omega) = ("limit of stability", 1.001 * limit);
+    let at = format!("Ω = {Omega:.4}");
+    match amplification(scheme, Omega) {
+        Ok(A) => {
+            let radius = Numbers::of(characteristic(A), Omega).radius;
+            // What stays bounded here has a larger limit.
+            report.defect(law, &at, 1.0 + 1e-6, radius);
+        }
+        Err(error) => report.impossible(law, &at, error.to_string()),
+    }
+}
+
+fn reversal(report: &mut Report, scheme: &Scheme) {
+    let (law, at) = ("time reversal", "40 steps forth and back");
+    let state = [[0.7, -0.2], [0.5, 0.9]];
+    let run = || -> Result<f64, DynamicsError> {
+        let mut system = Known::alone();
+        let mut progress = Progress::new(start(&system, 0.0, &state[0], &state[1])?);
+        run(&mut system, scheme, &mut progress, 2.0, 40)?;
+        progress.state.v.iter_mut().for_each(|v| *v = -*v);
+        run(&mut system, scheme, &mut progress, 4.0, 40)?;
+        let positions = progress.state.q.iter().zip(state[0]);
+        let rates = progress.state.v.iter().zip(state[1]);
+        let gaps = positions
+            .map(|(q, x)| q - x)
+            .chain(rates.map(|(v, x)| v + x));
+        Ok(gaps.fold(0.0_f64, |m, gap| m.max(gap.abs())))
+    };
+    match run() {
+        Ok(defect) => report.defect(law, at, defect, 1e-10),
+        Err(error) => report.impossible(law, at, error.to_string()),
+    }
+}

@@ -1,0 +1,316 @@
+//! Motions that are known, for the conformance kit.
+
+#![allow(non_snake_case)]
+
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::{ChartChanges, Energies, Evaluation, Point, System, SystemError};
+use std::f64::consts::{PI, TAU};
+
+/// Two masses that depend on position, coupled by springs and gyroscopic forces, with damping and a pull
+/// sin x:
+///
+/// ```text
+/// (1 + ½ xᵢ²) ẍᵢ + ½ xᵢ ẋᵢ² + c ẋᵢ ∓ g ẋⱼ + 2 sin xᵢ + k (xᵢ − xⱼ) = fᵢ(t)
+/// ```
+///
+/// with the f(t) for which the motion is [`Known::motion`]; or alone, conservative and without
+/// any force. Coordinates are q = x, or in the other chart q with x = sinh q.
+pub struct Known {
+    pattern: BlockPattern,
+    driven: bool,
+    switching: bool,
+    /// Whether x = sinh q now.
+    bent: bool,
+    calls: usize,
+}
+
+const DAMPING: f64 = 0.3;
+const GYROSCOPIC: f64 = 0.2;
+const SPRING: f64 = 1.5;
+
+impl Known {
+    /// The driven motion, in one chart or with a change of chart every third step.
+    pub fn new(switching: bool) -> Self {
+        Self {
+            pattern: BlockPattern::new(&[1, 1], [[0, 1]]),
+            driven: true,
+            switching,
+            bent: false,
+            calls: 0,
+        }
+    }
+
+    /// Without damping, gyroscopic and driving forces: reversible.
+    pub(crate) fn alone() -> Self {
+        Self {
+            driven: false,
+            ..Self::new(false)
+        }
+    }
+
+    /// x, ẋ and ẍ of the driven motion.
+    pub fn motion(t: f64) -> [[f64; 2]; 3] {
+        let parts = [[0.8, 1.3, 0.2], [-0.5, 2.1, 1.0]];
+        let wave = |[a, w, p]: [f64; 3]| {
+            let (sin, cos) = (w * t + p).sin_cos();
+            [a * sin, a * w * cos, -a * w * w * sin]
+        };
+        let [one, two] = parts.map(wave);
+        [0, 1, 2].map(|k| [one[k], two[k]])
+    }
+
+    /// x, ẋ and ẍ of coordinates, velocities and accelerations in the chart of now.
+    pub fn position(&self, [q, v, a]: [&[f64]; 3]) -> [[f64; 2]; 3] {
+        let mut out = [[0.0; 2]; 3];
+        for i in 0..2 {
+            let [x, B, B_q, _] = map(self.bent, q[i]);
+            out[0][i] = x;
+            out[1][i] = B * v[i];
+            out[2][i] = B * a[i] + B_q * v[i] * v[i];
+        }
+        out
+    }
+
+    /// Left side of the equation i, and its derivatives by x, ẋ and ẍ of both masses.
+    fn side(&self, i: usize, [x, v, a]: [[f64; 2]; 3]) -> (f64, [[f64; 2]; 3]) {
+        let j = 1 - i;
+        let [c, g] = match self.driven {
+            true => [DAMPING, if i == 0 { -GYROSCOPIC } else { GYROSCOPIC }],
+            false => [0.0; 2],
+        };
+        let m = 1.0 + 0.5 * x[i] * x[i];
+        let value = m * a[i]
+            + 0.5 * x[i] * v[i] * v[i]
+            + c * v[i]
+            + g * v[j]
+            + 2.0 * x[i].sin()
+            + SPRING * (x[i] - x[j]);
+        let mut by = [[0.0; 2]; 3];
+        by[0][i] = x[i] * a[i] + 0.5 * v[i] * v[i] + 2.0 * x[i].cos() + SPRING;
+        by[0][j] = -SPRING;
+        by[1][i] = x[i] * v[i] + c;
+        by[1][j] = g;
+        by[2][i] = m;
+        (value, by)
+    }
+}
+
+/// x(q) and its derivatives up to the third, in the bent chart or in the other.
+fn map(bent: bool, q: f64) -> [f64; 4] {
+    match bent {
+        true => [q.sinh(), q.cosh(), q.sinh(), q.cosh()],
+        false => [q, 1.0, 0.0, 0.0],
+    }
+}
+
+impl System for Known {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        let position = self.position([at.q, at.v, at.a]);
+        let maps = [0, 1].map(|i| map(self.bent, at.q[i]));
+        let mut S = out.S;
+        for i in 0..2 {
+            let (side, by) = self.side(i, position);
+            let drive = match self.driven {
+                true => self.side(i, Self::motion(at.t)).0,
+                false => 0.0,
+            };
+            let r = drive - side;
+            out.r[i] = maps[i][1] * r;
+            let Some((w, values)) = &mut S else { continue };
+            for j in 0..2 {
+                // The pull-back of the tangents.
+                let [_, B, B_q, B_qq] = maps[j];
+                let (v, a) = (at.v[j], at.a[j]);
+                let [k, c, m] = [by[0][j], by[1][j], by[2][j]];
+                let mut K = maps[i][1] * (k * B + c * B_q * v + m * (B_q * a + B_qq * v * v));
+                if i == j {
+                    K -= B_q * r;
+                }
+                let C = maps[i][1] * (c * B + m * 2.0 * B_q * v);
+                let M = maps[i][1] * m * B;
+                let position = self.pattern.find(i, j).unwrap_or(0);
+                values[position] = w.K * K + w.C * C + w.M * M;
+            }
+        }
+        Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let [x, v, _] = self.position([at.q, at.v, at.a]);
+        let mut out = Energies {
+            stored: 0.5 * SPRING * (x[0] - x[1]).powi(2),
+            ..Energies::default()
+        };
+        for i in 0..2 {
+            out.kinetic += 0.5 * (1.0 + 0.5 * x[i] * x[i]) * v[i] * v[i];
+            out.stored += 2.0 * (1.0 - x[i].cos());
+            if self.driven {
+                out.supplied += self.side(i, Self::motion(at.t)).0 * v[i];
+                out.dissipated += DAMPING * v[i] * v[i];
+            }
+        }
+        Ok(Some(out))
+    }
+
+    fn change_charts(
+        &mut self,
+        _: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        self.calls += 1;
+        if !self.switching || !self.calls.is_multiple_of(3) {
+            return ChartChanges::default();
+        }
+        for i in 0..2 {
+            // To x by the old chart, from there to the new one.
+            let [x, B, B_q, _] = map(self.bent, q[i]);
+            for a in accelerations.iter_mut() {
+                a[i] = B * a[i] + B_q * v[i] * v[i];
+            }
+            let x_dot = B * v[i];
+            q[i] = if self.bent { x } else { x.asinh() };
+            let [_, B, B_q, _] = map(!self.bent, q[i]);
+            v[i] = x_dot / B;
+            for a in accelerations.iter_mut() {
+                a[i] = (a[i] - B_q * v[i] * v[i]) / B;
+            }
+        }
+        self.bent = !self.bent;
+        ChartChanges {
+            charts: 2,
+            residual: false,
+        }
+    }
+}
+
+/// A pendulum with a little friction that makes turns; its angle leaps by −2π beyond π, or never.
+pub(crate) struct Turning {
+    pattern: BlockPattern,
+    leaping: bool,
+    leaps: usize,
+}
+
+impl Turning {
+    pub(crate) fn new(leaping: bool) -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            leaping,
+            leaps: 0,
+        }
+    }
+
+    /// Angle that the leaps have taken away.
+    pub(crate) fn turns(&self) -> f64 {
+        TAU * self.leaps as f64
+    }
+}
+
+impl System for Turning {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = -4.0 * at.q[0].sin() - 0.1 * at.v[0] - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.K * 4.0 * at.q[0].cos() + w.C * 0.1 + w.M;
+        }
+        Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let v = at.v[0];
+        Ok(Some(Energies {
+            kinetic: 0.5 * v * v,
+            stored: 4.0 * (1.0 - at.q[0].cos()),
+            dissipated: 0.1 * v * v,
+            ..Energies::default()
+        }))
+    }
+
+    fn change_charts(
+        &mut self,
+        _: f64,
+        q: &mut [f64],
+        _: &mut [f64],
+        _: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        let due = self.leaping && q[0] > PI;
+        if due {
+            q[0] -= TAU;
+            self.leaps += 1;
+        }
+        ChartChanges {
+            charts: usize::from(due),
+            residual: false,
+        }
+    }
+}
+
+/// q̈ = the second derivative of a polynomial of a degree.
+pub(crate) struct Polynomial {
+    pattern: BlockPattern,
+    degree: usize,
+}
+
+impl Polynomial {
+    /// Largest degree.
+    pub(crate) const DEGREE: usize = 4;
+    const COEFFICIENTS: [f64; Self::DEGREE + 1] = [0.3, 0.7, -0.4, 0.5, -0.2];
+
+    pub(crate) fn new(degree: usize) -> Self {
+        Self {
+            pattern: BlockPattern::dense(1),
+            degree,
+        }
+    }
+
+    pub(crate) fn acceleration(&self, t: f64) -> f64 {
+        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..).skip(2);
+        terms
+            .map(|(c, n)| f64::from(n * (n - 1)) * c * t.powi(n - 2))
+            .sum()
+    }
+
+    /// Position and velocity.
+    pub(crate) fn motion(&self, t: f64) -> [f64; 2] {
+        let terms = Self::COEFFICIENTS[..=self.degree].iter().zip(0..);
+        terms.fold([0.0; 2], |[q, v], (c, n)| {
+            let rate = if n > 0 {
+                f64::from(n) * c * t.powi(n - 1)
+            } else {
+                0.0
+            };
+            [q + c * t.powi(n), v + rate]
+        })
+    }
+}
+
+impl System for Polynomial {
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        out.r[0] = self.acceleration(at.t) - at.a[0];
+        if let Some((w, S)) = out.S {
+            S[0] = w.M;
+        }
+        Ok(())
+    }
+
+    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+        let v = at.v[0];
+        Ok(Some(Energies {
+            kinetic: 0.5 * v * v,
+            supplied: self.acceleration(at.t) * v,
+            ..Energies::default()
+        }))
+    }
+}

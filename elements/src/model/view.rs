@@ -1,0 +1,190 @@
+//! Nodes, maps and elements of a model one by one, for tools that walk through it: the conformance kit, say.
+
+use super::gather::collect;
+use super::slots::Complement;
+use super::{ElementEntry, Model, NONE, Node, NodeForm, Source};
+use crate::element::Element;
+use nalgebra::Vector3;
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::system::{Kind, Point, System, SystemError};
+use std::ops::Range;
+
+impl Node {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Reference position, global components; zero for what is no frame.
+    pub fn position(&self) -> Vector3<f64> {
+        self.position
+    }
+
+    /// What its coordinates are.
+    pub fn form(&self) -> NodeForm {
+        self.form
+    }
+
+    /// What each of its coordinates measures.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.kinds
+    }
+
+    /// Its coordinates among those of all nodes ([`Model::configuration`]).
+    pub fn range(&self) -> Range<usize> {
+        self.first..self.first + self.dim
+    }
+
+    /// Name of coordinate `k` of this node.
+    pub fn coordinate_name(&self, k: usize) -> String {
+        if self.is_frame()
+            || (self.form == NodeForm::Increment && self.dim == super::builder::FRAME)
+        {
+            format!("node {}, {}", self.name, super::builder::DOF_NAMES[k])
+        } else if self.dim == 1 {
+            self.name.clone()
+        } else {
+            format!("{}, coordinate {}", self.name, k + 1)
+        }
+    }
+
+    /// The map that gives its coordinates; `None` where they are coordinates of the model.
+    pub fn map(&self) -> Option<&dyn Parametrization> {
+        match &self.source {
+            Source::Own => None,
+            Source::Mapped(d) => Some(&*d.map),
+        }
+    }
+
+    /// The nodes that its map reads on a segment ([`Parametrization::segment`]), as indices of
+    /// [`Model::nodes`]; none without a map.
+    pub fn parents(&self, segment: usize) -> &[u32] {
+        match &self.source {
+            Source::Own => &[],
+            Source::Mapped(d) => &d.segments[segment],
+        }
+    }
+}
+
+impl ElementEntry {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The element, or load.
+    pub fn element(&self) -> &dyn Element {
+        &*self.element
+    }
+
+    /// Its nodes, as indices of [`Model::nodes`].
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+}
+
+impl Model {
+    /// All nodes, in the order of their coordinates.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The nodes that have a map, as indices of [`Model::nodes`], parents first.
+    pub fn mapped_nodes(&self) -> &[u32] {
+        &self.dependent
+    }
+
+    /// All elements and loads.
+    pub fn elements(&self) -> &[ElementEntry] {
+        &self.elements
+    }
+
+    /// Coordinates, velocities and accelerations of all nodes, in the configuration last set.
+    pub fn configuration(&self) -> [&[f64]; 3] {
+        [&self.work.x, &self.work.v, &self.work.a]
+    }
+
+    /// The unknown that is coordinate `c` of all nodes, where that is free.
+    pub fn unknown_of(&self, c: usize) -> Option<usize> {
+        let u = self.unknowns[c];
+        (u != NONE).then_some(u as usize)
+    }
+
+    /// Coordinates, velocities and accelerations of an element in its chart, in the configuration last
+    /// set.
+    pub fn element_motion(&self, e: &ElementEntry) -> [Vec<f64>; 3] {
+        let n = e.element.dim();
+        let mut motion = self.configuration().map(|all| {
+            let mut own = vec![0.0; n];
+            collect(&e.nodes, &self.spans, all, &mut own);
+            own
+        });
+        let mut first = 0;
+        for (k, &node) in e.nodes.iter().enumerate() {
+            if e.switched & (1 << k) != 0 {
+                let [x, v, a] = motion.each_mut().map(|own| &mut own[first + 3..first + 6]);
+                Complement::default().apply(x, v, a);
+            }
+            first += self.nodes[node as usize].dim;
+        }
+        motion
+    }
+
+    /// The rotation vectors that are free and whose chart may change: unknowns of their components,
+    /// `None` for those that are held.
+    pub fn free_rotations(&self) -> Vec<[Option<usize>; 3]> {
+        let all = 0..self.nodes.len();
+        all.filter_map(|n| self.free_rotation(n)).collect()
+    }
+
+    /// Charts as a run that starts here has them, but for maps that would give coordinates another
+    /// meaning. Rotation vectors are below π in norm.
+    ///
+    /// # Errors
+    /// [`SystemError`] where a map is outside of its domain.
+    pub fn settle_charts(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
+        self.fold_prescribed_rotations(t);
+        // A slide enters the line that its state names first, and then the one that it is on.
+        self.update_maps(t, q)?;
+        self.update_maps(t, q)?;
+        self.start(t, q);
+        Ok(())
+    }
+
+    /// Follows a change of charts at one state, from coordinates `before` to `after`, with maps and
+    /// elements as at the end of a step.
+    ///
+    /// # Errors
+    /// [`SystemError`] where a map is outside of its domain.
+    pub fn follow_charts(
+        &mut self,
+        t: f64,
+        before: &[f64],
+        after: &[f64],
+    ) -> Result<(), SystemError> {
+        self.look_before(t, before);
+        self.update_maps(t, after)?;
+        self.follow_element_charts(t);
+        Ok(())
+    }
+
+    /// Freezes every map on the formula that holds at a state at rest, or on none again
+    /// ([`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece)).
+    pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
+        let (v, a) = (&[][..], &[][..]);
+        let known = at.is_none_or(|(t, q)| self.expand(Point { t, q, v, a }).is_ok());
+        for &n in self.dependent.iter().filter(|_| known) {
+            if let Source::Mapped(d) = &mut self.nodes[n as usize].source {
+                let w = &mut self.work;
+                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
+                d.map.freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
+            }
+        }
+    }
+
+    /// Whether equations of multipliers that are left out are watched, and others taken where that is
+    /// due: not at states that do not satisfy any of them.
+    pub fn watch_equations(&mut self, on: bool) {
+        self.unwatched = !on;
+    }
+}
