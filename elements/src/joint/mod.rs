@@ -300,7 +300,7 @@ where
         let rotation = self.joint.pose(t, q).rotation;
         let norm = rotation.dot(&rotation).sqrt();
         (norm.is_finite() && !is_unit(&rotation)).then(|| {
-            format!("the quaternion of its pose has length {norm}: make it a unit quaternion")
+            format!("the quaternion of its pose has length {norm:.6}: make it a unit quaternion")
         })
     }
 

@@ -130,8 +130,8 @@ fn failures(report: &Report) -> Vec<[&str; 2]> {
     rows.map(|r| [&r.component[..], &r.law[..]]).collect()
 }
 
-const MOTION: [&str; 2] = ["joint runner (along)", "hand-over: motion stays"];
-const FORCES: [&str; 2] = ["joint runner (along)", "hand-over: forces stay"];
+const MOTION: [&str; 2] = ["joint runner (along)", "change of segment: motion stays"];
+const FORCES: [&str; 2] = ["joint runner (along)", "change of segment: forces stay"];
 
 #[test]
 fn a_chain_hands_over_and_loses_nothing() {
