@@ -15,8 +15,9 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
 use pullback::elements::beam::{Damping, Interpolation};
 use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::inertia::Inertia;
-use pullback::elements::joint::{JointMap, Revolute};
-use pullback::manifold::map::{Map, derived};
+use pullback::elements::joint::{JointMap, Pose, Revolute};
+use pullback::manifold::map::{KinematicsMut, Map, Parametrization, derived};
+use pullback::manifold::so3;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;
@@ -187,22 +188,59 @@ fn evaluation(beam: &dyn Element, ask: Ask) -> impl FnMut() {
     }
 }
 
+/// The map of a revolute joint by differentiation of its composed pose.
+struct ByJets(Revolute);
+
+impl Map<7, 6> for ByJets {
+    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> SVector<S, 6> {
+        let own = self.0.pose(t, &SVector::<S, 1>::new(q[6]));
+        let child = Pose::of(q, 0).translated(&own.d).rotated(&own.rotation);
+        let (d, psi) = (child.d, so3::log_quaternion(&child.rotation));
+        SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
+    }
+}
+
 fn revolute_joint(c: &mut Criterion) {
-    let joint = JointMap::new(Revolute::new([0.3, -0.5, 0.8]).expect("an axis"));
+    let revolute = Revolute::new([0.3, -0.5, 0.8]).expect("an axis");
+    let (joint, by_jets) = (JointMap::new(revolute), ByJets(revolute));
     let wave = |size: f64| SVector::<f64, 7>::from_fn(|i, _| size * (i as f64 + 0.5).sin());
     let (q, v, a) = (wave(0.6), wave(0.3), wave(-0.2));
     let f = Vector6::new(1.0, -2.0, 0.5, 0.3, 0.7, -1.1);
     let closed = || {
-        black_box(joint.kinematics(0.0, black_box(&q), &v, &a));
+        let (mut x, mut B) = ([[0.0; 6]; 3], [[0.0; 42]; 3]);
+        let ([x, x_dot, x_ddot], [B, B_dot, B_ddot]) = (&mut x, &mut B);
+        let out = KinematicsMut {
+            x,
+            x_dot,
+            x_ddot,
+            B,
+            B_dot,
+            B_ddot,
+        };
+        joint.kinematics(
+            0.0,
+            black_box(q.as_slice()),
+            v.as_slice(),
+            a.as_slice(),
+            out,
+        );
+        black_box(&B_ddot);
     };
     let jets = || {
-        black_box(derived::kinematics(&joint, 0.0, black_box(&q), &v, &a));
+        black_box(derived::kinematics(&by_jets, 0.0, black_box(&q), &v, &a));
     };
     let stiffness = || {
-        black_box(joint.geometric_stiffness(0.0, black_box(&q), &f));
+        let mut K = [0.0; 49];
+        joint.geometric_stiffness(0.0, black_box(q.as_slice()), f.as_slice(), &mut K);
+        black_box(&K);
     };
     let jets_stiffness = || {
-        black_box(derived::geometric_stiffness(&joint, 0.0, black_box(&q), &f));
+        black_box(derived::geometric_stiffness(
+            &by_jets,
+            0.0,
+            black_box(&q),
+            &f,
+        ));
     };
     c.bench_function("revolute joint, closed kinematics", |b| b.iter(closed));
     c.bench_function("revolute joint, derived kinematics", |b| b.iter(jets));

@@ -69,11 +69,11 @@ fn model() -> Result<(Model, [NodeId; 2]), Box<dyn Error>> {
         x0: -SQUEEZED,
         ..CoordinateLaw::default()
     };
-    builder.element("spring", CoordinateSpring::new(law)?, &follower.released)?;
+    builder.element("spring", CoordinateSpring::new(law)?, &follower.coordinates)?;
 
     builder.prefer(cam.angle);
     builder.close(roller.frame, follower.frame)?;
-    Ok((builder.build()?, [cam.angle, follower.released[0]]))
+    Ok((builder.build()?, [cam.angle, follower.coordinates[0]]))
 }
 
 /// Time until the cam has turned by an angle: energy tells how fast it turns,

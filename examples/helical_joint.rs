@@ -9,20 +9,20 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 struct Screw {
     /// Axis, a unit vector of the reference configuration in global components.
     axis: [f64; 3],
-    /// Way along the axis in one turn.
+    /// Displacement along the axis in one turn.
     pitch: f64,
 }
 
-impl Joint<7> for Screw {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let (axis, angle) = (Vector3::from(self.axis), q[6]);
-        let way = axis.map(S::constant) * (angle * (self.pitch / TAU));
+impl Joint<1> for Screw {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        let (axis, angle) = (Vector3::from(self.axis), q[0]);
+        let displacement = axis.map(S::constant) * (angle * (self.pitch / TAU));
         let turn = Quaternion::about(&axis, angle);
-        Pose::of(q, 0).translated(&way).rotated(&turn)
+        Pose::identity().translated(&displacement).rotated(&turn)
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::angle("angle")]
     }
 }
 

@@ -76,7 +76,7 @@ fn main() -> Result<(), Failure> {
     println!("elongation {:.12}", q[0]);
     assert!((q[0] - E).abs() < 1e-9);
 
-    // Released at the amplitude, it is in the middle after a quarter of the period. The error of
+    // JointCoordinate at the amplitude, it is in the middle after a quarter of the period. The error of
     // the scheme is of second order: half the step, a quarter of it.
     let quarter = 0.25 * period();
     let mut errors = Vec::new();

@@ -14,19 +14,22 @@ struct Slot {
     end: f64,
 }
 
-impl Joint<8> for Slot {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        Pose::of(q, 0)
-            .translated(&(self.along.map(S::constant) * q[6]))
-            .rotated(&Quaternion::about(&self.pin, q[7]))
+impl Joint<2> for Slot {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity()
+            .translated(&(self.along.map(S::constant) * q[0]))
+            .rotated(&Quaternion::about(&self.pin, q[1]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::displacement("along"), Released::angle("angle")] }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::displacement("along"),
+            JointCoordinate::angle("angle"),
+        ]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
-        self.end - q[6].abs()
+    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
+        self.end - q[0].abs()
     }
 
     fn edge(&self) -> &'static str {
@@ -51,9 +54,9 @@ fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Model, Box<dyn
         pin: -Vector3::y(),
         end,
     };
-    let JointNodes { frame, released } = builder.attach("pin", ground, slot)?;
-    let [way, angle] = released[..] else {
-        return Err("the slot releases a displacement and an angle".into());
+    let JointNodes { frame, coordinates } = builder.attach("pin", ground, slot)?;
+    let [way, angle] = coordinates[..] else {
+        return Err("the slot has a displacement and an angle".into());
     };
     let bob = offset(&mut builder, "bob", frame, [0.0, 0.0, -LENGTH])?;
     let mass = PointMass::new(BOB)?;

@@ -14,16 +14,16 @@ struct Wound {
     cylinder: f64,
 }
 
-impl Joint<7> for Wound {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let (s, p) = (q[6], self.wheel / self.cylinder);
+impl Joint<1> for Wound {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        let (s, p) = (q[0], self.wheel / self.cylinder);
         let (around, up) = ((s + s.sin()) * p, (-s.cos() + 1.0) * p);
         let seen = Vector3::new(around.cos() - 1.0, around.sin(), up).map(|x| x * self.cylinder);
-        Pose::of(q, 0).translated(&seen)
+        Pose::identity().translated(&seen)
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::parameter("parameter")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::parameter("parameter")]
     }
 }
 
@@ -40,13 +40,13 @@ fn model(force: f64) -> Result<Model, Box<dyn Error>> {
         wheel: WHEEL,
         cylinder: 0.3,
     };
-    let JointNodes { frame, released } = builder.attach("bead", ground, curve)?;
+    let JointNodes { frame, coordinates } = builder.attach("bead", ground, curve)?;
     let mass = PointMass::new(MASS)?;
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     builder.element("mass", mass, &[frame])?;
     builder.element("weight", weight, &[frame])?;
     let force = CoordinateForce::new(Proportional(force));
-    builder.element("force", force, &released)?;
+    builder.element("force", force, &coordinates)?;
     Ok(builder.build()?)
 }
 

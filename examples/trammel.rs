@@ -48,8 +48,8 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         (axis[k], position[k]) = (1.0, trammel().start[k]);
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let way = builder.mapped_coordinates(format!("{name} way"), &[Kind::Length], pick, &[x])?;
-        let slider =
-            builder.add_joint_frame(name, position, Prismatic::new(axis)?, &[ground, way])?;
+        let start = offset(builder, &format!("start of {name}"), ground, position)?;
+        let slider = builder.add_joint_frame(name, start, Prismatic::new(axis)?, &[way])?;
         let mass = PointMass::new(MASS)?;
         let weight = mass.weight([0.0, -G, 0.0], Box::new(Constant(1.0)));
         builder.element(format!("mass of {name}"), mass, &[slider])?;

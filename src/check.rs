@@ -21,7 +21,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use pullback_conformance::{
-    Block, Measure, Options, Report, Row, element, implicit, joint, map, model, same, scheme,
+    Block, Measure, Options, Report, Row, element, implicit, joint, map, model, parametrization,
+    same, scheme,
 };
 
 /// Random states of a model besides its start.

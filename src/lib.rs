@@ -132,7 +132,7 @@ pub mod prelude {
     pub use pullback_elements::constraint::{Multipliers, Penalty, Stiffness};
     pub use pullback_elements::inertia::Inertia;
     pub use pullback_elements::joint::{
-        Curve, Joint, JointMap, JointNodes, Pose, Released, Surface, constant_velocity,
+        Curve, Joint, JointCoordinate, JointMap, JointNodes, Pose, Surface, constant_velocity,
         cylindrical, gear, helical, offset, on_curve, on_surface, planar, prismatic, rack,
         revolute, slide, spherical, universal, weld,
     };

@@ -21,7 +21,8 @@
 //! | [`chart`] | a [`Chart`](pullback_manifold::chart::Chart) | coordinates and points determine each other; a change of chart loses nothing |
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
 //! | [`system`] | a [`System`](pullback_manifold::system::System) | the same, with the tangent taken out of its pattern |
-//! | [`kinematics`] | a map behind slices, at one state | those of [`map`] that need no closed form to compare with |
+//! | [`parametrization`] | a map behind slices | those of [`map`] that need no closed form to compare with |
+//! | [`kinematics`] | the same, at one state | those of [`map`] that need no closed form to compare with |
 //! | [`pieces`] | the same, where it is pieced together | x, ẋ, ẍ, B, Ḃ are the same where one formula takes over from another |
 //! | [`element`] | an [`Element`](pullback_elements::element::Element) | its tangents, energies, powers, requests |
 //! | [`same`] | two elements that should be one | all that they answer |
@@ -65,7 +66,9 @@ pub use forces::{
     system_sizes,
 };
 pub use layout::{Group, Layout};
-pub use maps::{Mapped, chart, implicit, kinematics, map, pieces, plain, rewriting, shortened};
+pub use maps::{
+    Mapped, chart, implicit, kinematics, map, parametrization, pieces, plain, rewriting, shortened,
+};
 pub use models::{Options, model};
 pub use report::{Measure, Report, Row};
 pub use sample::Random;

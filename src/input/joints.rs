@@ -136,12 +136,12 @@ pub(super) fn make(
         chain: &chain,
         interpolation,
     };
-    let JointNodes { frame, released } =
+    let JointNodes { frame, coordinates } =
         (made.make)(&joint.keys, &mut site).map_err(|refusal| entry.refused(refusal))?;
-    let single = released.into_iter().filter(|&n| builder.dim(n) == 1);
-    let released: Vec<NodeId> = single.collect();
-    acts(&entry, builder, &released)?;
-    Ok(JointNodes { frame, released })
+    let single = coordinates.into_iter().filter(|&n| builder.dim(n) == 1);
+    let coordinates: Vec<NodeId> = single.collect();
+    acts(&entry, builder, &coordinates)?;
+    Ok(JointNodes { frame, coordinates })
 }
 
 /// The nodes that a joint is attached to, and the interpolation of rotations between them.

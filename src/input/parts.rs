@@ -73,9 +73,9 @@ pub(super) fn make(
                     }
                     let made = joints::make(source, registry, builder, nodes, file, &laid, k)?;
                     nodes.add(joint.name.clone(), made.frame);
-                    for &coordinate in &made.released {
+                    for &coordinate in &made.coordinates {
                         // Where there is but one the joint's name says enough.
-                        let name = match made.released.len() {
+                        let name = match made.coordinates.len() {
                             1 => joint.name.clone(),
                             _ => builder.node_name(coordinate).to_owned(),
                         };

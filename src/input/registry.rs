@@ -83,7 +83,7 @@ impl Registry {
     /// says about them, are those of `K`, a struct; keys that it does not have are refused.
     /// Springs, motors, drives and probes act on the nodes that `make` tells to be released and
     /// that have one coordinate; their names begin with that of the joint and a blank, as
-    /// [`ModelBuilder::join`] names them.
+    /// [`ModelBuilder::attach`] names them.
     #[must_use]
     pub fn joint<K, N, E>(
         self,

@@ -2,13 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use crate::maps::{TIME, laws, short_name, within};
-use crate::sample::CLEARANCE;
+use crate::maps::{TIME, laws_behind_slices, short_name, within};
 use crate::{Random, Report};
-use nalgebra::{SMatrix, SVector};
-use pullback_elements::joint::{Joint, JointMap, Released};
-use pullback_manifold::map::Map;
-use std::collections::HashSet;
+use nalgebra::SVector;
+use pullback_elements::joint::{Joint, JointMap};
+use pullback_manifold::map::Parametrization;
 
 /// How far from 1 the square of a quaternion's length may be: it is a product of some.
 const UNIT: f64 = 1e-12;
@@ -24,12 +22,13 @@ where
     let mut report = Report::new(short_name::<J>());
     let mut random = Random::default();
     let map = JointMap::new(joint.clone());
-    for (at, q) in within(&mut report, &mut random, |q| joint.margin(TIME, q)) {
-        let B = map.tangent(TIME, &q).B;
-        own(&mut report, joint, at, (TIME, &q), &B);
-        if map.margin(TIME, &q) > CLEARANCE {
-            laws(&mut report, "", &map, at, TIME, &q, &mut random);
-        }
+    let of_joint = |q: &[f64]| SVector::<f64, D>::from_column_slice(&q[6..]);
+    let margin = |q: &[f64]| joint.margin(TIME, &of_joint(q));
+    for (at, q) in within(&mut report, &mut random, 6 + D, margin) {
+        let (mut x, mut B) = (vec![0.0; 6], vec![0.0; 6 * (6 + D)]);
+        map.tangent(TIME, &q, &mut x, &mut B);
+        own(&mut report, joint, at, &of_joint(&q), &B);
+        laws_behind_slices(&mut report, &map, at, &q, &mut random);
     }
     report
 }
@@ -39,58 +38,41 @@ fn own<J: Joint<D>, const D: usize>(
     report: &mut Report,
     joint: &J,
     at: &str,
-    (t, q): (f64, &SVector<f64, D>),
-    B: &SMatrix<f64, 6, D>,
+    q: &SVector<f64, D>,
+    B: &[f64],
 ) {
-    let released = joint.released();
-    let law = "released coordinates";
-    // The same everywhere: once is enough.
-    if report.rows().iter().all(|row| row.law != law) {
-        match complaint(released, D) {
-            Some(why) => report.impossible(law, "everywhere", why),
-            None => report.defect(law, "everywhere", 0.0, 0.0),
+    let coordinates = joint.coordinates();
+    let law = "coordinates have names of their own";
+    let twice = (1..D).find(|&k| {
+        coordinates[..k]
+            .iter()
+            .any(|c| c.name == coordinates[k].name)
+    });
+    match twice {
+        Some(k) => {
+            let why = format!("two have the name {}", coordinates[k].name);
+            report.impossible(law, at, why);
         }
+        None => report.defect(law, at, 0.0, 0.0),
     }
     // Where there are no numbers the laws of every map say so.
     if !B.iter().all(|b| b.is_finite()) {
         return;
     }
-    let turn = joint.pose(t, q).rotation;
+    let turn = joint.pose(TIME, q).rotation;
     let off = (turn.dot(&turn) - 1.0).abs();
     report.defect("the pose's quaternion has unit length", at, off, UNIT);
 
-    let law = "moves with what it releases";
-    let count: usize = released.iter().map(|r| r.dim()).sum();
-    let mut names = released
-        .iter()
-        .flat_map(|r| std::iter::repeat_n(r.name(), r.dim()));
-    let own = D.saturating_sub(count)..D;
-    let still = |j: &usize| B.column(*j).norm() <= STILL * B.norm();
-    match own.zip(&mut names).find(|(j, _)| still(j)) {
-        Some((j, name)) => report.impossible(
+    let law = "moves with its coordinates";
+    let names = coordinates.iter().map(|c| c.name);
+    let norm = |B: &[f64]| B.iter().map(|b| b * b).sum::<f64>().sqrt();
+    let mut columns = B.chunks_exact(6).skip(6).zip(1..).zip(names);
+    match columns.find(|((column, _), _)| norm(column) <= STILL * norm(B)) {
+        Some(((_, j), name)) => report.impossible(
             law,
             at,
-            format!("it does not move with {name} (coordinate {}) there", j + 1),
+            format!("it does not move with {name} (coordinate {j}) there"),
         ),
         None => report.defect(law, at, 0.0, 0.0),
     }
-}
-
-/// What is wrong with the list of released coordinates of a joint that takes `dim` in all.
-fn complaint(released: &[Released], dim: usize) -> Option<String> {
-    let count: usize = released.iter().map(|r| r.dim()).sum();
-    let mut seen = HashSet::new();
-    if let Some(twice) = released.iter().find(|r| !seen.insert(r.name())) {
-        return Some(format!(
-            "Joint::released has two of the name {}: give each its own",
-            twice.name()
-        ));
-    }
-    let left = dim.checked_sub(count);
-    left.is_none_or(|left| left % 6 != 0).then(|| {
-        format!(
-            "it takes {dim} coordinates, {count} of them by Joint::released: the others must be \
-             those of its parents, six of each"
-        )
-    })
 }

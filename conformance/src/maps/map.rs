@@ -7,7 +7,7 @@ use crate::layout::Layout;
 use crate::report::Report;
 use crate::sample::{CLEARANCE, Random};
 use nalgebra::{DVector, SMatrix, SVector};
-use pullback_manifold::map::{Kinematics, Map, derived};
+use pullback_manifold::map::{Kinematics, Map, Parametrization, derived};
 
 /// Time at which maps are evaluated: not zero, so that a forgotten t shows.
 pub(crate) const TIME: f64 = 0.37;
@@ -26,20 +26,70 @@ where
 {
     let mut report = Report::new(short_name::<M>());
     let mut random = Random::default();
-    for (at, q) in within(&mut report, &mut random, |q| map.margin(TIME, q)) {
-        laws(&mut report, "", map, at, TIME, &q, &mut random);
+    let vector = |q: &[f64]| SVector::<f64, D>::from_column_slice(q);
+    for (at, q) in within(&mut report, &mut random, D, |q| {
+        map.margin(TIME, &vector(q))
+    }) {
+        laws(&mut report, "", map, at, TIME, &vector(&q), &mut random);
     }
     report
 }
 
+/// Checks every law of a map behind slices at every position within its domain.
+pub fn parametrization(map: &dyn Parametrization) -> Report {
+    let mut report = Report::new(shortened(map.kind()));
+    let mut random = Random::default();
+    for (at, q) in within(&mut report, &mut random, map.dims().0, |q| {
+        map.margin(TIME, q)
+    }) {
+        laws_behind_slices(&mut report, map, at, &q, &mut random);
+    }
+    report
+}
+
+/// The laws of a map behind slices at one position, where that is within its domain.
+pub(crate) fn laws_behind_slices(
+    report: &mut Report,
+    map: &dyn Parametrization,
+    at: &str,
+    q: &[f64],
+    random: &mut Random,
+) {
+    let (d, n) = map.dims();
+    let mut one_piece = map.duplicate();
+    one_piece.freeze_piece(Some((TIME, q)));
+    if one_piece.margin(TIME, q) <= CLEARANCE {
+        return;
+    }
+    let mut vector = || {
+        let mut v = DVector::zeros(d);
+        random.fill(v.as_mut_slice());
+        v
+    };
+    let state = State {
+        t: TIME,
+        x: DVector::from_column_slice(q),
+        v: vector(),
+        a: vector(),
+    };
+    let of = Mapped {
+        map: &*one_piece,
+        rows: &Layout::plain(n),
+        columns: &Layout::plain(d),
+    };
+    if kinematics(report, "", of, at, &state, random) {
+        pieces(report, of, at, &state, random);
+    }
+}
+
 /// The positions within a domain, given its margin; notes that there is none.
-pub(crate) fn within<const D: usize>(
+pub(crate) fn within(
     report: &mut Report,
     random: &mut Random,
-    margin: impl Fn(&SVector<f64, D>) -> f64,
-) -> Vec<(&'static str, SVector<f64, D>)> {
-    let all = random.positions(D).into_iter();
-    let all = all.map(|(at, q)| (at, SVector::from_column_slice(&q)));
+    dim: usize,
+    margin: impl Fn(&[f64]) -> f64,
+) -> Vec<(&'static str, Vec<f64>)> {
+    let all = random.positions(dim).into_iter();
     // Written so that a margin that is not a number is skipped, and shows as "no position".
     let inside: Vec<_> = all.filter(|(_, q)| margin(q) > CLEARANCE).collect();
     if inside.is_empty() {

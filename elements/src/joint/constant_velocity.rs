@@ -1,6 +1,6 @@
 //! The constant-velocity joint: the shafts turn equally fast at any angle between them.
 
-use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -43,20 +43,23 @@ impl ConstantVelocity {
     }
 }
 
-impl Joint<8> for ConstantVelocity {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+impl Joint<2> for ConstantVelocity {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
         let back = -self.tilt.map(S::constant);
-        Pose::of(q, 0)
-            .rotated(&quaternion(&self.angle(q[6], q[7])))
+        Pose::identity()
+            .rotated(&quaternion(&self.angle(q[0], q[1])))
             .rotated(&quaternion(&back))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("tilt 1"), Released::angle("tilt 2")] }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::angle("tilt 1"),
+            JointCoordinate::angle("tilt 2"),
+        ]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 8>) -> f64 {
-        std::f64::consts::TAU - self.angle(q[6], q[7]).norm()
+    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
+        std::f64::consts::TAU - self.angle(q[0], q[1]).norm()
     }
 
     fn edge(&self) -> &'static str {

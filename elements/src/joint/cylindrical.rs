@@ -1,6 +1,6 @@
 //! The cylindrical joint: a displacement along an axis and a turn about it.
 
-use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -23,20 +23,18 @@ impl Cylindrical {
     }
 }
 
-impl Joint<8> for Cylindrical {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        Pose::of(q, 0)
-            .translated(&(self.axis.map(S::constant) * q[6]))
-            .rotated(&Quaternion::about(&self.axis, q[7]))
+impl Joint<2> for Cylindrical {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity()
+            .translated(&(self.axis.map(S::constant) * q[0]))
+            .rotated(&Quaternion::about(&self.axis, q[1]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::displacement("displacement"),
-                Released::angle("angle"),
-            ]
-        }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::displacement("displacement"),
+            JointCoordinate::angle("angle"),
+        ]
     }
 }
 

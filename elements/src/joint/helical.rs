@@ -1,6 +1,6 @@
 //! The helical joint: a screw, whose turn moves it along its axis.
 
-use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -25,16 +25,16 @@ impl Helical {
     }
 }
 
-impl Joint<7> for Helical {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let way = q[6] * (self.pitch / TAU);
-        Pose::of(q, 0)
-            .translated(&(self.axis.map(S::constant) * way))
-            .rotated(&Quaternion::about(&self.axis, q[6]))
+impl Joint<1> for Helical {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        let displacement = q[0] * (self.pitch / TAU);
+        Pose::identity()
+            .translated(&(self.axis.map(S::constant) * displacement))
+            .rotated(&Quaternion::about(&self.axis, q[0]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::angle("angle")]
     }
 }
 

@@ -1,28 +1,28 @@
-//! Joints in a model: the frame that is attached to one, and the coordinates that it releases.
+//! Joints in a model: the child of each, and nodes for its coordinates.
 
 use super::shape::Chain;
-use super::{Joint, JointMap, Released, Slide, SphericalNodes};
+use super::{FreeJointMap, Joint, JointMap, Slide, SphericalNodes};
 use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::Kind;
 
 /// The nodes that a joint makes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JointNodes {
-    /// The frame that is attached to the joint.
+    /// The child of the joint.
     pub frame: NodeId,
-    /// A node for each of the coordinates that it releases, in their order.
-    pub released: Vec<NodeId>,
+    /// A node for each of its coordinates, in their order.
+    pub coordinates: Vec<NodeId>,
 }
 
 /// The nodes of a revolute joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RevoluteNodes {
-    /// The frame that is attached to the joint.
+    /// The child of the joint.
     pub frame: NodeId,
-    /// The angle about the axis: the released coordinate, in radians, any number of turns.
+    /// The angle about the axis in radians, any number of turns.
     pub angle: NodeId,
 }
 
@@ -31,40 +31,42 @@ pub struct RevoluteNodes {
 pub struct SlideNodes {
     /// The frame that runs along the chain.
     pub frame: NodeId,
-    /// Arc length along the chain in the reference configuration: the released coordinate.
+    /// Arc length along the chain in the reference configuration.
     pub arc_length: NodeId,
 }
 
 impl From<NodeId> for JointNodes {
     fn from(frame: NodeId) -> Self {
-        let released = Vec::new();
-        Self { frame, released }
+        let coordinates = Vec::new();
+        Self { frame, coordinates }
     }
 }
 
 impl From<RevoluteNodes> for JointNodes {
     fn from(made: RevoluteNodes) -> Self {
-        let (frame, released) = (made.frame, vec![made.angle]);
-        Self { frame, released }
+        let (frame, coordinates) = (made.frame, vec![made.angle]);
+        Self { frame, coordinates }
     }
 }
 
 impl From<SphericalNodes> for JointNodes {
     fn from(made: SphericalNodes) -> Self {
-        let (frame, released) = (made.frame, vec![made.rotation]);
-        Self { frame, released }
+        let (frame, coordinates) = (made.frame, vec![made.rotation]);
+        Self { frame, coordinates }
     }
 }
 
 impl From<SlideNodes> for JointNodes {
     fn from(made: SlideNodes) -> Self {
-        let (frame, released) = (made.frame, vec![made.arc_length]);
-        Self { frame, released }
+        let (frame, coordinates) = (made.frame, vec![made.arc_length]);
+        Self { frame, coordinates }
     }
 }
 
 impl ModelBuilder {
-    /// Adds a joint on one frame: as [`ModelBuilder::join`], at the position of `parent`.
+    /// Adds a joint: a node for each of its coordinates, named `name` and what the coordinate is called,
+    /// and its child, the frame node `name`. In the reference configuration the child stands where the
+    /// joint's pose puts it from `parent`.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -77,67 +79,65 @@ impl ModelBuilder {
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.join(name, self.position(parent).into(), joint, &[parent])
+        let coordinates = self.add_coordinates(name, &joint)?;
+        let frame = self.add_joint_frame(name, parent, joint, &coordinates)?;
+        Ok(JointNodes { frame, coordinates })
     }
 
-    /// Adds a joint: a node for each coordinate that it releases, named `name` and what it is
-    /// called, and the frame node `name` that is attached to it, at `position` in the reference
-    /// configuration. The parents are the nodes that the joint reads before those.
+    /// As [`ModelBuilder::attach`], of a child that turns freely: only its position follows from the
+    /// joint. Its rotation vector is the node `name rotation`, the last one of the joint's coordinates.
     ///
     /// # Errors
-    /// As [`ModelBuilder::mapped_node`]; [`ModelError::Released`] where the joint does not take just the
-    /// coordinates of its parents and those that it releases.
-    pub fn join<J, const D: usize>(
+    /// As there.
+    pub fn attach_free<J, const D: usize>(
         &mut self,
         name: &str,
-        position: [f64; 3],
+        parent: NodeId,
         joint: J,
-        parents: &[NodeId],
     ) -> Result<JointNodes, ModelError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        let mut released = Vec::new();
-        for &coordinate in joint.released() {
-            let name = format!("{name} {}", coordinate.name());
-            released.push(match coordinate {
-                Released::Coordinate(_, kind) => self.coordinates(name, &[kind])?,
-                Released::Rotation => self.rotation(name)?,
-            });
-        }
-        let all: Vec<NodeId> = parents.iter().chain(&released).copied().collect();
-        let count = joint.released().iter().map(|r| r.dim()).sum();
-        let frame = self.add_joint_frame(name, position, joint, &all);
-        let frame = frame.map_err(|error| match error {
-            ModelError::JointDimension {
-                node, map, found, ..
-            } => ModelError::Released {
-                joint: node,
-                parents: self.names_of(parents),
-                takes: map.0,
-                theirs: found - count,
-                count,
-            },
-            other => other,
-        })?;
-        Ok(JointNodes { frame, released })
+        let mut coordinates = self.add_coordinates(name, &joint)?;
+        coordinates.push(self.rotation(format!("{name} rotation"))?);
+        let position = self.child_position(parent, &joint);
+        let parents = [&[parent], &coordinates[..]].concat();
+        let map = Box::new(FreeJointMap::new(joint));
+        let frame = self.mapped_node(name, position, map, &parents)?;
+        Ok(JointNodes { frame, coordinates })
     }
 
-    /// Adds a frame node that is attached to a joint, with nodes for all of its coordinates given.
+    /// Adds the child of a joint whose coordinates are nodes already.
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
     pub fn add_joint_frame<J, const D: usize>(
         &mut self,
         name: impl Into<String>,
-        position: [f64; 3],
+        parent: NodeId,
         joint: J,
-        parents: &[NodeId],
+        coordinates: &[NodeId],
     ) -> Result<NodeId, ModelError>
     where
         J: Joint<D> + Clone + 'static,
     {
-        self.mapped_node(name, position, JointMap::new(joint).boxed(), parents)
+        let position = self.child_position(parent, &joint);
+        let parents = [&[parent], coordinates].concat();
+        self.mapped_node(name, position, Box::new(JointMap::new(joint)), &parents)
+    }
+
+    fn child_position<J: Joint<D>, const D: usize>(&self, parent: NodeId, joint: &J) -> [f64; 3] {
+        (self.position(parent) + joint.pose(0.0, &SVector::zeros()).d).into()
+    }
+
+    fn add_coordinates<J: Joint<D>, const D: usize>(
+        &mut self,
+        name: &str,
+        joint: &J,
+    ) -> Result<Vec<NodeId>, ModelError> {
+        let coordinates = joint.coordinates().into_iter();
+        let nodes = coordinates.map(|c| self.coordinates(format!("{name} {}", c.name), &[c.kind]));
+        nodes.collect()
     }
 }
 

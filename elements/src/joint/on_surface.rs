@@ -1,10 +1,9 @@
 //! A point on a surface that its parent carries.
 
-use super::{Joint, JointNodes, Pose, Released};
+use super::{Joint, JointCoordinate, JointNodes, Pose};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::quaternion;
 
 /// A surface, written once over any [`Scalar`].
 pub trait Surface: Send + Sync {
@@ -19,8 +18,7 @@ pub trait Surface: Send + Sync {
     }
 }
 
-/// d_s = d_m + R_m x(u, v) − x(0, 0), Ψ_s of its own: parents (frame, parameter u, parameter v,
-/// rotation).
+/// d_s = d_m + R_m x(u, v) − x(0, 0): the coordinates are the parameters u and v.
 ///
 #[doc = include_str!("../../../docs/images/joints/on_surface.svg")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,28 +33,20 @@ impl<F> OnSurface<F> {
     }
 }
 
-impl<F: Surface> Joint<11> for OnSurface<F> {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 11>) -> Pose<S> {
-        let start = self.surface.at(0.0, 0.0).map(S::constant);
-        let carried = Pose::of(q, 0).translated(&self.surface.at(q[6], q[7]));
-        Pose {
-            d: carried.d - start,
-            rotation: quaternion(&Vector3::new(q[8], q[9], q[10])),
-        }
+impl<F: Surface> Joint<2> for OnSurface<F> {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity().translated(&self.surface.at(q[0], q[1]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::parameter("parameter 1"),
-                Released::parameter("parameter 2"),
-                Released::Rotation,
-            ]
-        }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::parameter("parameter 1"),
+            JointCoordinate::parameter("parameter 2"),
+        ]
     }
 
-    fn margin(&self, _t: f64, q: &SVector<f64, 11>) -> f64 {
-        self.surface.margin(q[6], q[7])
+    fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {
+        self.surface.margin(q[0], q[1])
     }
 
     fn edge(&self) -> &'static str {
@@ -75,6 +65,5 @@ pub fn on_surface<F: Surface + Clone + 'static>(
     parent: NodeId,
     surface: F,
 ) -> Result<JointNodes, ModelError> {
-    let position = b.position(parent) + surface.at(0.0, 0.0);
-    b.join(name, position.into(), OnSurface { surface }, &[parent])
+    b.attach_free(name, parent, OnSurface { surface })
 }

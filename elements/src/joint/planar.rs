@@ -1,6 +1,6 @@
-//! The planar joint: two ways in a plane and the turn about its normal.
+//! The planar joint: two displacements in a plane and the turn about its normal.
 
-use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -30,22 +30,20 @@ impl Planar {
     }
 }
 
-impl Joint<9> for Planar {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
+impl Joint<3> for Planar {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> Pose<S> {
         let [a, b] = self.across.map(|e| e.map(S::constant));
-        Pose::of(q, 0)
-            .translated(&(a * q[6] + b * q[7]))
-            .rotated(&Quaternion::about(&self.normal, q[8]))
+        Pose::identity()
+            .translated(&(a * q[0] + b * q[1]))
+            .rotated(&Quaternion::about(&self.normal, q[2]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::displacement("displacement 1"),
-                Released::displacement("displacement 2"),
-                Released::angle("angle"),
-            ]
-        }
+    fn coordinates(&self) -> [JointCoordinate; 3] {
+        [
+            JointCoordinate::displacement("displacement 1"),
+            JointCoordinate::displacement("displacement 2"),
+            JointCoordinate::angle("angle"),
+        ]
     }
 }
 

@@ -1,6 +1,6 @@
 //! The prismatic joint: a displacement along an axis, no turn.
 
-use super::{AxisError, Joint, JointNodes, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -22,13 +22,13 @@ impl Prismatic {
     }
 }
 
-impl Joint<7> for Prismatic {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        Pose::of(q, 0).translated(&(self.axis.map(S::constant) * q[6]))
+impl Joint<1> for Prismatic {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        Pose::identity().translated(&(self.axis.map(S::constant) * q[0]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::displacement("displacement")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::displacement("displacement")]
     }
 }
 

@@ -1,13 +1,10 @@
 //! The revolute joint: two frames share a position and an axis; the angle between them is unbounded.
 
-mod closed;
-
-use super::{AxisError, Joint, LogBranch, Pose, Released, RevoluteNodes, direction};
+use super::{AxisError, Joint, JointCoordinate, Pose, RevoluteNodes, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
-use nalgebra::{SMatrix, SVector, Vector3, Vector6};
-use pullback_manifold::map::Kinematics;
+use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::{self, Quaternion};
+use pullback_manifold::so3::Quaternion;
 
 /// d_s = d_m, R_s = R_m R(φ e): parents (frame, angle φ); \[M04\] 4.1.4.
 ///
@@ -26,38 +23,13 @@ impl Revolute {
     }
 }
 
-impl Joint<7> for Revolute {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let parent = so3::quaternion(&Vector3::new(q[3], q[4], q[5]));
-        Pose {
-            d: Vector3::new(q[0], q[1], q[2]),
-            rotation: parent.product(&Quaternion::about(&self.axis, q[6])),
-        }
+impl Joint<1> for Revolute {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        Pose::identity().rotated(&Quaternion::about(&self.axis, q[0]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle")] }
-    }
-
-    fn kinematics(
-        &self,
-        branch: LogBranch,
-        _t: f64,
-        q: &SVector<f64, 7>,
-        v: &SVector<f64, 7>,
-        a: &SVector<f64, 7>,
-    ) -> Option<Kinematics<7, 6>> {
-        Some(closed::kinematics(self, branch, q, v, a))
-    }
-
-    fn geometric_stiffness(
-        &self,
-        branch: LogBranch,
-        _t: f64,
-        q: &SVector<f64, 7>,
-        f: &Vector6<f64>,
-    ) -> Option<SMatrix<f64, 7, 7>> {
-        Some(closed::geometric_stiffness(self, branch, q, f))
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::angle("angle")]
     }
 }
 
@@ -74,6 +46,6 @@ pub fn revolute(
 ) -> Result<RevoluteNodes, ModelError> {
     let joint = Revolute::new(axis).map_err(|e| e.of(name))?;
     let made = b.attach(name, parent, joint)?;
-    let (frame, angle) = (made.frame, made.released[0]);
+    let (frame, angle) = (made.frame, made.coordinates[0]);
     Ok(RevoluteNodes { frame, angle })
 }

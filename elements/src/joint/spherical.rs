@@ -1,30 +1,26 @@
 //! The spherical joint: two frames share a position and turn freely against each other.
 
-use super::{Joint, JointNodes, Pose, Released};
+use super::{Joint, JointCoordinate, JointNodes, Pose};
 use crate::model::{ModelBuilder, ModelError, NodeId};
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::so3::quaternion;
 
 /// d_s = d_m, Ψ_s of its own: parents (frame, rotation).
 ///
-/// The released coordinates are the dependent's own rotation vector, in global components and not
-/// relative to the parent: nothing couples the rotations, and the chart changes at ψ > π.
+/// Its child turns freely ([`ModelBuilder::attach_free`]): the coordinates are the child's own rotation
+/// vector, in global components and not relative to the parent, and the chart changes at ψ > π.
 ///
 #[doc = include_str!("../../../docs/images/joints/spherical.svg")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spherical;
 
-impl Joint<9> for Spherical {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
-        Pose {
-            d: Vector3::new(q[0], q[1], q[2]),
-            rotation: quaternion(&Vector3::new(q[6], q[7], q[8])),
-        }
+impl Joint<0> for Spherical {
+    fn pose<S: Scalar>(&self, _t: S, _q: &SVector<S, 0>) -> Pose<S> {
+        Pose::identity()
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::Rotation] }
+    fn coordinates(&self) -> [JointCoordinate; 0] {
+        []
     }
 }
 
@@ -33,7 +29,7 @@ impl Joint<9> for Spherical {
 pub struct SphericalNodes {
     /// The frame that is attached to the joint.
     pub frame: NodeId,
-    /// Its rotation vector: the released coordinates.
+    /// Its rotation vector, the coordinates of the joint.
     pub rotation: NodeId,
 }
 
@@ -47,7 +43,7 @@ pub fn spherical(
     name: &str,
     parent: NodeId,
 ) -> Result<SphericalNodes, ModelError> {
-    let JointNodes { frame, released } = b.attach(name, parent, Spherical)?;
-    let rotation = released[0];
+    let JointNodes { frame, coordinates } = b.attach_free(name, parent, Spherical)?;
+    let rotation = coordinates[0];
     Ok(SphericalNodes { frame, rotation })
 }

@@ -1,6 +1,6 @@
 //! The universal (Hooke's, Cardan) joint: two turns about crossed axes.
 
-use super::{AxisError, Joint, JointNodes, PARALLEL, Pose, Released, direction};
+use super::{AxisError, Joint, JointCoordinate, JointNodes, PARALLEL, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
@@ -30,15 +30,18 @@ impl Universal {
     }
 }
 
-impl Joint<8> for Universal {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        Pose::of(q, 0)
-            .rotated(&Quaternion::about(&self.axes[0], q[6]))
-            .rotated(&Quaternion::about(&self.axes[1], q[7]))
+impl Joint<2> for Universal {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity()
+            .rotated(&Quaternion::about(&self.axes[0], q[0]))
+            .rotated(&Quaternion::about(&self.axes[1], q[1]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle 1"), Released::angle("angle 2")] }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::angle("angle 1"),
+            JointCoordinate::angle("angle 2"),
+        ]
     }
 }
 

@@ -50,17 +50,6 @@ pub enum ModelError {
         found: usize,
         dim: usize,
     },
-    #[error(
-        "joint {joint} takes {takes} coordinates, but its parents ({parents}) have {theirs} and \
-         `Joint::released` names {count}: name there what the joint has of its own, no more and no less"
-    )]
-    Released {
-        joint: String,
-        parents: String,
-        takes: usize,
-        theirs: usize,
-        count: usize,
-    },
     #[error("{what} refers to a node of another model builder")]
     ForeignNode { what: String },
     #[error("node {node} has {dim} coordinates, so there is no number {coordinate} to prescribe")]

@@ -351,9 +351,9 @@ mod tests {
         let other = b
             .add_joint_frame(
                 "other",
-                [0.0; 3],
+                pin.frame,
                 crate::joint::Revolute::new([0.0, 0.0, 1.0]).unwrap(),
-                &[pin.frame, pin.angle],
+                &[pin.angle],
             )
             .unwrap();
         let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();

@@ -64,12 +64,7 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
         let angle = b.mapped_coordinates(format!("x{k}"), &angles[..1], pick, &[x]);
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-        let frame = b.add_joint_frame(
-            format!("flap {k}"),
-            [9.0, 0.0, 0.0],
-            hinge,
-            &[ground, angle.unwrap()],
-        );
+        let frame = b.add_joint_frame(format!("flap {k}"), ground, hinge, &[angle.unwrap()]);
         let body = RigidBody::new(0.5, Matrix3::identity() * 0.1, Vector3::y() * 0.1).unwrap();
         b.element(format!("flap {k}"), body, &[frame.unwrap()])
             .unwrap();

@@ -16,7 +16,7 @@
 use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
-use pullback::elements::joint::{Joint, Pose, Released, offset, revolute};
+use pullback::elements::joint::{Joint, JointCoordinate, Pose, offset, revolute};
 use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Sine;
 use pullback::input::{Plan, assemble_text};
@@ -35,51 +35,50 @@ use std::ops::ControlFlow;
 #[derive(Clone)]
 struct Screw;
 
-impl Joint<7> for Screw {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
+impl Joint<1> for Screw {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
         let axis = Vector3::new(0.6, 0.0, 0.8);
-        Pose::of(q, 0)
-            .translated(&(axis.map(S::constant) * (q[6] * 0.3)))
-            .rotated(&Quaternion::about(&axis, q[6]))
+        Pose::identity()
+            .translated(&(axis.map(S::constant) * (q[0] * 0.3)))
+            .rotated(&Quaternion::about(&axis, q[0]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::angle("angle")]
     }
 }
 
 #[derive(Clone)]
 struct PinInSlot;
 
-impl Joint<8> for PinInSlot {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
+impl Joint<2> for PinInSlot {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
         let (along, pin) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
-        Pose::of(q, 0)
-            .translated(&(along.map(S::constant) * q[6]))
-            .rotated(&Quaternion::about(&pin, q[7]))
+        Pose::identity()
+            .translated(&(along.map(S::constant) * q[0]))
+            .rotated(&Quaternion::about(&pin, q[1]))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::displacement("displacement"),
-                Released::angle("angle"),
-            ]
-        }
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::displacement("displacement"),
+            JointCoordinate::angle("angle"),
+        ]
     }
 }
 
 #[derive(Clone)]
 struct PointOnCurve;
 
-impl Joint<7> for PointOnCurve {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 7>) -> Pose<S> {
-        let s = q[6];
-        Pose::of(q, 0).translated(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
+impl Joint<1> for PointOnCurve {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 1>) -> Pose<S> {
+        let s = q[0];
+        Pose::identity()
+            .translated(&Vector3::new(s.sin(), -s.cos() + 1.0, s * 0.75).map(|x| x * 0.8))
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::displacement("displacement")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::displacement("displacement")]
     }
 }
 

@@ -34,7 +34,7 @@ fn moved(
 ) -> (NodeState, Vec<[f64; 2]>) {
     let n = model.pattern().dim();
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    for (&node, &[value, rate]) in made.released.iter().zip(first) {
+    for (&node, &[value, rate]) in made.coordinates.iter().zip(first) {
         assert!(model.set(&mut q, node, 0, value) && model.set(&mut v, node, 0, rate));
     }
     let mut progress = Progress::new(start(model, 0.0, &q, &v).unwrap());
@@ -42,7 +42,7 @@ fn moved(
     let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(model, &mut progress, &options, go_on).unwrap();
     configure(model, &progress.state);
-    let own = made.released.iter().take(first.len());
+    let own = made.coordinates.iter().take(first.len());
     let own = own.map(|&node| model.coordinate(node, 0).unwrap());
     (model.node_state(made.frame), own.collect())
 }
@@ -226,7 +226,7 @@ fn a_point_at_the_edge_of_a_surface_ends_the_motion_by_name() {
     let n = made.0.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
     // Fast enough along e2 to come over the pole.
-    assert!(made.0.set(&mut v, made.1.released[1], 0, 9.0));
+    assert!(made.0.set(&mut v, made.1.coordinates[1], 0, 9.0));
     let mut progress = Progress::new(start(&made.0, 0.0, &q, &v).unwrap());
     let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
     let options = tight(trapezoidal(), 2.0, 0.01);

@@ -221,9 +221,10 @@ fn train() -> (ModelBuilder, [NodeId; 3]) {
     let inertia = Matrix3::identity() * 0.05;
     let body = RigidBody::new(2.0, inertia, Vector3::zeros()).unwrap();
     b.element("planet", body, &[frame]).unwrap();
-    let JointNodes { frame, released } = revolute(&mut b, "pinion", ground, axis).unwrap().into();
+    let JointNodes { frame, coordinates } =
+        revolute(&mut b, "pinion", ground, axis).unwrap().into();
     b.element("pinion", body, &[frame]).unwrap();
-    (b, [carrier.angle, angle, released[0]])
+    (b, [carrier.angle, angle, coordinates[0]])
 }
 
 #[test]

@@ -32,7 +32,10 @@ fn run(
 ) -> Result<Progress, DynamicsError> {
     let n = model.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    let positions = made.released.iter().flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
+    let positions = made
+        .coordinates
+        .iter()
+        .flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
     let positions: Vec<_> = positions
         .filter(|&(r, k)| model.unknown_at(r, k).is_some())
         .collect();
@@ -126,7 +129,7 @@ fn a_spherical_joint_turns_any_number_of_times() {
     assert!(largest < 1e-10, "{largest:e}");
     assert!(progress.summary.chart_changes >= 4);
     for k in 0..3 {
-        let [value, _] = model.coordinate(made.released[0], k).unwrap();
+        let [value, _] = model.coordinate(made.coordinates[0], k).unwrap();
         assert!(value.abs() < 0.6 * TAU);
     }
 }
@@ -136,8 +139,8 @@ fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
     let axis = [0.0, 0.0, 1.0];
     let (mut model, made) = ball(|b, on| {
         let made = constant_velocity(b, "coupling", on, [axis; 2]).unwrap();
-        b.prescribe_coordinate(made.released[0], 0, Box::new(Proportional(2.0)));
-        b.prescribe_coordinate(made.released[1], 0, Box::new(Constant(0.0)));
+        b.prescribe_coordinate(made.coordinates[0], 0, Box::new(Proportional(2.0)));
+        b.prescribe_coordinate(made.coordinates[1], 0, Box::new(Constant(0.0)));
         made
     });
     let mut reached = 0.0_f64;

@@ -10,7 +10,7 @@ use nalgebra::{SVector, Vector2, Vector3};
 use pullback::conformance as check;
 use pullback::elements::body::PointMass;
 use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
-use pullback::elements::joint::{Joint, Pose};
+
 use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
@@ -19,7 +19,7 @@ use pullback::manifold::implicit::{Choice, Equations, Implicit, Solved};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::so3::Quaternion;
+
 use pullback::manifold::system::Kind;
 
 // Slider-crank ---------------------------------------------------------------------------------
@@ -49,12 +49,10 @@ impl Implicit<3, 2> for SliderCrank {
 #[derive(Clone, Copy)]
 struct InPlane;
 
-impl Joint<2> for InPlane {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
-        Pose {
-            d: Vector3::new(q[0], q[1], S::zero()),
-            rotation: Quaternion::about(&Vector3::z(), S::zero()),
-        }
+impl Map<2, 6> for InPlane {
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> SVector<S, 6> {
+        let o = S::zero();
+        SVector::<S, 6>::new(q[0], q[1], o, o, o, o)
     }
 }
 
@@ -83,7 +81,7 @@ fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
         .mapped_coordinates("0", &[Kind::Length], zero, &[s])
         .unwrap();
     for (name, at, m) in [("pin", [px, py], PIN), ("slider", [s, height], SLIDER)] {
-        let frame = b.add_joint_frame(name, [0.0; 3], InPlane, &at).unwrap();
+        let frame = b.mapped_node(name, [0.0; 3], InPlane.boxed(), &at).unwrap();
         let mass = PointMass::new(m).unwrap();
         let weight = mass.weight(DOWN, Box::new(Constant(1.0)));
         b.element(name, mass, &[frame]).unwrap();

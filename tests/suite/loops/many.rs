@@ -6,7 +6,7 @@
 use crate::support::program::{command, directory, history, number, program, write};
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::joint::{Joint, Pose, Released, Revolute, offset, revolute};
+use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
 use pullback::elements::model::{Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Evaluation, Point, System, Weights};
@@ -17,14 +17,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[derive(Clone)]
 struct Counting(Arc<AtomicUsize>);
 
-impl Joint<7> for Counting {
-    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> Pose<S> {
+impl Joint<1> for Counting {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 1>) -> Pose<S> {
         self.0.fetch_add(1, Ordering::Relaxed);
         Revolute::new([0.0, 0.0, 1.0]).unwrap().pose(t, q)
     }
 
-    fn released(&self) -> &'static [Released] {
-        const { &[Released::angle("angle")] }
+    fn coordinates(&self) -> [JointCoordinate; 1] {
+        [JointCoordinate::angle("angle")]
     }
 }
 

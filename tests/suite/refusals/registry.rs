@@ -1,12 +1,13 @@
 //! Joints of a program's own in model files: they do what those of the library do, and what is wrong
 //! with them is refused with its place.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::program::{directory, history, number, write};
-use pullback::elements::joint::{LogBranch, Revolute};
+use pullback::elements::joint::Revolute;
 use pullback::input::{BoxedError, InputError};
-use pullback::manifold::map::Kinematics;
+use pullback::manifold::map::{KinematicsMut, Parametrization};
+use pullback::manifold::system::Kind;
 use pullback::prelude::*;
 use std::ffi::OsString;
 use std::path::Path;
@@ -29,24 +30,22 @@ struct Use {
     scale: Option<f64>,
 }
 
-impl Joint<9> for Bench {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 9>) -> Pose<S> {
+impl Joint<3> for Bench {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 3>) -> Pose<S> {
         let along = |e: [f64; 3]| Vector3::from(e).map(S::constant);
-        let way = along(self.first) * q[6] + along(self.second) * q[7];
+        let way = along(self.first) * q[0] + along(self.second) * q[1];
         let normal = Vector3::from(self.first).cross(&Vector3::from(self.second));
         let way = way * S::constant(self.used.scale.unwrap_or(1.0));
-        let turn = Quaternion::about(&normal.normalize(), q[8]);
-        Pose::of(q, 0).translated(&way).rotated(&turn)
+        let turn = Quaternion::about(&normal.normalize(), q[2]);
+        Pose::identity().translated(&way).rotated(&turn)
     }
 
-    fn released(&self) -> &'static [Released] {
-        const {
-            &[
-                Released::displacement("left"),
-                Released::displacement("right"),
-                Released::angle("turn"),
-            ]
-        }
+    fn coordinates(&self) -> [JointCoordinate; 3] {
+        [
+            JointCoordinate::displacement("left"),
+            JointCoordinate::displacement("right"),
+            JointCoordinate::angle("turn"),
+        ]
     }
 }
 
@@ -164,39 +163,62 @@ fn springs_drives_motors_and_probes_act_on_its_coordinates() {
     assert!(said.contains("no type of joint named \"bench\""), "{said}");
 }
 
-/// A revolute joint of a program's own, whose author has lost a factor 2 in Ḃ.
+/// A map of a program's own, whose author has lost a factor 2 in Ḃ.
 #[derive(Clone)]
-struct Halved(Revolute);
+struct Halved(JointMap<Revolute, 1>);
 
-impl Joint<7> for Halved {
-    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 7>) -> Pose<S> {
-        self.0.pose(t, q)
+impl Parametrization for Halved {
+    fn dims(&self) -> (usize, usize) {
+        self.0.dims()
     }
 
-    fn released(&self) -> &'static [Released] {
-        self.0.released()
+    fn duplicate(&self) -> Box<dyn Parametrization> {
+        Box::new(self.clone())
     }
 
-    fn kinematics(
-        &self,
-        branch: LogBranch,
-        t: f64,
-        q: &SVector<f64, 7>,
-        v: &SVector<f64, 7>,
-        a: &SVector<f64, 7>,
-    ) -> Option<Kinematics<7, 6>> {
-        let right = self.0.kinematics(branch, t, q, v, a)?;
-        Some(Kinematics {
-            B_dot: right.B_dot * 0.5,
-            ..right
-        })
+    fn tangent(&self, t: f64, q: &[f64], x: &mut [f64], B: &mut [f64]) {
+        self.0.tangent(t, q, x, B);
+    }
+
+    fn kinematics(&self, t: f64, q: &[f64], v: &[f64], a: &[f64], out: KinematicsMut<'_>) {
+        let KinematicsMut {
+            x,
+            x_dot,
+            x_ddot,
+            B,
+            B_dot,
+            B_ddot,
+        } = out;
+        let right = KinematicsMut {
+            x,
+            x_dot,
+            x_ddot,
+            B,
+            B_dot: &mut *B_dot,
+            B_ddot,
+        };
+        self.0.kinematics(t, q, v, a, right);
+        B_dot.iter_mut().for_each(|b| *b *= 0.5);
+    }
+
+    fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]) {
+        self.0.geometric_stiffness(t, q, f, K);
     }
 }
 
 #[test]
 fn check_fails_on_a_wrong_joint_and_blames_its_block() {
     let pin = Revolute::new([0.0, 0.0, 1.0]).unwrap();
-    let registry = Registry::standard().joint("pin", move |at, _: Empty| at.join(Halved(pin)));
+    let registry = Registry::standard().joint("pin", move |at, _: Empty| {
+        let angle = at
+            .builder
+            .coordinates(format!("{} angle", at.name), &[Kind::Angle])?;
+        let (position, map) = (at.builder.position(at.parent), Halved(JointMap::new(pin)));
+        let nodes = [at.parent, angle];
+        let frame = (at.builder).mapped_node(at.name, position.into(), Box::new(map), &nodes)?;
+        let coordinates = vec![angle];
+        Ok::<_, BoxedError>(JointNodes { frame, coordinates })
+    });
     let text = r#"
 [nodes]
 ground = [0, 0, 0]

@@ -8,9 +8,13 @@ use pullback::prelude::*;
 #[derive(Clone)]
 struct Pair;
 
-impl Joint<8> for Pair {
-    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 8>) -> Pose<S> {
-        Pose::of(q, 0).translated(&Vector3::new(q[6], q[7], S::zero()))
+impl Joint<2> for Pair {
+    fn pose<S: Scalar>(&self, _t: S, q: &SVector<S, 2>) -> Pose<S> {
+        Pose::identity().translated(&Vector3::new(q[0], q[1], S::zero()))
+    }
+
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        ["x", "y"].map(JointCoordinate::displacement)
     }
 }
 
@@ -52,11 +56,11 @@ fn a_node_of_two_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, _: Empty| {
         let ways = format!("{} ways", at.name);
         let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
-        let position = at.builder.position(at.parent).into();
-        let all = [at.parent, ways];
-        let frame = at.builder.add_joint_frame(at.name, position, Pair, &all)?;
-        let released = vec![ways];
-        Ok::<_, BoxedError>(JointNodes { frame, released })
+        let frame = at
+            .builder
+            .add_joint_frame(at.name, at.parent, Pair, &[ways])?;
+        let coordinates = vec![ways];
+        Ok::<_, BoxedError>(JointNodes { frame, coordinates })
     });
     let Err(error) = registry.assemble_text("model.toml", MODEL) else {
         panic!("this was accepted");

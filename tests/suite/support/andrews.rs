@@ -108,7 +108,7 @@ fn squeezer(map: Loops) -> (Model, NodeId) {
         let pin = offset(&mut b, &format!("pin {k}"), on, position).unwrap();
         let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
         let frame = b
-            .add_joint_frame(format!("K{k}"), position, hinge, &[pin, angles[angle]])
+            .add_joint_frame(format!("K{k}"), pin, hinge, &[angles[angle]])
             .unwrap();
         let J = Matrix3::from_diagonal(&Vector3::new(0.5, 0.5, 1.0)) * INERTIAS[k - 1];
         let body = RigidBody::new(MASSES[k - 1], J, Vector3::new(center[0], center[1], 0.0));

@@ -28,7 +28,6 @@ use crate::time::TimeFunction;
 pub(super) use chain::upwards;
 use chain::{Chain, coordinates};
 use nalgebra::Vector3;
-use pullback_manifold::map::Map;
 use set::close_set;
 use std::collections::{BTreeSet, HashMap, HashSet};
 pub(super) use tree::Coincide;
@@ -190,7 +189,7 @@ pub(super) fn close(
         let same = JointMap::new(Offset {
             c: Vector3::zeros(),
         });
-        let dependence = Dependence::new(same.boxed(), vec![vec![frame.0]], 6);
+        let dependence = Dependence::new(Box::new(same), vec![vec![frame.0]], 6);
         nodes[child.0 as usize].source = Source::Mapped(Box::new(dependence));
     }
     for set in connected(nodes, &loops, held, length)? {

@@ -9,11 +9,12 @@ use pullback_conformance::{self as check, Options};
 use pullback_conformance::{Report, Row};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
-use pullback_elements::joint::{Joint, JointMap, Offset, Pose, Revolute};
+use pullback_elements::joint::Pose;
 use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
+use pullback_manifold::system::Kind;
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +39,10 @@ struct Link(Planted);
 const C: [f64; 3] = [0.3, -0.2, 0.5];
 
 impl Map<6, 6> for Link {
-    fn phi<S: Scalar>(&self, t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
-        let mut x = JointMap::new(Offset { c: C.into() }).phi(t, q);
+    fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 6>) -> SVector<S, 6> {
+        let (parent, c) = (Pose::of(q, 0), Vector3::from(C).map(S::constant));
+        let d = parent.translated(&c).d - c;
+        let mut x = SVector::<S, 6>::new(d.x, d.y, d.z, q[3], q[4], q[5]);
         if self.0 == Planted::FixedAxes {
             x[2] += q[3] * 0.1;
         }
@@ -261,18 +264,12 @@ fn a_frame_that_does_not_turn_with_its_master() {
 #[derive(Clone)]
 struct Fixed;
 
-impl Joint<7> for Fixed {
-    fn pose<S: Scalar>(&self, _: S, q: &SVector<S, 7>) -> Pose<S> {
+impl Map<7, 6> for Fixed {
+    fn phi<S: Scalar>(&self, _: S, q: &SVector<S, 7>) -> SVector<S, 6> {
         let parent = Pose::of(q, 0);
         let turn = so3::Quaternion::about(&Vector3::z(), q[6]).product(&parent.rotation);
-        Pose {
-            rotation: turn,
-            ..parent
-        }
-    }
-
-    fn released(&self) -> &'static [pullback_elements::joint::Released] {
-        Revolute::new([0.0, 0.0, 1.0]).unwrap().released()
+        let (d, psi) = (parent.d, so3::log_quaternion(&turn));
+        SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }
 }
 
@@ -281,8 +278,12 @@ fn a_joint_with_an_axis_fixed_in_space() {
     let mut b = ModelBuilder::new();
     let base = b.node("base", [0.0; 3]).unwrap();
     b.element("base", body(), &[base]).unwrap();
-    let hinge = b.join("hinge", [0.0; 3], Fixed, &[base]).unwrap();
-    b.element("arm", body(), &[hinge.frame]).unwrap();
+    let angle = b.coordinates("hinge angle", &[Kind::Angle]).unwrap();
+    let nodes = [base, angle];
+    let hinge = b
+        .mapped_node("hinge", [0.0; 3], Fixed.boxed(), &nodes)
+        .unwrap();
+    b.element("arm", body(), &[hinge]).unwrap();
     let report = check::model(&mut b.build().unwrap(), &Options::default());
     assert_eq!(broken(&report), ["joint hinge (fixed)"], "{report}");
     let laws: Vec<&str> = report.failures().iter().map(|r| r.law.as_str()).collect();

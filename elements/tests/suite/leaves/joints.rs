@@ -3,19 +3,22 @@
 #![allow(non_snake_case)]
 
 use crate::support::{numbers, reference};
-use nalgebra::{DMatrix, SVector, Vector3, Vector6};
-use pullback_conformance as check;
+use nalgebra::{DMatrix, SVector, Vector3};
+use pullback_conformance::{self as check, Random};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::joint::{Chain, Joint, JointMap, Offset, Revolute, Slide, Spherical};
-use pullback_manifold::map::Map;
-use pullback_manifold::so3;
+use pullback_elements::joint::{
+    Chain, FreeJointMap, Helical, Joint, JointCoordinate, JointMap, Offset, Planar, Pose, Revolute,
+    Slide, Spherical, Universal,
+};
+use pullback_manifold::map::{KinematicsMut, Map, Parametrization, derived};
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::so3::{self, Quaternion};
 
 #[test]
 fn every_joint_obeys_the_laws_of_a_map() {
     let c = Vector3::new(0.4, -1.1, 0.7);
     check::joint(&Offset { c }).assert();
     check::joint(&Revolute::new([1.0, -2.0, 0.5]).unwrap()).assert();
-    check::joint(&Spherical).assert();
     let positions = [[0.0; 3], [1.0, 0.2, 0.0], [2.0, 0.0, 0.5]].map(Vector3::from);
     for interpolation in [Interpolation::Total, Interpolation::Geodesic] {
         let chain = Chain::new(&positions, 1.2).unwrap();
@@ -23,32 +26,147 @@ fn every_joint_obeys_the_laws_of_a_map() {
     }
 }
 
+/// The map of a joint on a parent by differentiation of its pose, for joints of D - 6 coordinates.
+#[derive(Clone)]
+struct ByJets<J>(J);
+
+macro_rules! by_jets {
+    ($($D:literal of $d:literal),*) => {$(
+        impl<J: Joint<$d>> Map<$D, 6> for ByJets<J> {
+            fn phi<S: Scalar>(&self, t: S, q: &SVector<S, $D>) -> SVector<S, 6> {
+                let own = self.0.pose(t, &q.fixed_rows::<$d>(6).into_owned());
+                let start = self.0.pose(0.0, &SVector::zeros()).d.map(S::constant);
+                let child = Pose::of(q, 0).translated(&own.d).rotated(&own.rotation);
+                let (d, psi) = (child.d - start, so3::log_quaternion(&child.rotation));
+                SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
+            }
+        }
+    )*};
+}
+by_jets!(6 of 0, 7 of 1, 8 of 2, 9 of 3);
+
+/// A table that is moved by a function of time, on which something slides and turns.
+#[derive(Clone)]
+struct Rheonomic;
+
+impl Joint<2> for Rheonomic {
+    fn pose<S: Scalar>(&self, t: S, q: &SVector<S, 2>) -> Pose<S> {
+        let (x, z) = (Vector3::x(), Vector3::z());
+        Pose::identity()
+            .translated(&Vector3::new((t * 2.0).sin(), t * t, q[0]))
+            .rotated(&Quaternion::about(&z, t * 1.3 + q[0] * q[1]))
+            .translated(&x.map(S::constant))
+            .rotated(&Quaternion::about(&x, q[1]))
+    }
+
+    fn coordinates(&self) -> [JointCoordinate; 2] {
+        [
+            JointCoordinate::displacement("u"),
+            JointCoordinate::angle("a"),
+        ]
+    }
+}
+
+/// The closed forms of a joint against the exact derivatives of its composed pose.
+fn agrees<J, const D: usize, const N: usize>(joint: J)
+where
+    J: Joint<D> + Clone + 'static,
+    ByJets<J>: Map<N, 6>,
+{
+    let (map, exact) = (JointMap::new(joint.clone()), ByJets(joint));
+    let mut random = Random::default();
+    for scale in [0.0, 1e-8, 0.5, 1.4] {
+        let [q, v, a] = [0; 3].map(|_| random.vector::<N>());
+        let q = q * scale;
+        let right = derived::kinematics(&exact, 0.7, &q, &v, &a);
+        let k = kinematics(&map, 0.7, [&q, &v, &a].map(|x| x.as_slice()));
+        let expected = [
+            [right.x.as_slice(), right.B.as_slice()],
+            [right.x_dot.as_slice(), right.B_dot.as_slice()],
+            [right.x_ddot.as_slice(), right.B_ddot.as_slice()],
+        ];
+        let f = random.vector::<6>();
+        let mut K = vec![0.0; N * N];
+        map.geometric_stiffness(0.7, q.as_slice(), f.as_slice(), &mut K);
+        let right = derived::geometric_stiffness(&exact, 0.7, &q, &f);
+        let found = k.iter().flatten().map(|x| &x[..]).chain([&K[..]]);
+        let expected = expected.into_iter().flatten().chain([right.as_slice()]);
+        for (n, (found, expected)) in found.zip(expected).enumerate() {
+            let size = 1.0 + expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+            for (a, b) in found.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-11 * size, "{n} at {scale}: {a} {b}");
+            }
+        }
+    }
+}
+
 #[test]
-fn laws_hold_on_the_other_sheet_too() {
-    let joint = Revolute::new([1.0, -2.0, 0.5]).unwrap();
-    let q = SVector::<f64, 7>::from_column_slice(&[0.1, 0.2, 0.3, 0.5, -0.4, 0.8, 3.4]);
-    let mut map = JointMap::new(joint);
-    let before = map.phi(0.0, &q);
+fn closed_forms_are_the_derivatives_of_the_composed_pose() {
+    let (axis, other) = ([1.0, -2.0, 0.5], [0.3, 1.0, 0.9]);
+    agrees::<_, 0, 6>(Offset { c: axis.into() });
+    agrees::<_, 1, 7>(Revolute::new(axis).unwrap());
+    agrees::<_, 1, 7>(Helical::new(axis, 0.7).unwrap());
+    agrees::<_, 2, 8>(Universal::new([axis, other]).unwrap());
+    agrees::<_, 3, 9>(Planar::new(axis, other).unwrap());
+    agrees::<_, 2, 8>(Rheonomic);
+    check::joint(&Rheonomic).assert();
+}
+
+/// x and B with their rates.
+fn kinematics(map: &dyn Parametrization, t: f64, [q, v, a]: [&[f64]; 3]) -> [[Vec<f64>; 2]; 3] {
+    let (d, n) = map.dims();
+    let [mut x, mut x_dot, mut x_ddot] = [0; 3].map(|_| vec![0.0; n]);
+    let [mut B, mut B_dot, mut B_ddot] = [0; 3].map(|_| vec![0.0; n * d]);
+    let out = KinematicsMut {
+        x: &mut x,
+        x_dot: &mut x_dot,
+        x_ddot: &mut x_ddot,
+        B: &mut B,
+        B_dot: &mut B_dot,
+        B_ddot: &mut B_ddot,
+    };
+    map.kinematics(t, q, v, a, out);
+    [[x, B], [x_dot, B_dot], [x_ddot, B_ddot]]
+}
+
+#[test]
+fn laws_hold_on_the_other_branch_too() {
+    let mut map = JointMap::new(Revolute::new([1.0, -2.0, 0.5]).unwrap());
+    let q = [0.1, 0.2, 0.3, 0.5, -0.4, 0.8, 3.4];
+    let psi = |map: &JointMap<_, 1>| {
+        Vector3::from_column_slice(&kinematics(map, 0.0, [&q; 3])[0][0][3..])
+    };
+    let before = psi(&map);
     assert!(map.change_charts(0.0, &q).charts == 1);
-    let after = map.phi(0.0, &q);
-    let psi = |x: &Vector6<f64>| Vector3::new(x[3], x[4], x[5]);
-    assert!((so3::complement(&psi(&before)) - psi(&after)).norm() < 1e-14);
-    check::map(&map).assert();
+    assert!((so3::complement(&before) - psi(&map)).norm() < 1e-14);
+    check::parametrization(&map).assert();
+}
+
+#[test]
+fn joints_whose_children_turn_freely_obey_the_laws_of_a_map() {
+    check::parametrization(&FreeJointMap::new(Spherical)).assert();
+    check::parametrization(&FreeJointMap::new(
+        Helical::new([1.0, -2.0, 0.5], 0.7).unwrap(),
+    ))
+    .assert();
+    check::parametrization(&FreeJointMap::new(Rheonomic)).assert();
 }
 
 #[test]
 fn the_offset_of_the_reference() {
     for row in reference("offset") {
         let get = |key: &str| numbers(&row[key]);
-        let six = |key: &str| SVector::<f64, 6>::from_column_slice(&get(key));
-        let c = Vector3::from_column_slice(&get("offset"));
-        let map = JointMap::new(Offset { c });
-        let k = map.kinematics(0.0, &six("q"), &six("q_dot"), &six("q_ddot"));
-        compare(&row, "B", &k.B);
-        compare(&row, "B_dot", &k.B_dot);
-        compare(&row, "B_ddot", &k.B_ddot);
-        let K = map.geometric_stiffness(0.0, &six("q"), &six("f"));
-        compare(&row, "K_sigma", &K);
+        let map = JointMap::new(Offset {
+            c: Vector3::from_column_slice(&get("offset")),
+        });
+        let [q, v, a] = ["q", "q_dot", "q_ddot"].map(get);
+        let k = kinematics(&map, 0.0, [&q, &v, &a]);
+        for (key, [_, B]) in ["B", "B_dot", "B_ddot"].into_iter().zip(&k) {
+            compare(&row, key, &DMatrix::from_column_slice(6, 6, B));
+        }
+        let mut K = vec![0.0; 36];
+        map.geometric_stiffness(0.0, &q, &get("f"), &mut K);
+        compare(&row, "K_sigma", &DMatrix::from_vec(6, 6, K));
     }
 }
 
@@ -57,33 +175,25 @@ fn the_revolute_joint_of_the_reference() {
     for row in reference("revolute") {
         let get = |key: &str| numbers(&row[key]);
         // The reference has the rotation and the angle alone.
-        let seven = |key: &str| {
-            let q = get(key);
-            SVector::<f64, 7>::from_column_slice(&[0.0, 0.0, 0.0, q[0], q[1], q[2], q[3]])
-        };
+        let seven = |key: &str| [vec![0.0; 3], get(key)].concat();
         let e: [f64; 3] = get("axis").try_into().expect("three");
-        let joint = Revolute::new(e).unwrap();
-        let map = JointMap::new(joint);
-        let k = map.kinematics(0.0, &seven("q"), &seven("q_dot"), &seven("q_ddot"));
-        let block = |B: &nalgebra::SMatrix<f64, 6, 7>| B.fixed_view::<3, 4>(3, 3).into_owned();
-        compare(&row, "B", &block(&k.B));
-        compare(&row, "B_dot", &block(&k.B_dot));
-        compare(&row, "B_ddot", &block(&k.B_ddot));
-        let f = get("f");
-        let f = Vector6::new(0.3, -0.1, 0.8, f[0], f[1], f[2]);
-        let K = map.geometric_stiffness(0.0, &seven("q"), &f);
-        compare(&row, "K_sigma", &K.fixed_view::<4, 4>(3, 3).into_owned());
-        assert!(joint.pose(0.0, &seven("q")).rotation.w > 0.0);
+        let map = JointMap::new(Revolute::new(e).unwrap());
+        let [q, v, a] = ["q", "q_dot", "q_ddot"].map(seven);
+        let k = kinematics(&map, 0.0, [&q, &v, &a]);
+        for (key, [_, B]) in ["B", "B_dot", "B_ddot"].into_iter().zip(&k) {
+            let B = DMatrix::from_column_slice(6, 7, B);
+            compare(&row, key, &B.view((3, 3), (3, 4)).into_owned());
+        }
+        let f = [vec![0.3, -0.1, 0.8], get("f")].concat();
+        let mut K = vec![0.0; 49];
+        map.geometric_stiffness(0.0, &q, &f, &mut K);
+        let K = DMatrix::from_vec(7, 7, K);
+        compare(&row, "K_sigma", &K.view((3, 3), (4, 4)).into_owned());
     }
 }
 
-fn compare<const R: usize, const C: usize>(
-    row: &serde_json::Value,
-    key: &str,
-    found: &nalgebra::SMatrix<f64, R, C>,
-) {
+fn compare(row: &serde_json::Value, key: &str, found: &DMatrix<f64>) {
     let expected = crate::support::matrix(&row[key]);
-    let found = DMatrix::from_column_slice(R, C, found.as_slice());
-    let gap = (&found - &expected).amax() / (1.0 + expected.amax());
+    let gap = (found - &expected).amax() / (1.0 + expected.amax());
     assert!(gap < 1e-12, "{key}: {gap:e}\n{found}{expected}");
 }

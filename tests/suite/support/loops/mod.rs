@@ -40,7 +40,7 @@ pub fn bar(
     let pin = offset(b, &format!("pin of {name}"), on, position).unwrap();
     let hinge = Revolute::new([0.0, 0.0, 1.0]).unwrap();
     let frame = b
-        .add_joint_frame(name.clone(), position, hinge, &[pin, angle])
+        .add_joint_frame(name.clone(), pin, hinge, &[angle])
         .unwrap();
     let J = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (m * l * l / 12.0);
     let body = RigidBody::new(m, J, Vector3::new(0.5 * l, 0.0, 0.0)).unwrap();
