@@ -22,10 +22,7 @@ impl Joint<2> for Slot {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [
-            JointCoordinate::displacement("along"),
-            JointCoordinate::angle("angle"),
-        ]
+        [("along", Kind::Length), ("angle", Kind::Angle)]
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {

@@ -156,6 +156,6 @@ pub mod prelude {
     pub use pullback_manifold::map::Map;
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
-    pub use pullback_manifold::system::{Point, System};
+    pub use pullback_manifold::system::{Kind, Point, System};
     pub use std::ops::ControlFlow;
 }

@@ -43,17 +43,13 @@ fn own<J: Joint<D>, const D: usize>(
 ) {
     let coordinates = joint.coordinates();
     let law = "coordinates have names of their own";
-    let twice = (1..D).find(|&k| {
-        coordinates[..k]
-            .iter()
-            .any(|c| c.name == coordinates[k].name)
-    });
-    match twice {
-        Some(k) => {
-            let why = format!("two have the name {}", coordinates[k].name);
-            report.impossible(law, at, why);
+    // The same everywhere: once is enough.
+    if report.rows().iter().all(|row| row.law != law) {
+        let twice = (1..D).find(|&k| coordinates[..k].iter().any(|c| c.0 == coordinates[k].0));
+        match twice.map(|k| format!("two have the name {}", coordinates[k].0)) {
+            Some(why) => report.impossible(law, "everywhere", why),
+            None => report.defect(law, "everywhere", 0.0, 0.0),
         }
-        None => report.defect(law, at, 0.0, 0.0),
     }
     // Where there are no numbers the laws of every map say so.
     if !B.iter().all(|b| b.is_finite()) {
@@ -64,7 +60,7 @@ fn own<J: Joint<D>, const D: usize>(
     report.defect("the pose's quaternion has unit length", at, off, UNIT);
 
     let law = "moves with its coordinates";
-    let names = coordinates.iter().map(|c| c.name);
+    let names = coordinates.iter().map(|c| c.0);
     let norm = |B: &[f64]| B.iter().map(|b| b * b).sum::<f64>().sqrt();
     let mut columns = B.chunks_exact(6).skip(6).zip(1..).zip(names);
     match columns.find(|((column, _), _)| norm(column) <= STILL * norm(B)) {

@@ -136,34 +136,8 @@ impl LogBranch {
     }
 }
 
-/// A coordinate of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct JointCoordinate {
-    /// What it is called, behind the joint's name.
-    pub name: &'static str,
-    /// What it measures.
-    pub kind: Kind,
-}
-
-impl JointCoordinate {
-    /// An unbounded angle of a name, in radians.
-    pub const fn angle(name: &'static str) -> Self {
-        let kind = Kind::Angle;
-        Self { name, kind }
-    }
-
-    /// A length of a name.
-    pub const fn displacement(name: &'static str) -> Self {
-        let kind = Kind::Length;
-        Self { name, kind }
-    }
-
-    /// A number of a name that is neither: the parameter of a curve, say.
-    pub const fn parameter(name: &'static str) -> Self {
-        let kind = Kind::Other;
-        Self { name, kind }
-    }
-}
+/// A coordinate of a joint: what it is called, behind the joint's name, and what it measures.
+pub type JointCoordinate = (&'static str, Kind);
 
 /// A joint: the pose of its child in its parent, a function of D coordinates of its own and of time.
 ///

@@ -136,7 +136,7 @@ impl ModelBuilder {
         joint: &J,
     ) -> Result<Vec<NodeId>, ModelError> {
         let coordinates = joint.coordinates().into_iter();
-        let nodes = coordinates.map(|c| self.coordinates(format!("{name} {}", c.name), &[c.kind]));
+        let nodes = coordinates.map(|(c, kind)| self.coordinates(format!("{name} {c}"), &[kind]));
         nodes.collect()
     }
 }

@@ -213,7 +213,7 @@ fn about_a_fixed_axis_histories_agree_to_round_off() {
     for problem in [planar, || beam([0.0, 0.0, 1.2], [0.0, 0.0, 2.0])] {
         for scheme in second_order() {
             // Until the rotation vector of the other chart reaches 2π.
-            let (to, n) = (0.6, 60);
+            let (to, n) = (0.6, 64);
             let plain = problem().changed(scheme, to, n, None);
             let other = problem().complement().changed(scheme, to, n, None);
             let midway = problem().changed(scheme, to, n, Some(n / 2 + 3));

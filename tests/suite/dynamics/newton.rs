@@ -44,7 +44,7 @@ impl Joint<1> for Screw {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [JointCoordinate::angle("angle")]
+        [("angle", Kind::Angle)]
     }
 }
 
@@ -60,10 +60,7 @@ impl Joint<2> for PinInSlot {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [
-            JointCoordinate::displacement("displacement"),
-            JointCoordinate::angle("angle"),
-        ]
+        [("displacement", Kind::Length), ("angle", Kind::Angle)]
     }
 }
 
@@ -78,7 +75,7 @@ impl Joint<1> for PointOnCurve {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [JointCoordinate::displacement("displacement")]
+        [("displacement", Kind::Length)]
     }
 }
 

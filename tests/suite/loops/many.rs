@@ -9,7 +9,7 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
 use pullback::elements::model::{Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Evaluation, Point, System, Weights};
+use pullback::manifold::system::{Evaluation, Kind, Point, System, Weights};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -24,7 +24,7 @@ impl Joint<1> for Counting {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [JointCoordinate::angle("angle")]
+        [("angle", Kind::Angle)]
     }
 }
 

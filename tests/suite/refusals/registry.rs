@@ -42,9 +42,9 @@ impl Joint<3> for Bench {
 
     fn coordinates(&self) -> [JointCoordinate; 3] {
         [
-            JointCoordinate::displacement("left"),
-            JointCoordinate::displacement("right"),
-            JointCoordinate::angle("turn"),
+            ("left", Kind::Length),
+            ("right", Kind::Length),
+            ("turn", Kind::Angle),
         ]
     }
 }

@@ -14,7 +14,7 @@ impl Joint<2> for Pair {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        ["x", "y"].map(JointCoordinate::displacement)
+        [("x", Kind::Length), ("y", Kind::Length)]
     }
 }
 
