@@ -28,7 +28,7 @@ const LINEARLY: std::ops::Range<f64> = 0.01..0.5;
 /// for Nonlinear Problems, section 2.1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ConvergencePredictor {
-    /// The residual before the last correction, per kind, and over what is allowed.
+    /// The residual before the last correction, per quantity, and over what is allowed.
     before: ([f64; 3], f64),
     /// The residual that is expected, over what is allowed.
     next: f64,

@@ -4,7 +4,7 @@
 
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Event, Iteration};
-use pullback_manifold::system::{Kind, System, SystemError};
+use pullback_manifold::system::{Quantity, System, SystemError};
 use std::fmt;
 
 /// What a step advances.
@@ -58,16 +58,16 @@ pub struct FailedStep {
     pub cause: Cause,
     /// Iterations of the last attempt.
     pub history: Vec<Iteration>,
-    /// Per kind: name of the coordinate with the largest residual, and that residual.
-    pub worst: Vec<(Kind, String, f64)>,
+    /// Per quantity: name of the coordinate with the largest residual, and that residual.
+    pub worst: Vec<(Quantity, String, f64)>,
     /// Failed attempts so far.
     pub rejected: usize,
     /// The smallest step allowed, where that is why it was not halved again; in statics.
     pub min_step: Option<f64>,
     /// A kink or jump of a function of the load parameter within the step.
     pub kink: Option<f64>,
-    /// What the system itself has to say ([`System::doubts`]).
-    pub doubts: Vec<String>,
+    /// What the system itself has to say ([`System::singularity_warnings`]).
+    pub singularity_warnings: Vec<String>,
     /// Evaluations and factorisations so far.
     pub spent: Spent,
 }
@@ -136,7 +136,7 @@ impl FailedStep {
         };
         let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
         for (i, r) in context.r.iter().enumerate() {
-            let entry = &mut worst[system.kind(i).index()];
+            let entry = &mut worst[system.quantity(i).index()];
             if entry.is_none_or(|(_, largest)| r.abs() > largest) {
                 *entry = Some((i, r.abs()));
             }
@@ -147,19 +147,19 @@ impl FailedStep {
             from,
             to,
             history: context.history.to_vec(),
-            worst: Kind::ALL
+            worst: Quantity::ALL
                 .into_iter()
-                .filter_map(|kind| {
-                    let (i, r) = worst[kind.index()].filter(|w| w.1 > 0.0)?;
-                    Some((kind, system.name(i), r))
+                .filter_map(|quantity| {
+                    let (i, r) = worst[quantity.index()].filter(|w| w.1 > 0.0)?;
+                    Some((quantity, system.name(i), r))
                 })
                 .collect(),
             rejected,
             min_step: None,
             // A state that cannot be evaluated says why itself.
-            doubts: match cause {
+            singularity_warnings: match cause {
                 Cause::System(_) => Vec::new(),
-                _ => system.doubts(),
+                _ => system.singularity_warnings(),
             },
             kink: match along {
                 Along::Load => (system.kinks().into_iter())
@@ -319,14 +319,14 @@ impl fmt::Display for FailedStep {
                 significant(kink)
             )?;
         }
-        for doubt in &self.doubts {
-            write!(f, "\n  {doubt}")?;
+        for warning in &self.singularity_warnings {
+            write!(f, "\n  {warning}")?;
         }
-        for (kind, name, residual) in &self.worst {
+        for (quantity, name, residual) in &self.worst {
             write!(
                 f,
                 "\n  largest {} out of balance: {residual:.3e} at {name}",
-                kind.conjugate()
+                quantity.conjugate()
             )?;
         }
         if !self.history.is_empty() {

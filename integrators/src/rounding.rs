@@ -1,8 +1,8 @@
 //! The scales of coordinates, and when a residual is nothing but rounding errors.
 
-use pullback_manifold::system::{Kind, System};
+use pullback_manifold::system::{Quantity, System};
 
-/// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
+/// What residual per quantity counts as balance. A quantity that neither loads nor reactions measure is
 /// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
 /// position makes it as large as it likes. Gaps of multipliers have no spring in them: what the
 /// prediction leaves of one is a fair measure. Nothing is asked for below `least`.
@@ -14,7 +14,7 @@ pub(crate) fn allowed(
 ) -> [f64; 3] {
     let allow = |k: usize| {
         let measure = match measures[k] > 0.0 {
-            false if k == Kind::Other.index() => first[k],
+            false if k == Quantity::Other.index() => first[k],
             _ => measures[k],
         };
         // No digit of the first residual is left below its own rounding.
@@ -36,7 +36,7 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
     let scales = system.scales().coordinate;
     let scale = |i: usize| match system.is_multiplier(i) {
         true => 0.0,
-        false => 1.0 / scales[system.kind(i).index()],
+        false => 1.0 / scales[system.quantity(i).index()],
     };
     (0..system.pattern().dim()).map(scale).collect()
 }
@@ -84,7 +84,7 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
     let scales = system.scales().coordinate;
-    let least = |i: usize| scales[system.kind(i).index()];
+    let least = |i: usize| scales[system.quantity(i).index()];
     find_rounding(system, S, q, (0.0, &least), [&mut *sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))

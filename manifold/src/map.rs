@@ -26,7 +26,7 @@ pub use increment::Increment;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;
-use crate::so3::Spins;
+use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::{SMatrix, SVector};
 
@@ -56,9 +56,9 @@ pub struct Kinematics<const D: usize, const N: usize> {
     pub B_ddot: SMatrix<f64, N, D>,
 }
 
-/// Coordinates of a map in a new chart of their own: what [`Map::rewrite`] hands back.
+/// Coordinates of a map in a new chart of their own: what [`Map::reparametrize`] hands back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rewritten<const D: usize> {
+pub struct Reparametrized<const D: usize> {
     /// The new coordinates of the same configuration.
     pub q: SVector<f64, D>,
     /// Their velocities.
@@ -110,61 +110,61 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// Changes the meaning of the coordinates q where other ones are better, and tells what they
     /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
     /// state, and never between. Nothing to do by default; a map that does
-    /// it says so by [`Map::rewrites`].
-    fn rewrite(
+    /// it says so by [`Map::reparametrizes`].
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let _ = (t, q, v);
         None
     }
 
-    /// Whether [`Map::rewrite`] may ever change q: nobody else can use these coordinates then.
-    fn rewrites(&self) -> bool {
+    /// Whether [`Map::reparametrize`] may ever change q: nobody else can use these coordinates then.
+    fn reparametrizes(&self) -> bool {
         false
     }
 
     /// Which spins the rates of the last three coordinates θ are at present, if they are any: Ω and
     /// Ω̇ then stand where velocities and accelerations stand. The model takes them to θ̇ and θ̈
     /// before it asks the map ([`so3::Spin`](crate::so3::Spin)); none by default.
-    fn spins(&self) -> Option<Spins> {
+    fn velocity_kind(&self) -> Option<VelocityKind> {
         None
     }
 
-    /// See [`Parametrization::memory`]; nothing by default.
-    fn memory(&self) -> Vec<f64> {
+    /// See [`Parametrization::save`]; nothing by default.
+    fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// See [`Parametrization::recall`].
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        memory.is_empty()
+    /// See [`Parametrization::restore`].
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        saved.is_empty()
     }
 
     /// Why q is outside of the domain, in words that follow "joint at node a: "; nothing by
     /// default.
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
         let _ = (t, q);
         None
     }
 
     /// What there is to say about the map as it is now (its independent coordinates, redundant
     /// equations), for reports; nothing by default.
-    fn note(&self) -> Option<String> {
+    fn describe(&self) -> Option<String> {
         None
     }
 
     /// By what time the first change to another segment ([`Map::segment`]) is overdue at the end of a
     /// step of size h between two states (q, q̇), negative before that, and that segment. An integrator
     /// ends a step there. `None` where no change lies ahead, and by default.
-    fn overdue(&self, h: f64, from: Motion<'_, D>, to: Motion<'_, D>) -> Option<(f64, usize)> {
+    fn overshoot(&self, h: f64, from: Motion<'_, D>, to: Motion<'_, D>) -> Option<(f64, usize)> {
         let _ = (h, from, to);
         None
     }
 
-    /// The next [`Map::change_charts`] goes on to this segment, which [`Map::overdue`] gave.
+    /// The next [`Map::change_charts`] goes on to this segment, which [`Map::overshoot`] gave.
     fn enter(&mut self, segment: usize) {
         let _ = segment;
     }

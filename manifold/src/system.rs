@@ -103,9 +103,9 @@ pub struct ChartChanges {
 }
 
 /// What a coordinate measures; its conjugate residual is then a force, a moment, or neither.
-/// Convergence tests and norms keep the kinds apart.
+/// Convergence tests and norms keep the quantities apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum Quantity {
     /// A length; the residual is a force.
     Length,
     /// An angle or rotation vector component; the residual is a moment.
@@ -114,11 +114,11 @@ pub enum Kind {
     Other,
 }
 
-impl Kind {
-    /// All kinds, in the order of their indices.
+impl Quantity {
+    /// All quantities, in the order of their indices.
     pub const ALL: [Self; 3] = [Self::Length, Self::Angle, Self::Other];
 
-    /// Index in [`Kind::ALL`].
+    /// Index in [`Quantity::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }
@@ -133,7 +133,7 @@ impl Kind {
     }
 }
 
-/// Typical magnitudes per [`Kind`] (index [`Kind::index`]) that make norms and tests scale-aware.
+/// Typical magnitudes per [`Quantity`] (index [`Quantity::index`]) that make norms and tests scale-aware.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Magnitude of applied and reaction forces, moments, others at the last evaluation.
@@ -146,7 +146,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// What residuals per [`Kind`] are measured by.
+    /// What residuals per [`Quantity`] are measured by.
     ///
     /// A force is worth a moment over the shortest lever, a moment is worth a force over the longest
     /// one: a pure moment has no force to be relative to, and a part that is far away or much larger
@@ -336,14 +336,14 @@ pub trait System {
     /// points in motion, negative before that. A change that leaves values as they are, but not their
     /// derivatives, costs a step that crosses it its order: the step is made to end there.
     /// `None` where none lies ahead, and by default.
-    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         let _ = (from, to);
         None
     }
 
     /// The next [`System::change_charts`] makes the changes that are overdue by the time `since` at
-    /// least ([`System::overdue`]).
-    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+    /// least ([`System::overshoot`]).
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         let _ = (from, to, since);
     }
 
@@ -356,7 +356,7 @@ pub trait System {
 
     /// What makes steps from the last converged state fail though the system can be evaluated there, in
     /// words for the report of a failure: a mechanism close to a singular configuration, say.
-    fn doubts(&self) -> Vec<String> {
+    fn singularity_warnings(&self) -> Vec<String> {
         Vec::new()
     }
 
@@ -429,9 +429,9 @@ pub trait System {
     }
 
     /// What coordinate `i` measures.
-    fn kind(&self, i: usize) -> Kind {
+    fn quantity(&self, i: usize) -> Quantity {
         let _ = i;
-        Kind::Other
+        Quantity::Other
     }
 
     /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
@@ -440,9 +440,9 @@ pub trait System {
     }
 
     /// Size of the numbers that coordinate `i` is added to, such as a position in space: the rounding
-    /// errors of the sum are theirs. The scale of its kind by default.
+    /// errors of the sum are theirs. The scale of its quantity by default.
     fn magnitude(&self, i: usize) -> f64 {
-        self.scales().coordinate[self.kind(i).index()]
+        self.scales().coordinate[self.quantity(i).index()]
     }
 
     /// Magnitudes found at the last evaluation.

@@ -391,7 +391,7 @@ impl<'a> Recorder<'a> {
         let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
         checkpoint.element_charts = model.element_charts();
-        checkpoint.maps = model.map_memories();
+        checkpoint.maps = model.save_maps();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();

@@ -59,7 +59,7 @@ use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
-use pullback_manifold::system::{CHART_EDGE, ChartChanges, Kind};
+use pullback_manifold::system::{CHART_EDGE, ChartChanges, Quantity};
 use std::f64::consts::TAU;
 
 /// Displacement and rotation of a frame from its reference, in global components.
@@ -138,7 +138,7 @@ impl LogBranch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Released {
     /// One number: its name, and what it measures.
-    Coordinate(&'static str, Kind),
+    Coordinate(&'static str, Quantity),
     /// A rotation vector of its own, which changes its chart like that of a frame.
     Rotation,
 }
@@ -146,17 +146,17 @@ pub enum Released {
 impl Released {
     /// An unbounded angle of a name, in radians.
     pub const fn angle(name: &'static str) -> Self {
-        Self::Coordinate(name, Kind::Angle)
+        Self::Coordinate(name, Quantity::Angle)
     }
 
     /// A length of a name.
     pub const fn displacement(name: &'static str) -> Self {
-        Self::Coordinate(name, Kind::Length)
+        Self::Coordinate(name, Quantity::Length)
     }
 
     /// A number of a name that is neither: the parameter of a curve, say.
     pub const fn parameter(name: &'static str) -> Self {
-        Self::Coordinate(name, Kind::Other)
+        Self::Coordinate(name, Quantity::Other)
     }
 
     /// What it is called, behind the joint's name.
@@ -296,7 +296,7 @@ where
         self.joint.edge()
     }
 
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
         let rotation = self.joint.pose(t, q).rotation;
         let norm = rotation.dot(&rotation).sqrt();
         (norm.is_finite() && !is_unit(&rotation)).then(|| {

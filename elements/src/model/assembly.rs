@@ -181,9 +181,9 @@ impl Model {
         let w = &mut self.work;
         let force = &mut w.scales.force;
         for p in &self.prescribed {
-            let kind = self.kinds[p.coordinate].index();
+            let quantity = self.quantities[p.coordinate].index();
             let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
-            force[kind] = force[kind].max(passed_on.abs());
+            force[quantity] = force[quantity].max(passed_on.abs());
         }
         // Parts that nobody loads or holds measure what is out of balance by what they exert on each
         // other.

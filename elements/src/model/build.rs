@@ -13,7 +13,7 @@ use super::{
 };
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::HashSet;
 
 impl ModelBuilder {
@@ -64,7 +64,7 @@ impl ModelBuilder {
         let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
-        check_rewritten(&nodes, &elements, &prescribed)?;
+        check_reparametrized(&nodes, &elements, &prescribed)?;
 
         // Numbering: block by block, away from the supports.
         let mut free: Vec<bool> = nodes
@@ -101,12 +101,12 @@ impl ModelBuilder {
         }
         let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
-        let kinds: Vec<Kind> = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
-        let unit = |i: usize| match (multipliers[coordinates[i]], kinds[coordinates[i]]) {
+        let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
             (true, _) => 0.0,
-            (_, Kind::Length) => length,
+            (_, Quantity::Length) => length,
             _ => 1.0,
         };
         let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
@@ -119,14 +119,16 @@ impl ModelBuilder {
             nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
         };
         let prescribed_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
-        let magnitude = |node: &Node, kind: Kind| match kind {
-            Kind::Length if node.is_frame() => node.position.norm(),
-            Kind::Length => length,
-            Kind::Angle | Kind::Other => 1.0,
+        let magnitude = |node: &Node, quantity: Quantity| match quantity {
+            Quantity::Length if node.is_frame() => node.position.norm(),
+            Quantity::Length => length,
+            Quantity::Angle | Quantity::Other => 1.0,
         };
         let sizes = |node: &Node| -> Vec<f64> {
-            let kinds = node.kinds.iter();
-            kinds.map(|kind| magnitude(node, *kind)).collect()
+            let quantities = node.quantities.iter();
+            quantities
+                .map(|quantity| magnitude(node, *quantity))
+                .collect()
         };
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
@@ -139,7 +141,7 @@ impl ModelBuilder {
         let spans = nodes.iter().map(span).collect();
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
-        let spinning = match formulation.spins() {
+        let spin_frames = match formulation.velocity_kind() {
             Some(_) => formulation::turning(&nodes).collect(),
             None => Vec::new(),
         };
@@ -147,7 +149,7 @@ impl ModelBuilder {
             nodes,
             spans,
             dependent,
-            spinning,
+            spin_frames,
             reports,
             elements,
             enforced,
@@ -161,7 +163,7 @@ impl ModelBuilder {
             runs: Runs::new(&coordinates),
             coordinates,
             unknowns,
-            kinds,
+            quantities,
             multipliers,
             magnitudes,
             length,
@@ -287,7 +289,7 @@ fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed])
 }
 
 /// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.
-fn check_rewritten(
+fn check_reparametrized(
     nodes: &[Node],
     elements: &[ElementEntry],
     prescribed: &[Prescribed],
@@ -297,7 +299,12 @@ fn check_rewritten(
             continue;
         };
         // Masters behind the first are parameters, which stay what they are.
-        for &m in d.parents().iter().take(1).filter(|_| d.map.rewrites()) {
+        for &m in d
+            .parents()
+            .iter()
+            .take(1)
+            .filter(|_| d.map.reparametrizes())
+        {
             let parent = &nodes[m as usize];
             // Made for the frame by the model itself.
             if parent.form == NodeForm::Increment {
@@ -323,7 +330,7 @@ fn check_rewritten(
             } else {
                 continue;
             };
-            return Err(ModelError::Rewritten {
+            return Err(ModelError::Reparametrized {
                 node: node.name.clone(),
                 coordinates: parent.name.clone(),
                 user,
@@ -374,7 +381,7 @@ fn refuse_slave(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErro
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
         match &node.source {
-            Source::Mapped(d) if d.map.rewrites() => {
+            Source::Mapped(d) if d.map.reparametrizes() => {
                 let solved = node.name.clone();
                 return ModelError::PrescribedSolved { coordinate, solved };
             }

@@ -9,7 +9,7 @@ use crate::element::Element;
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
@@ -17,8 +17,8 @@ use std::collections::{HashMap, HashSet};
 pub(super) const FRAME: usize = 6;
 
 /// What the coordinates of a frame node measure.
-pub(super) const FRAME_KINDS: [Kind; FRAME] = {
-    use Kind::{Angle, Length};
+pub(super) const FRAME_QUANTITIES: [Quantity; FRAME] = {
+    use Quantity::{Angle, Length};
     [Length, Length, Length, Angle, Angle, Angle]
 };
 
@@ -108,7 +108,7 @@ impl ModelBuilder {
             name.into(),
             position,
             NodeForm::Frame,
-            &FRAME_KINDS,
+            &FRAME_QUANTITIES,
             Source::Own,
         )
     }
@@ -120,13 +120,13 @@ impl ModelBuilder {
     pub fn coordinates(
         &mut self,
         name: impl Into<String>,
-        kinds: &[Kind],
+        quantities: &[Quantity],
     ) -> Result<NodeId, ModelError> {
         self.add_node(
             name.into(),
             [0.0; 3],
             NodeForm::Coordinates,
-            kinds,
+            quantities,
             Source::Own,
         )
     }
@@ -137,12 +137,12 @@ impl ModelBuilder {
     /// # Errors
     /// [`ModelError::DuplicateNode`].
     pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
-        let kinds = [Kind::Angle; 3];
+        let quantities = [Quantity::Angle; 3];
         self.add_node(
             name.into(),
             [0.0; 3],
             NodeForm::Rotation,
-            &kinds,
+            &quantities,
             Source::Own,
         )
     }
@@ -174,7 +174,7 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Frame, &FRAME_KINDS[..]);
+        let form = (NodeForm::Frame, &FRAME_QUANTITIES[..]);
         self.add_mapped(name.into(), position, form, map, segments)
     }
 
@@ -185,16 +185,16 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`]. A map that changes the meaning of its own coordinates
-    /// ([`Map::rewrites`](pullback_manifold::map::Map::rewrites)) must be the only one that uses
-    /// them: [`ModelError::Rewritten`] when the model is built.
+    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be the only one that uses
+    /// them: [`ModelError::Reparametrized`] when the model is built.
     pub fn mapped_coordinates(
         &mut self,
         name: impl Into<String>,
-        kinds: &[Kind],
+        quantities: &[Quantity],
         map: Box<dyn Parametrization>,
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Coordinates, kinds);
+        let form = (NodeForm::Coordinates, quantities);
         self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
     }
 
@@ -202,7 +202,7 @@ impl ModelBuilder {
         &mut self,
         name: String,
         position: [f64; 3],
-        (form, kinds): (NodeForm, &[Kind]),
+        (form, quantities): (NodeForm, &[Quantity]),
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
@@ -217,20 +217,20 @@ impl ModelBuilder {
                 });
             }
             let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-            if d != found || n != kinds.len() {
+            if d != found || n != quantities.len() {
                 return Err(ModelError::JointDimension {
                     node: name,
                     parents: self.names_of(parents),
                     map: (d, n),
                     found,
-                    dim: kinds.len(),
+                    dim: quantities.len(),
                 });
             }
         }
         let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
         let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
-        self.add_node(name, position, form, kinds, source)
+        self.add_node(name, position, form, quantities, source)
     }
 
     pub(super) fn add_node(
@@ -238,7 +238,7 @@ impl ModelBuilder {
         name: String,
         position: [f64; 3],
         form: NodeForm,
-        kinds: &[Kind],
+        quantities: &[Quantity],
         source: Source,
     ) -> Result<NodeId, ModelError> {
         if position.iter().any(|x| !x.is_finite()) {
@@ -254,7 +254,7 @@ impl ModelBuilder {
         };
         self.nodes.push(Node {
             position: position.into(),
-            ..Node::new(name, form, kinds, source)
+            ..Node::new(name, form, quantities, source)
         });
         Ok(id)
     }

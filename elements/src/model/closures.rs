@@ -5,7 +5,7 @@ use super::loops::{Closing, Coincide, EQUATIONS, Report};
 use super::{ModelError, NodeForm, Source};
 use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 use crate::element::Element;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// How two frames are made one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,13 +68,13 @@ impl ModelBuilder {
         name: impl Into<String>,
         count: usize,
     ) -> Result<NodeId, ModelError> {
-        let kinds = vec![Kind::Other; count];
+        let quantities = vec![Quantity::Other; count];
         let position = [0.0; 3];
         self.add_node(
             name.into(),
             position,
             NodeForm::Multipliers,
-            &kinds,
+            &quantities,
             Source::Own,
         )
     }

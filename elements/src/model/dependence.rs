@@ -200,7 +200,7 @@ impl Model {
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
             let edge = d.map.edge();
-            return Err(match d.map.trouble(t, &local.q[..k]) {
+            return Err(match d.map.domain_error(t, &local.q[..k]) {
                 Some(why) => SystemError::Unsolved { what, why },
                 None => SystemError::OutsideChart { edge, what, margin },
             });
@@ -326,7 +326,7 @@ impl Model {
             moved |= d.map.segment() != before;
         }
         if moved {
-            self.work.handed_over = true;
+            self.work.segments_changed = true;
             for &n in &self.dependent {
                 find_ancestors(&mut self.nodes, n as usize);
             }

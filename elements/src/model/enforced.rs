@@ -8,7 +8,7 @@ use super::local::Local;
 use super::{ElementEntry, Model, NodeForm, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, Point, SystemError};
+use pullback_manifold::system::{Point, Quantity, SystemError};
 
 /// Residual of an equation that followed from others at which it does so no more.
 const LOOSE: f64 = 1e-8;
@@ -91,8 +91,8 @@ impl Model {
 
     /// Typical size of a coordinate.
     fn size(&self, coordinate: usize) -> f64 {
-        match self.kinds[coordinate] {
-            Kind::Length => self.length,
+        match self.quantities[coordinate] {
+            Quantity::Length => self.length,
             _ => 1.0,
         }
     }

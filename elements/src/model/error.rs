@@ -113,7 +113,7 @@ pub enum ModelError {
          better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \
          choose the coordinates once and for all (`Choice::Fixed`)"
     )]
-    Rewritten {
+    Reparametrized {
         node: String,
         coordinates: String,
         user: String,

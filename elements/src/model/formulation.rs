@@ -9,7 +9,7 @@ use super::{Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
-use pullback_manifold::so3::{Quaternion, Spin, Spins};
+use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -47,12 +47,12 @@ pub enum Formulation {
 
 impl Formulation {
     /// The spins that stand for rates, if any do.
-    pub(super) fn spins(self) -> Option<Spins> {
+    pub(super) fn velocity_kind(self) -> Option<VelocityKind> {
         match self {
             Self::Total | Self::Updated => None,
-            Self::LieGroup => Some(Spins::Material),
-            Self::SpatialSpins => Some(Spins::Spatial),
-            Self::MixedSpins => Some(Spins::Mixed),
+            Self::LieGroup => Some(VelocityKind::Material),
+            Self::SpatialSpins => Some(VelocityKind::Spatial),
+            Self::MixedSpins => Some(VelocityKind::Mixed),
         }
     }
 }
@@ -77,7 +77,8 @@ pub(super) fn apply(
     if formulation == Formulation::Total {
         return;
     }
-    let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
+    let map =
+        (formulation.velocity_kind()).map_or_else(Increment::default, Increment::with_velocities);
     let turns =
         |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
     let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
@@ -98,8 +99,13 @@ pub(super) fn apply(
             Map::<3, 3>::boxed(map)
         };
         let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
-        let (name, kinds) = (node.name.clone(), node.kinds.clone());
-        nodes.push(Node::new(name, NodeForm::Increment, &kinds, Source::Own));
+        let (name, quantities) = (node.name.clone(), node.quantities.clone());
+        nodes.push(Node::new(
+            name,
+            NodeForm::Increment,
+            &quantities,
+            Source::Own,
+        ));
         nodes[n].source = Source::Mapped(Box::new(dependence));
         carriers.insert(NodeId(n as u32), NodeId(own));
     }
@@ -132,7 +138,7 @@ impl Model {
     /// Rₙ of a frame by increments, 1 for every other node.
     pub(super) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
         match (&node.source, behind(&self.nodes, node)) {
-            (Source::Mapped(d), Some(_)) => match d.map.memory()[..] {
+            (Source::Mapped(d), Some(_)) => match d.map.save()[..] {
                 [w, x, y, z, ..] => {
                     let v = Vector3::new(x, y, z);
                     Quaternion { w, v }.rotation()
@@ -155,30 +161,32 @@ impl Model {
     }
 
     /// Whether rates of any coordinates are spins at present.
-    pub(super) fn spins(&self) -> bool {
-        self.spinning.iter().any(|&n| self.spun(n).is_some())
+    pub(super) fn has_spins(&self) -> bool {
+        self.spin_frames
+            .iter()
+            .any(|&n| self.spin_coordinates(n).is_some())
     }
 
     /// The coordinates θ behind a frame whose rates are spins at present, the frame's increments, and
-    /// which spins they are.
-    fn spun(&self, n: u32) -> Option<(Range<usize>, u32, Spins)> {
+    /// the kind of velocity.
+    fn spin_coordinates(&self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
         };
         let own = d.parents()[0];
         let end = self.spans[own as usize].range().end;
-        Some((end - 3..end, own, d.map.spins()?))
+        Some((end - 3..end, own, d.map.velocity_kind()?))
     }
 
     /// Takes spins to the rates of their rotation vectors, in the workspace.
     pub(super) fn take_spins(&mut self) {
-        for k in 0..self.spinning.len() {
-            let Some((range, _, spins)) = self.spun(self.spinning[k]) else {
+        for k in 0..self.spin_frames.len() {
+            let Some((range, _, kind)) = self.spin_coordinates(self.spin_frames[k]) else {
                 continue;
             };
             let w = &mut self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
-            let rates = Spin::rates(spins, &three(&w.x), &three(&w.v), &three(&w.a));
+            let rates = Spin::rates(kind, &three(&w.x), &three(&w.v), &three(&w.a));
             w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
             w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
         }
@@ -263,14 +271,14 @@ impl Model {
     }
 
     fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
-        for &n in &self.spinning {
-            let Some((range, own, spins)) = self.spun(n) else {
+        for &n in &self.spin_frames {
+            let Some((range, own, kind)) = self.spin_coordinates(n) else {
                 continue;
             };
             let w = &self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
             let rates = Spin {
-                spins,
+                kind,
                 theta_dot: three(&w.v),
                 theta_ddot: three(&w.a),
             };

@@ -8,7 +8,7 @@
 use super::loops::Report;
 use super::{ModelBuilder, ModelError, NodeForm};
 use crate::element::{Element, ElementError, Motion, Response};
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// A mass on a spring, both of size one; dim 1.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ impl ModelBuilder {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });
         }
-        let node = self.coordinates("nothing is free", &[Kind::Other])?;
+        let node = self.coordinates("nothing is free", &[Quantity::Other])?;
         self.nodes[node.0 as usize].form = NodeForm::Dummy;
         self.element("nothing is free", Idle, &[node])?;
         Ok(())

@@ -249,9 +249,9 @@ impl Local {
         let mut k = 0;
         for &node in e.nodes.iter() {
             let node = &nodes[node as usize];
-            for (kind, c) in node.kinds.iter().zip(node.range()) {
+            for (quantity, c) in node.quantities.iter().zip(node.range()) {
                 if !(e.held && node.is_own() && unknowns[c] == NONE) {
-                    let force = &mut scales.force[kind.index()];
+                    let force = &mut scales.force[quantity.index()];
                     *force = force.max(self.r[k].abs());
                 }
                 k += 1;

@@ -62,7 +62,7 @@ impl Model {
                 return None;
             };
             let (all, x) = d.map.dims();
-            let own = d.parents().first().filter(|_| d.map.rewrites());
+            let own = d.parents().first().filter(|_| d.map.reparametrizes());
             let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
             let name = &self.nodes[report.closures.first()?.0 as usize].name;
             let closed = Closed {

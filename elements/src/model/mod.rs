@@ -56,7 +56,7 @@ use dependence::Dependence;
 use nalgebra::Vector3;
 use placement::Placement;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use runs::Runs;
 use std::ops::{Deref, Range};
 use workspace::Workspace;
@@ -110,7 +110,7 @@ pub struct Node {
     /// Reference position.
     position: Vector3<f64>,
     form: NodeForm,
-    kinds: Vec<Kind>,
+    quantities: Vec<Quantity>,
     dim: usize,
     /// First coordinate in the vector of all nodes' coordinates.
     first: usize,
@@ -119,13 +119,13 @@ pub struct Node {
 
 impl Node {
     /// A node without a position: coordinates that are no frame.
-    fn new(name: String, form: NodeForm, kinds: &[Kind], source: Source) -> Self {
+    fn new(name: String, form: NodeForm, quantities: &[Quantity], source: Source) -> Self {
         Self {
             name,
             position: Vector3::zeros(),
             form,
-            dim: kinds.len(),
-            kinds: kinds.to_vec(),
+            dim: quantities.len(),
+            quantities: quantities.to_vec(),
             first: 0,
             source,
         }
@@ -143,7 +143,7 @@ impl Node {
         };
         Self {
             name: self.name.clone(),
-            kinds: self.kinds.clone(),
+            quantities: self.quantities.clone(),
             source,
             ..*self
         }
@@ -255,7 +255,7 @@ pub struct Model {
     /// Nodes that follow others, parents first.
     dependent: Vec<u32>,
     /// Frames by increments whose rates may be spins.
-    spinning: Vec<u32>,
+    spin_frames: Vec<u32>,
     /// How loops are closed.
     reports: Vec<loops::Report>,
     elements: Vec<ElementEntry>,
@@ -282,7 +282,7 @@ pub struct Model {
     runs: Runs,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
-    kinds: Vec<Kind>,
+    quantities: Vec<Quantity>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
     /// What each unknown is added to: a displacement to a position, an angle to one radian.

@@ -8,7 +8,7 @@ use super::loops::upwards;
 use super::{Model, NONE, NodeForm, Source, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3::{self, Spins};
+use pullback_manifold::so3::{self, VelocityKind};
 use pullback_manifold::system::{Point, SystemError};
 use std::f64::consts::PI;
 
@@ -272,14 +272,14 @@ impl Model {
                 let first = own.first + n.dim - 3;
                 let theta = three(first);
                 let omega = self.turn_of(n).tr_mul(&motion.omega);
-                let spins = match &n.source {
-                    Source::Mapped(d) => d.map.spins(),
+                let kind = match &n.source {
+                    Source::Mapped(d) => d.map.velocity_kind(),
                     Source::Own => None,
                 };
-                let rate = match spins {
+                let rate = match kind {
                     None => so3::tangent_inverse(&theta).tr_mul(&omega),
-                    Some(Spins::Material) => so3::rotation(&theta).tr_mul(&omega),
-                    Some(Spins::Spatial | Spins::Mixed) => omega,
+                    Some(VelocityKind::Material) => so3::rotation(&theta).tr_mul(&omega),
+                    Some(VelocityKind::Spatial | VelocityKind::Mixed) => omega,
                 };
                 put(first, &rate);
             }
@@ -303,7 +303,7 @@ impl Model {
     /// coordinates that joints release one by one.
     pub fn single_unknowns(&self) -> Vec<usize> {
         let chosen = |&n: &u32| match &self.nodes[n as usize].source {
-            Source::Mapped(d) if d.map.rewrites() => d.parents().first().copied(),
+            Source::Mapped(d) if d.map.reparametrizes() => d.parents().first().copied(),
             _ => None,
         };
         let of_loops: Vec<u32> = self.dependent.iter().filter_map(chosen).collect();

@@ -7,7 +7,7 @@ use super::{Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Point, Quantity, System, SystemError};
 use std::collections::BTreeMap;
 
 /// Force and moment with which a support acts on the structure, in global components.
@@ -44,23 +44,23 @@ impl Model {
 
     /// What there is to say about the map that a node follows through, as it is now: its
     /// independent coordinates and redundant equations, say.
-    pub fn note(&self, node: NodeId) -> Option<String> {
+    pub fn describe(&self, node: NodeId) -> Option<String> {
         match &self.nodes[node.0 as usize].source {
             Source::Own => None,
-            Source::Mapped(d) => d.map.note(),
+            Source::Mapped(d) => d.map.describe(),
         }
     }
 
     /// How the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed: on which
     /// joints children hang, which joints close loops, and the coordinates that these leave free as
     /// they are chosen now.
-    pub fn notes(&self) -> Vec<String> {
+    pub fn descriptions(&self) -> Vec<String> {
         let note = |r: &super::loops::Report| {
             let of_element = || {
                 r.element
                     .map_or_else(String::new, |k| self.left_out_note(k))
             };
-            match r.map.and_then(|n| self.note(NodeId(n))) {
+            match r.map.and_then(|n| self.describe(NodeId(n))) {
                 Some(note) => format!("{}; {note}", r.words),
                 None => r.words.clone() + &of_element(),
             }
@@ -286,7 +286,7 @@ impl Model {
         Some(describe_motion(&motion, &center, self.length))
     }
 
-    /// Whether coordinate kinds of a frame node are prescribed, for output.
+    /// Whether coordinate quantities of a frame node are prescribed, for output.
     pub fn is_prescribed(&self, node: NodeId, dof: super::Dof) -> bool {
         let n = self.carrier(&self.nodes[node.0 as usize]);
         n.is_own() && self.unknowns[n.first + dof.index()] == NONE
@@ -301,8 +301,8 @@ impl Model {
 
     /// Names of the unknowns with the largest entries of a vector, largest first.
     pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
-        let scale = |i: usize| match self.kind(i) {
-            Kind::Length => self.length,
+        let scale = |i: usize| match self.quantity(i) {
+            Quantity::Length => self.length,
             _ => 1.0,
         };
         let mut order: Vec<usize> = (0..vector.len()).collect();

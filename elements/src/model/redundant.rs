@@ -144,23 +144,23 @@ impl Model {
     }
 
     /// Where equations were left out last, and which.
-    pub(super) fn choice_memory(&self) -> Vec<f64> {
-        let mut memory = self.chosen_at.clone();
-        memory.extend(self.enforced.iter().map(|&k| {
+    pub(super) fn save_choice(&self) -> Vec<f64> {
+        let mut saved = self.chosen_at.clone();
+        saved.extend(self.enforced.iter().map(|&k| {
             let enforced = self.elements[k].element.enforced();
             f64::from(enforced.map_or(0, |e| e.left_out()))
         }));
-        memory
+        saved
     }
 
-    /// Goes on from what [`Model::choice_memory`] gave; false for anything else.
-    pub(super) fn recall_choice(&mut self, memory: &[f64]) -> bool {
+    /// Goes on from what [`Model::save_choice`] gave; false for anything else.
+    pub(super) fn restore_choice(&mut self, saved: &[f64]) -> bool {
         let n = self.chosen_at.len();
-        if memory.len() != n + self.enforced.len() || memory.iter().any(|x| !x.is_finite()) {
+        if saved.len() != n + self.enforced.len() || saved.iter().any(|x| !x.is_finite()) {
             return false;
         }
-        self.chosen_at.copy_from_slice(&memory[..n]);
-        for (&k, left_out) in self.enforced.iter().zip(&memory[n..]) {
+        self.chosen_at.copy_from_slice(&saved[..n]);
+        for (&k, left_out) in self.enforced.iter().zip(&saved[n..]) {
             if let Some(enforced) = self.elements[k].element.enforced_mut() {
                 enforced.leave_out(*left_out as u32);
             }

@@ -7,7 +7,7 @@ use super::enforced::Equations;
 use super::loops::Report;
 use super::{Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, System, SystemError};
+use pullback_manifold::system::{Quantity, System, SystemError};
 use std::collections::HashMap;
 
 /// Largest scaled residual of equations that are satisfied.
@@ -53,7 +53,7 @@ impl Model {
     }
 
     /// As [`Model::satisfy`], for coordinates of which those in `wanted` are kept too if that can be;
-    /// if not, [`Model::notes`] says where they start.
+    /// if not, [`Model::descriptions`] says where they start.
     ///
     /// # Errors
     /// As [`Model::satisfy`].
@@ -334,8 +334,12 @@ pub(super) fn check_values(
     length: f64,
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
-        for (k, kind) in node.kinds.iter().enumerate() {
-            let size = if *kind == Kind::Angle { 1.0 } else { length };
+        for (k, quantity) in node.quantities.iter().enumerate() {
+            let size = if *quantity == Quantity::Angle {
+                1.0
+            } else {
+                length
+            };
             let given = starts.get(&(NodeId(n as u32), k));
             if let Some(&value) = given.filter(|x| x.abs() > FARTHEST * size) {
                 return Err(ModelError::FarStart {

@@ -14,7 +14,7 @@ use super::{Model, NONE, Node, Source};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
-    Evaluation, Kind, Point, RigidRates, Symmetry, System, SystemError,
+    Evaluation, Point, Quantity, RigidRates, Symmetry, System, SystemError,
 };
 
 /// Power along a motion, relative to that of the parts that cancel in it, that is rounding.
@@ -95,7 +95,8 @@ impl Model {
         for xi in null_space(&R, self.length) {
             let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
             // Spins are no rates: what is rigid by frames and forces is so for the kinetic energy.
-            let keeps = self.spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
+            let keeps =
+                self.has_spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
             if keeps && !lost {
                 let powers = (0..6).map(|k| first[k] / self.measure(k) * xi[k]);
                 let force: f64 = powers.sum();
@@ -135,11 +136,11 @@ impl Model {
 
     /// A state near by: q itself, or with changes of no symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
-        let size = |i: usize| match self.kinds[self.coordinates[i]] {
+        let size = |i: usize| match self.quantities[self.coordinates[i]] {
             _ if number == 0 || self.is_multiplier(i) => 0.0,
-            Kind::Length => 0.02 * self.length,
-            Kind::Angle => 0.1,
-            Kind::Other => 0.0,
+            Quantity::Length => 0.02 * self.length,
+            Quantity::Angle => 0.1,
+            Quantity::Other => 0.0,
         };
         let wave = |i: usize| ((1.3 + number as f64) * ((i + 1) as f64).powf(1.4)).sin();
         q.iter()
@@ -165,7 +166,7 @@ impl Model {
     /// The same as rates of coordinates, where those of rotations may be spins.
     fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
         let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
-        if self.spins() {
+        if self.has_spins() {
             for X in &mut fields {
                 self.expand(Point { t, q, v: X, a: &a })?;
                 for (X, &c) in X.iter_mut().zip(&self.coordinates) {

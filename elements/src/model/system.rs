@@ -4,7 +4,7 @@ use super::{Model, Source};
 use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, Symmetry, System,
+    ChartChanges, Energies, Evaluation, Point, Quantity, RigidRates, Scales, Symmetry, System,
     SystemError,
 };
 
@@ -14,7 +14,7 @@ impl System for Model {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        if self.spins() && !at.is_static() && out.S.is_some() {
+        if self.has_spins() && !at.is_static() && out.S.is_some() {
             self.evaluate_spinning(at, out)
         } else {
             self.assemble(at, out)
@@ -67,29 +67,28 @@ impl System for Model {
         changes
     }
 
-    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        self.find_overdue(from, to)
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overshoot(from, to)
     }
 
-    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.enter_overdue(from, to, since);
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_segments(from, to, since);
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {
         self.start_element_charts(t, q);
     }
 
-    fn doubts(&self) -> Vec<String> {
-        let doubt = |&n: &u32| {
+    fn singularity_warnings(&self) -> Vec<String> {
+        let warning = |&n: &u32| {
             let node = &self.nodes[n as usize];
             match &node.source {
-                Source::Mapped(d) => {
-                    (d.map.doubt()).map(|why| format!("joint at node {}: {why}", node.name))
-                }
+                Source::Mapped(d) => (d.map.singularity_warning())
+                    .map(|why| format!("joint at node {}: {why}", node.name)),
                 Source::Own => None,
             }
         };
-        self.dependent.iter().filter_map(doubt).collect()
+        self.dependent.iter().filter_map(warning).collect()
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -127,8 +126,8 @@ impl System for Model {
         self.elements.iter().all(|e| e.element.is_symmetric())
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        self.kinds[self.coordinates[i]]
+    fn quantity(&self, i: usize) -> Quantity {
+        self.quantities[self.coordinates[i]]
     }
 
     fn name(&self, i: usize) -> String {

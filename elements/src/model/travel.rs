@@ -10,7 +10,7 @@ use pullback_manifold::system::{Point, SystemError};
 
 /// Room for what is asked of the maps that travel.
 #[derive(Default)]
-pub(super) struct Travel {
+pub(super) struct SegmentWorkspace {
     /// Coordinates and velocities of their parents where a step begins, one map after the other.
     from: [Vec<f64>; 2],
     /// Changes ahead: the node, by what time the change is overdue, and the segment behind it.
@@ -22,16 +22,16 @@ pub(super) struct Travel {
 }
 
 impl Model {
-    /// See [`System::overdue`](pullback_manifold::system::System::overdue).
-    pub(super) fn find_overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        self.look_for_overdue(from, to);
+    /// See [`System::overshoot`](pullback_manifold::system::System::overshoot).
+    pub(super) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.collect_overshoots(from, to);
         let overdue = self.work.travel.overdue.iter().map(|(_, by, _)| *by);
         overdue.reduce(f64::max)
     }
 
-    /// See [`System::hand_over`](pullback_manifold::system::System::hand_over).
-    pub(super) fn enter_overdue(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.look_for_overdue(from, to);
+    /// See [`System::change_segments`](pullback_manifold::system::System::change_segments).
+    pub(super) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.travel.overdue {
             if let (true, Source::Mapped(d)) = (*by >= since, &mut self.nodes[*n as usize].source) {
                 d.map.enter(*segment);
@@ -39,10 +39,10 @@ impl Model {
         }
     }
 
-    fn look_for_overdue(&mut self, from: Point<'_>, to: Point<'_>) {
+    fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
         self.work.travel.overdue.clear();
-        let travelling = |n: &&u32| travels(&self.nodes[**n as usize]);
+        let travelling = |n: &&u32| is_segmented(&self.nodes[**n as usize]);
         if !self.dependent.iter().any(|n| travelling(&n)) || self.expand(from).is_err() {
             return;
         }
@@ -50,7 +50,7 @@ impl Model {
         travel.from.iter_mut().for_each(Vec::clear);
         let Workspace { local, x, v, .. } = &mut self.work;
         for &n in &self.dependent {
-            if let Some(d) = travelling_map(&self.nodes[n as usize]) {
+            if let Some(d) = segmented_map(&self.nodes[n as usize]) {
                 for (all, x) in travel.from.iter_mut().zip([&*x, &*v]) {
                     let k = collect(d.parents(), &self.spans, x, &mut local.q);
                     all.extend_from_slice(&local.q[..k]);
@@ -61,14 +61,14 @@ impl Model {
             let Workspace { local, x, v, .. } = &mut self.work;
             let mut first = 0;
             for &n in &self.dependent {
-                let Some(d) = travelling_map(&self.nodes[n as usize]) else {
+                let Some(d) = segmented_map(&self.nodes[n as usize]) else {
                     continue;
                 };
                 let k = collect(d.parents(), &self.spans, x, &mut local.q);
                 collect(d.parents(), &self.spans, v, &mut local.qv);
                 let from = travel.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
-                let overdue = d.map.overdue(h, from, to);
+                let overdue = d.map.overshoot(h, from, to);
                 travel
                     .overdue
                     .extend(overdue.map(|(by, segment)| (n, by, segment)));
@@ -81,7 +81,7 @@ impl Model {
     /// Keeps the momenta at the nodes, and how they act on the parents, where a map may be handed over.
     pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
         // Where a map cannot be evaluated, the next evaluation says so.
-        if !self.nodes.iter().any(travels) || self.node_momenta(at).is_err() {
+        if !self.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
             return;
         }
         let Workspace {
@@ -94,7 +94,7 @@ impl Model {
         travel.B.clone_from(&operators.B);
         travel.segments.clear();
         let nodes = self.dependent.iter().map(|&n| &self.nodes[n as usize]);
-        let segment = |node: &Node| travelling_map(node).map_or(0, |d| d.map.segment());
+        let segment = |node: &Node| segmented_map(node).map_or(0, |d| d.map.segment());
         travel.segments.extend(nodes.map(segment));
     }
 
@@ -105,7 +105,7 @@ impl Model {
         at: Option<Point<'_>>,
         p: &mut [f64],
     ) -> Result<bool, SystemError> {
-        if !self.work.handed_over {
+        if !self.work.segments_changed {
             return Ok(false);
         }
         let mut momenta = std::mem::take(&mut self.work.travel.momenta);
@@ -150,13 +150,13 @@ impl Model {
     }
 }
 
-fn travelling_map(node: &Node) -> Option<&Dependence> {
+fn segmented_map(node: &Node) -> Option<&Dependence> {
     match &node.source {
         Source::Mapped(d) if d.segments.len() > 1 => Some(d),
         _ => None,
     }
 }
 
-fn travels(node: &Node) -> bool {
-    travelling_map(node).is_some()
+fn is_segmented(node: &Node) -> bool {
+    segmented_map(node).is_some()
 }

@@ -6,7 +6,7 @@ use super::{ElementEntry, Model, NONE, Node, NodeForm, Source};
 use crate::element::Element;
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Point, Quantity, System, SystemError};
 use std::ops::Range;
 
 impl Node {
@@ -26,8 +26,8 @@ impl Node {
     }
 
     /// What each of its coordinates measures.
-    pub fn kinds(&self) -> &[Kind] {
-        &self.kinds
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
     }
 
     /// Its coordinates among those of all nodes ([`Model::configuration`]).

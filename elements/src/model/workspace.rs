@@ -1,12 +1,12 @@
 //! Buffers of an evaluation.
 
-use super::charts::Rewriting;
+use super::charts::Reparametrization;
 use super::dependence::Operators;
 use super::element_charts::ElementCharts;
 use super::local::Local;
-use super::travel::Travel;
+use super::travel::SegmentWorkspace;
 use super::{ElementEntry, Node, Source};
-use pullback_manifold::system::{Kind, Scales};
+use pullback_manifold::system::{Quantity, Scales};
 
 /// Buffers of an evaluation, made once.
 #[derive(Default)]
@@ -42,10 +42,10 @@ pub(super) struct Workspace {
     /// Parts C and M of a tangent, while rates are spins.
     pub parts: [Vec<f64>; 2],
     /// Coordinates of the maps that may change their meaning.
-    pub rewriting: Vec<Rewriting>,
+    pub reparametrizations: Vec<Reparametrization>,
     /// Whether a map was handed over with the last change of charts.
-    pub handed_over: bool,
-    pub travel: Travel,
+    pub segments_changed: bool,
+    pub travel: SegmentWorkspace,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     pub accelerations_asked: Option<f64>,
     /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
@@ -68,7 +68,7 @@ pub(super) struct DeadLoads {
     pub inputs: Vec<f64>,
     /// Their residual at all nodes.
     pub r: Vec<f64>,
-    /// Their largest entries per kind.
+    /// Their largest entries per quantity.
     pub force: [f64; 3],
 }
 
@@ -99,7 +99,7 @@ impl Workspace {
             levers,
             ..Scales::default()
         };
-        scales.coordinate[Kind::Length.index()] = length;
+        scales.coordinate[Quantity::Length.index()] = length;
         Self {
             x: zeros(total),
             v: zeros(total),
@@ -118,9 +118,9 @@ impl Workspace {
             local: Local::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
-            rewriting: Vec::new(),
-            handed_over: false,
-            travel: Travel::default(),
+            reparametrizations: Vec::new(),
+            segments_changed: false,
+            travel: SegmentWorkspace::default(),
             accelerations_asked: None,
             released: Vec::new(),
             element_charts: ElementCharts::default(),

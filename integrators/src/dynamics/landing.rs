@@ -35,7 +35,7 @@ fn point(state: &State) -> Point<'_> {
 
 impl Run<'_> {
     /// Makes the step that was just made from `progress` again where a change lies in it
-    /// ([`System::overdue`]), until it ends with the change, not later than `last`; the time at which
+    /// ([`System::overshoot`]), until it ends with the change, not later than `last`; the time at which
     /// it ends now. `None` where the change was due at the beginning, and is made at the next attempt.
     pub(super) fn land<Y: System + ?Sized>(
         &mut self,
@@ -53,7 +53,7 @@ impl Run<'_> {
         self.landing.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
-            let late = system.overdue(point(&progress.state), point(&self.stepper.next));
+            let late = system.overshoot(point(&progress.state), point(&self.stepper.next));
             let Some(late) = late.filter(|late| *late > -near && late.abs() > met) else {
                 break;
             };
@@ -64,7 +64,7 @@ impl Run<'_> {
                 }
                 self.landing.begun = Some(from);
                 let begin = end - from - short;
-                system.hand_over(point(&progress.state), point(&self.stepper.next), begin);
+                system.change_segments(point(&progress.state), point(&self.stepper.next), begin);
                 return Ok(None);
             }
             if aim > last {
@@ -90,11 +90,11 @@ impl Run<'_> {
         progress.short = if is_short { progress.short + 1 } else { 0 };
         // The buffers of the step hold the state before it.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
-        system.hand_over(from, to, self.landing.since);
+        system.change_segments(from, to, self.landing.since);
     }
 
     /// Whether the last change of charts has handed a map over; what it must keep is then known.
-    pub(super) fn has_handed_over<Y: System + ?Sized>(
+    pub(super) fn segments_changed<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         t: f64,
@@ -120,7 +120,7 @@ impl Run<'_> {
         let t = *t;
         let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if !self.has_handed_over(system, t)? {
+        if !self.segments_changed(system, t)? {
             return Ok(());
         }
         if progress.summary.steps == 0 {

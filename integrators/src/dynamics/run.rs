@@ -377,8 +377,8 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        let handed_over = self.has_handed_over(system, left)?;
-        if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
+        let segments_changed = self.segments_changed(system, left)?;
+        if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.kept, &now) {
             // What is missing is given back with the jump.
             kept.work(now, h);
         } else if let (Some(projection), Some(kept)) = (&mut self.projection, &mut progress.kept) {
@@ -396,7 +396,7 @@ impl Run<'_> {
             balance.book(&now, h, dissipated, &system.scales());
             balance.judge(left)?;
         }
-        if handed_over {
+        if segments_changed {
             self.jump(system, solver, progress, left, false)?;
         }
         match kink {
@@ -460,7 +460,7 @@ impl Run<'_> {
         let change = state.algorithmic.iter().zip(new).enumerate();
         let sizes = change
             .filter(|(i, _)| !system.is_multiplier(*i))
-            .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.kind(i).index()]);
+            .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.quantity(i).index()]);
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }
 }

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use crate::statics::Iteration;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 /// Where Newton's iteration of a step begins; velocities and accelerations follow by the scheme.
 ///
@@ -60,11 +60,11 @@ pub(crate) struct Stepper {
     pub evaluations: usize,
     pub factorisations: usize,
     /// What each coordinate measures.
-    kinds: Vec<Kind>,
+    quantities: Vec<Quantity>,
     /// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual
     /// that they leave.
     pub(super) inverse_scale: Vec<f64>,
-    /// Whether residuals of [`Kind::Other`] are gaps of multipliers, all of them.
+    /// Whether residuals of [`Quantity::Other`] are gaps of multipliers, all of them.
     gaps: bool,
     /// Room for the test of rounding errors.
     room: [Vec<f64>; 2],
@@ -94,7 +94,9 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
-        let mut others = (0..n).filter(|&i| system.kind(i) == Kind::Other).peekable();
+        let mut others = (0..n)
+            .filter(|&i| system.quantity(i) == Quantity::Other)
+            .peekable();
         let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
         Ok(Self {
             r: zeros(),
@@ -109,7 +111,7 @@ impl Stepper {
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
-            kinds: (0..n).map(|i| system.kind(i)).collect(),
+            quantities: (0..n).map(|i| system.quantity(i)).collect(),
             inverse_scale: inverse_scales(system),
             gaps,
             room: [zeros(), zeros()],
@@ -182,7 +184,7 @@ impl Stepper {
                 let q = &self.stages[group.start].state.q;
                 let [sizes, floor] = &mut self.room;
                 let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
-                least[Kind::Other.index()] = absolute.max(rounding);
+                least[Quantity::Other.index()] = absolute.max(rounding);
             }
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
@@ -223,7 +225,7 @@ impl Stepper {
         self.history.iter().filter(|i| i.damping > 0.0).count()
     }
 
-    /// Residuals of the stages of a group, into `dq`, and their largest entries per kind; with their
+    /// Residuals of the stages of a group, into `dq`, and their largest entries per quantity; with their
     /// tangents, where these are wanted.
     fn evaluate<Y: System + ?Sized>(
         &mut self,
@@ -268,8 +270,8 @@ impl Stepper {
             } else {
                 self.stage(system, k, from, None)?;
             }
-            for (r, kind) in self.r.iter().zip(&self.kinds) {
-                residual[kind.index()] = residual[kind.index()].max(r.abs());
+            for (r, quantity) in self.r.iter().zip(&self.quantities) {
+                residual[quantity.index()] = residual[quantity.index()].max(r.abs());
             }
             if group.len() == 1 {
                 self.dq[..self.r.len()].copy_from_slice(&self.r);

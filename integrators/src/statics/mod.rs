@@ -73,7 +73,7 @@ pub(crate) fn refused(relative: f64, absolute: f64) -> Option<(&'static str, f64
 /// One Newton iteration of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration {
-    /// Largest residual per kind of coordinate: force, moment, other.
+    /// Largest residual per quantity of coordinate: force, moment, other.
     pub residual: [f64; 3],
     /// The worst of them over what the convergence test allows.
     pub ratio: f64,

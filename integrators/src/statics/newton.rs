@@ -23,7 +23,7 @@ use crate::convergence::ConvergencePredictor;
 use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
 pub(super) struct Condition<'a> {
@@ -60,13 +60,13 @@ pub(super) struct Newton {
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    /// First residual per kind of a step that is not zero; that of a prediction is what it was made
+    /// First residual per quantity of a step that is not zero; that of a prediction is what it was made
     /// for, the change of the loads.
     unbalanced: [f64; 3],
     /// Whether there are gaps of multipliers, and the largest rounding error in them.
     has_gaps: bool,
     gaps: f64,
-    /// What the convergence test allows per kind.
+    /// What the convergence test allows per quantity.
     allowed: [f64; 3],
     /// Corrections of the history that are predictions, made before any residual was known.
     predicted: usize,
@@ -174,11 +174,11 @@ impl Newton {
         self.history.iter().filter(|i| i.damping > 0.0).count()
     }
 
-    /// Largest entry per kind of a residual-like vector.
+    /// Largest entry per quantity of a residual-like vector.
     pub(super) fn largest<Y: System + ?Sized>(&self, system: &Y, r: &[f64]) -> [f64; 3] {
         let mut largest = [0.0_f64; 3];
         for (i, r) in r.iter().enumerate() {
-            let k = system.kind(i).index();
+            let k = system.quantity(i).index();
             largest[k] = largest[k].max(r.abs());
         }
         largest
@@ -200,7 +200,7 @@ impl Newton {
             }
     }
 
-    /// Residual per kind, and the worst of them over what the convergence test allows.
+    /// Residual per quantity, and the worst of them over what the convergence test allows.
     fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
         let measures = system.scales().measures();
@@ -214,7 +214,7 @@ impl Newton {
             relative, absolute, ..
         } = self.options;
         let mut least = [absolute; 3];
-        least[Kind::Other.index()] = absolute.max(self.gaps);
+        least[Quantity::Other.index()] = absolute.max(self.gaps);
         self.allowed = allowed(measures, self.unbalanced, relative, least);
         for (most, allowed) in largest.iter().zip(self.allowed) {
             ratio = ratio.max(most / allowed);

@@ -104,7 +104,7 @@ pub enum ImplicitError {
 
 /// Why a solved constraint cannot be evaluated at some q.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Trouble {
+pub enum DomainError {
     /// Newton's method does not contract from the last converged state: q is too far from it.
     #[error(
         "its equations find no solution near the last one; {equation} is {residual:.3e}: take smaller \

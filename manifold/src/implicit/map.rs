@@ -4,7 +4,7 @@
 
 use super::{Equations, Implicit, Solved};
 use crate::jet::Taylor;
-use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
+use crate::map::{Kinematics, Map, Reparametrized, Tangent, derived};
 use crate::scalar::Scalar;
 use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
@@ -49,8 +49,8 @@ where
         }
     }
 
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        self.solve(t, q).err().map(|trouble| trouble.to_string())
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        self.solve(t, q).err().map(|error| error.to_string())
     }
 
     /// Not a number where the equations cannot be solved.
@@ -66,20 +66,20 @@ where
         ChartChanges::default()
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         self.choice() != super::Choice::Fixed
     }
 
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         self.settle(t, q, v)
     }
 
-    fn note(&self) -> Option<String> {
+    fn describe(&self) -> Option<String> {
         let chart = match self.independent() {
             Some(independent) => {
                 let names = independent.map(|k| self.constraint.coordinate(k));

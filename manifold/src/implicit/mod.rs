@@ -22,7 +22,7 @@
 //! formulations solve for.
 //!
 //! A is watched by its condition number at converged states. Where another choice of L is better by
-//! more than [`GAIN`], the coordinates are rewritten ([`crate::map::Rewritten`]): x, ẋ and ẍ are kept and
+//! more than [`GAIN`], the coordinates are rewritten ([`crate::map::Reparametrized`]): x, ẋ and ẍ are kept and
 //! seen in the new chart, which is linear in them.
 
 #![allow(non_snake_case)]
@@ -37,7 +37,7 @@ mod names;
 mod solve;
 
 pub use closed::Closed;
-pub use error::{ImplicitError, Trouble};
+pub use error::{DomainError, ImplicitError};
 pub use solve::Solved;
 
 use crate::map::Map;

@@ -2,8 +2,8 @@
 
 use super::assemble::{assemble, touching};
 use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
-use super::{Choice, Equations, GAIN, Implicit, ImplicitError, Trouble, names};
-use crate::map::{Map, Rewritten, derived};
+use super::{Choice, DomainError, Equations, GAIN, Implicit, ImplicitError, names};
+use crate::map::{Map, Reparametrized, derived};
 use nalgebra::{SMatrix, SVector};
 
 /// Residual of a redundant equation, as a relative change of coordinates, that counts as zero.
@@ -149,7 +149,11 @@ where
     }
 
     /// x at q, and A⁻¹ there.
-    pub(super) fn solve(&self, t: f64, q: &SVector<f64, D>) -> Result<Solution<D, X, M>, Trouble> {
+    pub(super) fn solve(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+    ) -> Result<Solution<D, X, M>, DomainError> {
         let residual = Equations(&self.constraint);
         let mut x = self.anchor + self.anchor_B * (q - self.coordinates(&self.anchor));
         let mut before = f64::INFINITY;
@@ -188,11 +192,11 @@ where
             .fold(0.0, |a, b| if a > b { a } else { b + 0.0 * a })
     }
 
-    fn check_unused(&self, h: &SVector<f64, M>) -> Result<(), Trouble> {
+    fn check_unused(&self, h: &SVector<f64, M>) -> Result<(), DomainError> {
         for i in (0..M).filter(|&i| !self.chart.used[i]) {
             let allowed = CONSISTENT * self.sizes[i];
             if h[i].is_nan() || h[i].abs() > allowed {
-                return Err(Trouble::Inconsistent {
+                return Err(DomainError::Inconsistent {
                     equation: self.constraint.equation(i),
                     residual: h[i],
                 });
@@ -201,19 +205,19 @@ where
         Ok(())
     }
 
-    fn too_far(&self, h: &SVector<f64, M>) -> Trouble {
+    fn too_far(&self, h: &SVector<f64, M>) -> DomainError {
         let i = h.iamax();
-        Trouble::TooFar {
+        DomainError::TooFar {
             equation: self.constraint.equation(i),
             residual: h[i],
         }
     }
 
-    fn singular(&self, J: &SMatrix<f64, M, X>) -> Trouble {
+    fn singular(&self, J: &SMatrix<f64, M, X>) -> DomainError {
         let condition = invert(&self.constraint, &self.chart, J, &self.sizes)
             .map_or(f64::INFINITY, |i| i.condition);
         let (equations, coordinates) = names::dependences(&self.constraint, J, &self.sizes, X - D);
-        Trouble::Singular {
+        DomainError::Singular {
             condition,
             equations,
             coordinates,
@@ -235,7 +239,7 @@ where
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let now = self.remember(t, q)?;
         if self.choice == Choice::Fixed {
             return None;
@@ -245,7 +249,7 @@ where
         if now.inverse.condition <= GAIN * inverse.condition {
             return None;
         }
-        Some(self.rewrite(t, q, v, chart, inverse.B))
+        Some(self.reparametrize(t, q, v, chart, inverse.B))
     }
 
     /// Changes the chart at (q, q̇) whether that is due or not: to the coordinates `independent` as
@@ -256,7 +260,7 @@ where
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
         independent: Option<[usize; D]>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let now = self.remember(t, q)?;
         let J = derived::tangent(&Equations(&self.constraint), t, &now.x).B;
         let used = self.chart.used;
@@ -268,22 +272,22 @@ where
             },
         };
         let inverse = invert(&self.constraint, &chart, &J, &self.sizes)?;
-        (inverse.condition * RANK < 1.0).then(|| self.rewrite(t, q, v, chart, inverse.B))
+        (inverse.condition * RANK < 1.0).then(|| self.reparametrize(t, q, v, chart, inverse.B))
     }
 
     /// q′ = L′ᵀ(x − x_ref) is linear in x: x, ẋ and ẍ are what they were.
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
         chart: Chart<D, X, M>,
         B: SMatrix<f64, X, D>,
-    ) -> Rewritten<D> {
+    ) -> Reparametrized<D> {
         let k = self.kinematics(t, q, v, &SVector::zeros());
         self.chart = chart;
         self.anchor_B = B;
-        Rewritten {
+        Reparametrized {
             q: self.coordinates(&k.x),
             v: self.rates(&k.x_dot),
             B: chart.L.tr_mul(&k.B),

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::Map;
-use crate::so3::Spins;
+use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
 
@@ -62,42 +62,42 @@ pub trait Parametrization: Send + Sync {
         false
     }
 
-    /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
+    /// See [`Map::reparametrize`]: the coordinates, their velocities and any number of accelerations are
     /// changed in place; whether they were. Nothing to do by default.
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let _ = (t, q, v, a);
         false
     }
 
-    /// See [`Map::rewrites`].
-    fn rewrites(&self) -> bool {
+    /// See [`Map::reparametrizes`].
+    fn reparametrizes(&self) -> bool {
         false
     }
 
-    /// See [`Map::spins`].
-    fn spins(&self) -> Option<Spins> {
+    /// See [`Map::velocity_kind`].
+    fn velocity_kind(&self) -> Option<VelocityKind> {
         None
     }
 
-    /// See [`Map::trouble`].
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+    /// See [`Map::domain_error`].
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
         None
     }
 
     /// What makes steps from the last converged state fail though the map is defined there, in words
     /// that follow "joint at node a: ": a singular configuration that is near. Nothing by default.
-    fn doubt(&self) -> Option<String> {
+    fn singularity_warning(&self) -> Option<String> {
         None
     }
 
-    /// See [`Map::note`].
-    fn note(&self) -> Option<String> {
+    /// See [`Map::describe`].
+    fn describe(&self) -> Option<String> {
         None
     }
 
-    /// See [`Map::overdue`]; both states are (q, q̇).
-    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+    /// See [`Map::overshoot`]; both states are (q, q̇).
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let _ = (h, from, to);
         None
     }
@@ -119,14 +119,14 @@ pub trait Parametrization: Send + Sync {
 
     /// What the map remembers of its way besides the coordinates, where it cannot be found from
     /// them: what a checkpoint has to hold.
-    fn memory(&self) -> Vec<f64> {
+    fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Goes on from what [`Parametrization::memory`] gave for the same map; false, and no change,
+    /// Goes on from what [`Parametrization::save`] gave for the same map; false, and no change,
     /// where that is not of this map.
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        memory.is_empty()
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        saved.is_empty()
     }
 
     /// See [`Map::violation`].
@@ -187,9 +187,9 @@ where
         self.0.is_objective()
     }
 
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(x);
-        let Some(new) = self.0.rewrite(t, &take(q), &take(v)) else {
+        let Some(new) = self.0.reparametrize(t, &take(q), &take(v)) else {
             return false;
         };
         q.copy_from_slice(new.q.as_slice());
@@ -201,33 +201,33 @@ where
         true
     }
 
-    fn rewrites(&self) -> bool {
-        self.0.rewrites()
+    fn reparametrizes(&self) -> bool {
+        self.0.reparametrizes()
     }
 
-    fn spins(&self) -> Option<Spins> {
-        self.0.spins()
+    fn velocity_kind(&self) -> Option<VelocityKind> {
+        self.0.velocity_kind()
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.0.memory()
+    fn save(&self) -> Vec<f64> {
+        self.0.save()
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        self.0.recall(memory)
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.0.restore(saved)
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.trouble(t, &SVector::from_column_slice(q))
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.domain_error(t, &SVector::from_column_slice(q))
     }
 
-    fn note(&self) -> Option<String> {
-        self.0.note()
+    fn describe(&self) -> Option<String> {
+        self.0.describe()
     }
 
-    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
-        self.0.overdue(h, from.each_ref(), to.each_ref())
+        self.0.overshoot(h, from.each_ref(), to.each_ref())
     }
 
     fn enter(&mut self, segment: usize) {

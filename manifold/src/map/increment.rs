@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use super::{Map, Rewritten};
+use super::{Map, Reparametrized};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
-use crate::so3::{self, Quaternion, Spins};
+use crate::so3::{self, Quaternion, VelocityKind};
 use crate::system::ChartChanges;
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -22,11 +22,11 @@ use std::f64::consts::{PI, TAU};
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles; or of three, for a
+/// ([`Map::reparametrizes`]): a node of six coordinates, three lengths and three angles; or of three, for a
 /// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
-/// Made by [`Increment::spinning`] its rates are spins from the first converged state on
-/// ([`Map::spins`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
+/// Made by [`Increment::with_velocities`] its rates are spins from the first converged state on
+/// ([`Map::velocity_kind`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
 /// generalised-α family adds up are the updates of the Lie-group method of Brüls, Cardona &
 /// Arnold 2012,
 ///
@@ -41,8 +41,8 @@ use std::f64::consts::{PI, TAU};
 pub struct Increment {
     /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
-    /// What spins rates are once the chart is centred, and whether it has been.
-    spinning: Option<Spins>,
+    /// Which angular velocities the rates are once the chart is centred, and whether it has been.
+    velocity_kind: Option<VelocityKind>,
     centred: bool,
 }
 
@@ -58,15 +58,15 @@ impl Increment {
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
             turn: so3::quaternion(Psi),
-            spinning: None,
+            velocity_kind: None,
             centred: false,
         }
     }
 
     /// From the reference orientation, with spins for rates.
-    pub fn spinning(spins: Spins) -> Self {
+    pub fn with_velocities(kind: VelocityKind) -> Self {
         Self {
-            spinning: Some(spins),
+            velocity_kind: Some(kind),
             ..Self::default()
         }
     }
@@ -117,22 +117,22 @@ impl<const D: usize> Map<D, D> for Increment {
         }
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         true
     }
 
-    fn spins(&self) -> Option<Spins> {
-        self.spinning.filter(|_| self.centred)
+    fn velocity_kind(&self) -> Option<VelocityKind> {
+        self.velocity_kind.filter(|_| self.centred)
     }
 
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
-    fn memory(&self) -> Vec<f64> {
+    fn save(&self) -> Vec<f64> {
         let Quaternion { w, v } = self.turn;
         vec![w, v.x, v.y, v.z, f64::from(u8::from(self.centred))]
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        let &[w, x, y, z, centred] = memory else {
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let &[w, x, y, z, centred] = saved else {
             return false;
         };
         let v = Vector3::new(x, y, z);
@@ -144,14 +144,14 @@ impl<const D: usize> Map<D, D> for Increment {
         unit
     }
 
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         _t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
-        let spins = Map::<D, D>::spins(self);
+        let kind = Map::<D, D>::velocity_kind(self);
         self.centred = true;
         if theta == Vector3::zeros() {
             return None;
@@ -162,7 +162,7 @@ impl<const D: usize> Map<D, D> for Increment {
             w: turned.w * scale,
             v: turned.v * scale,
         };
-        let mut new = Rewritten {
+        let mut new = Reparametrized {
             q: *q,
             v: *v,
             B: nalgebra::SMatrix::identity(),
@@ -170,16 +170,16 @@ impl<const D: usize> Map<D, D> for Increment {
         };
         new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
         // From rates or spins at θ to Ω and Ω̇.
-        let B = match spins {
-            Some(Spins::Material) => return Some(new),
-            Some(Spins::Spatial | Spins::Mixed) => so3::rotation(&theta).transpose(),
+        let B = match kind {
+            Some(VelocityKind::Material) => return Some(new),
+            Some(VelocityKind::Spatial | VelocityKind::Mixed) => so3::rotation(&theta).transpose(),
             None => so3::tangent(&theta),
         };
         new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
-        if spins != Some(Spins::Mixed) {
+        if kind != Some(VelocityKind::Mixed) {
             new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
         }
-        if spins.is_none() {
+        if kind.is_none() {
             let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
             new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
         }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Which angular velocity stands for the rate of a rotation vector θ, R = Rₙ R(θ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spins {
+pub enum VelocityKind {
     /// The material one, Ω = T θ̇ and Ω̇ = T θ̈ + Ṫ θ̇ (\[M04\] (50)): components turn with the body.
     Material,
     /// The spatial one in the components of Rₙ, w = Rₙᵀ ω = R(θ) Ω = Tᵀ θ̇ and ẇ = Rₙᵀ ω̇ = R(θ) Ω̇:
@@ -19,7 +19,7 @@ pub enum Spins {
     Mixed,
 }
 
-impl Spins {
+impl VelocityKind {
     /// Tᵀ(θ) = T(−θ): spatial spins of θ are material ones of −θ, with the sign changed.
     fn sign(self) -> f64 {
         match self {
@@ -33,8 +33,8 @@ impl Spins {
 /// Ω̇ in place of θ, θ̇ and θ̈.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
-    /// Which spins they are.
-    pub spins: Spins,
+    /// Which angular velocity.
+    pub kind: VelocityKind,
     /// θ̇ = T⁻¹ Ω.
     pub theta_dot: Vector3<f64>,
     /// θ̈ = T⁻¹ (Ω̇ − Ṫ θ̇).
@@ -45,22 +45,22 @@ impl Spin {
     /// The rates at θ with the spins Ω and Ω̇, w and ẇ, or w and Ω̇.
     #[must_use]
     pub fn rates(
-        spins: Spins,
+        kind: VelocityKind,
         theta: &Vector3<f64>,
         Omega: &Vector3<f64>,
         Omega_dot: &Vector3<f64>,
     ) -> Self {
-        let Omega_dot = match spins {
-            Spins::Mixed => rotation(theta) * Omega_dot,
-            Spins::Material | Spins::Spatial => *Omega_dot,
+        let Omega_dot = match kind {
+            VelocityKind::Mixed => rotation(theta) * Omega_dot,
+            VelocityKind::Material | VelocityKind::Spatial => *Omega_dot,
         };
-        let theta = theta * spins.sign();
+        let theta = theta * kind.sign();
         let T_inverse = tangent_inverse(&theta);
         let theta_dot = T_inverse * Omega;
         // Ṫ θ̇ is quadratic in θ̇, whose sign thus does not matter here.
-        let rest = T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm())) * spins.sign();
+        let rest = T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm())) * kind.sign();
         Self {
-            spins,
+            kind,
             theta_dot,
             theta_ddot: T_inverse * (Omega_dot - rest),
         }
@@ -77,9 +77,9 @@ impl Spin {
     /// Of mixed ones M e is δΩ̇ in the body, so that δẇ = R(θ) (M e + Tδθ × Ω̇).
     #[must_use]
     pub fn varied(&self, [K, C, M]: [f64; 3], theta: &Vector3<f64>) -> [Matrix3<f64>; 2] {
-        let given = match self.spins {
-            Spins::Material | Spins::Spatial => Matrix3::from_diagonal_element(M),
-            Spins::Mixed => {
+        let given = match self.kind {
+            VelocityKind::Material | VelocityKind::Spatial => Matrix3::from_diagonal_element(M),
+            VelocityKind::Mixed => {
                 let T = tangent(theta);
                 let rest = T_dot_psi_dot(&self.theta_dot, theta, &Quotients::new(theta.norm()));
                 let Omega_dot = T * self.theta_ddot + rest;
@@ -87,7 +87,7 @@ impl Spin {
             }
         };
         // Everything changes its sign for spatial spins: derivatives do not.
-        let sign = self.spins.sign();
+        let sign = self.kind.sign();
         let [theta, theta_dot, theta_ddot] =
             [theta, &self.theta_dot, &self.theta_ddot].map(|x| x * sign);
         let c = Quotients::new(theta.norm());

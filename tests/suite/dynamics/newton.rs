@@ -27,7 +27,7 @@ use pullback::integrators::statics::Iteration;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3::Quaternion;
 use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+use pullback::manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
@@ -158,8 +158,8 @@ impl System for Plain {
         self.model.evaluate(at, Evaluation { S, ..out })
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        self.model.kind(i)
+    fn quantity(&self, i: usize) -> Quantity {
+        self.model.quantity(i)
     }
 
     fn name(&self, i: usize) -> String {

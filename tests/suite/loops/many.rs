@@ -64,7 +64,7 @@ fn hung(count: usize) -> [usize; 2] {
     // Four coordinates and six equations for each loop: none is solved together with another.
     let sizes = [mobility.loops, mobility.equations, mobility.coordinates];
     assert_eq!(sizes, [count, 6 * count, 4 * count + 1]);
-    assert_eq!(model.notes().len(), count);
+    assert_eq!(model.descriptions().len(), count);
     let n = model.pattern().dim();
     assert_eq!(model.pattern().len(), n * n);
     let mut S = vec![0.0; n * n];

@@ -1,7 +1,7 @@
 //! Nodes that a program's own joints release, where they are not of one coordinate each.
 
 use pullback::input::BoxedError;
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 
 /// Two ways of one node: springs, drives and probes act on nodes of one coordinate.
@@ -51,7 +51,7 @@ joint = "table"
 fn a_node_of_two_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, _: Empty| {
         let ways = format!("{} ways", at.name);
-        let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
+        let ways = at.builder.coordinates(ways, &[Quantity::Length; 2])?;
         let position = at.builder.position(at.parent).into();
         let all = [at.parent, ways];
         let frame = at.builder.add_joint_frame(at.name, position, Pair, &all)?;

@@ -215,7 +215,7 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         let mut all = Vec::new();
         let mut whole = make();
         let end = whole.run(Vector3::zeros(), &options, &mut |model, step| {
-            let memory = (model.map_memories(), model.element_charts());
+            let memory = (model.save_maps(), model.element_charts());
             all.push((step.progress.clone(), memory, step.step_size));
         });
         let landed = |k: &usize| all[*k].2 < 0.9 * STEP;
@@ -224,7 +224,7 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         for k in landings.into_iter().flat_map(|k| [k - 1, k, k + 1]) {
             let (progress, (maps, charts), _) = &all[k];
             let mut chain = make();
-            assert!(chain.model.recall_maps(maps));
+            assert!(chain.model.restore_maps(maps));
             chain.model.set_element_charts(charts);
             let mut progress = progress.clone();
             let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());

@@ -6,7 +6,7 @@ use super::tree::Tree;
 use super::{Closing, Held};
 use crate::model::{ModelError, Node, NodeForm, Source};
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// A loop: its two frames, and where their chains meet.
 #[derive(Clone, Debug)]
@@ -160,8 +160,8 @@ pub(super) fn root_matters(
     [0.3, 1.1, 2.9].iter().any(|&s| {
         let mut y: Vec<f64> = (0..inputs.count).map(|k| far(k, s)).collect();
         for &(n, first) in &inputs.nodes {
-            let kinds = (first..).zip(nodes[n as usize].kinds.iter());
-            for (k, _) in kinds.filter(|(_, kind)| **kind == Kind::Length) {
+            let quantities = (first..).zip(nodes[n as usize].quantities.iter());
+            for (k, _) in quantities.filter(|(_, quantity)| **quantity == Quantity::Length) {
                 y[k] *= length;
             }
         }

@@ -86,7 +86,7 @@ impl ModelBuilder {
     /// A child that is free is attached to the frame from now on. One that is attached to something else, or
     /// is held, closes a loop: the builder then makes the coordinates of the joints along the loop
     /// follow from as many independent ones as it leaves free, which change in the run where others
-    /// become better. [`Model::notes`](super::Model::notes) tells what became of it.
+    /// become better. [`Model::descriptions`](super::Model::descriptions) tells what became of it.
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.

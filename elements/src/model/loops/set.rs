@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
 use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::HashMap;
 
 /// The inputs of a set of loops: first the parameters, then the unknowns.
@@ -221,17 +221,21 @@ pub(super) fn close_set(
         .collect();
     let joints = joints.join(", ");
     let mut about = Description::default();
-    let mut kinds = Vec::new();
+    let mut quantities = Vec::new();
     for &(n, first) in unknown {
         let node = &nodes[n as usize];
         if node.form == NodeForm::Rotation {
             about.rotations.push(first - inputs.parameters);
         }
-        for (k, &kind) in node.kinds.iter().enumerate() {
-            kinds.push(kind);
+        for (k, &quantity) in node.quantities.iter().enumerate() {
+            quantities.push(quantity);
             about.unknowns.push(Unknown {
                 name: node.coordinate_name(k),
-                size: if kind == Kind::Length { length } else { 1.0 },
+                size: if quantity == Quantity::Length {
+                    length
+                } else {
+                    1.0
+                },
                 start: wishes.starts.get(&(NodeId(n), k)).copied(),
                 preference: preference(nodes, chains, n, wishes),
             });
@@ -266,16 +270,16 @@ pub(super) fn close_set(
         displaced(nodes, unknown, &map, inputs.parameters),
         drawn_apart(nodes, chains, length),
     );
-    let (count, D) = (kinds.len(), map.freedoms());
+    let (count, D) = (quantities.len(), map.freedoms());
     let first = map.independent().and_then(|k| k.first().copied());
-    let kind = first.map_or(Kind::Angle, |k| kinds[k]);
+    let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
     let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
     if D > 0 {
         let name = format!("loop of {joints}");
         nodes.push(Node::new(
             name,
             NodeForm::Coordinates,
-            &vec![kind; D],
+            &vec![quantity; D],
             Source::Own,
         ));
         parents.insert(0, nodes.len() as u32 - 1);
@@ -290,7 +294,7 @@ pub(super) fn close_set(
     let all = Dependence::new(Box::new(map), vec![parents], D + p.len());
     let source = Source::Mapped(Box::new(all));
     let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, NodeForm::Coordinates, &kinds, source));
+    nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
     let x = nodes.len() as u32 - 1;
     for &(n, first) in unknown {
         let node = &mut nodes[n as usize];

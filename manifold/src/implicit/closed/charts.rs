@@ -215,7 +215,7 @@ impl Core {
                 return false;
             }
         }
-        self.rewrite(t, None, q, v, a)
+        self.reparametrize(t, None, q, v, a)
     }
 
     pub(super) fn switch(
@@ -230,13 +230,13 @@ impl Core {
         if !independent.is_none_or(fits) || !self.remember(t, q) {
             return false;
         }
-        self.rewrite(t, Some(independent), q, v, a)
+        self.reparametrize(t, Some(independent), q, v, a)
     }
 
     /// Takes (q, p), velocities and accelerations to another chart: the best one, or the one
     /// `wanted`. q′ = L′ᵀ(x − x_ref) is linear in x; x, ẋ and ẍ stay, but for rotation vectors
     /// beyond π, which go to their complements.
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         t: f64,
         wanted: Option<Option<&[usize]>>,
@@ -336,7 +336,7 @@ impl Core {
     }
 
     /// The state besides (q, p): anchor, chart and sizes, as numbers.
-    pub(super) fn memory(&self) -> Vec<f64> {
+    pub(super) fn save(&self) -> Vec<f64> {
         let mut out = vec![self.anchor.t];
         out.extend(&self.anchor.q);
         out.extend(&self.anchor.x);
@@ -347,14 +347,14 @@ impl Core {
         out
     }
 
-    /// Goes on from what [`Core::memory`] gave; false, and no change, for anything else.
-    pub(super) fn recall(&mut self, memory: &[f64]) -> bool {
+    /// Goes on from what [`Core::save`] gave; false, and no change, for anything else.
+    pub(super) fn restore(&mut self, saved: &[f64]) -> bool {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
-        let before = self.memory();
-        if memory.len() != before.len() || !memory.iter().all(|x| x.is_finite()) {
+        let before = self.save();
+        if saved.len() != before.len() || !saved.iter().all(|x| x.is_finite()) {
             return false;
         }
-        let mut rest = memory;
+        let mut rest = saved;
         let mut take = |n: usize| -> &[f64] {
             let (head, tail) = rest.split_at(n);
             rest = tail;
@@ -380,7 +380,7 @@ impl Core {
         used == X - D && complete && self.refresh(t, &q)
     }
 
-    pub(super) fn note(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let names = |k: &Vec<usize>| {
             let names: Vec<&str> = k
                 .iter()

@@ -4,7 +4,7 @@ mod derivatives;
 
 use super::super::chart::RANK;
 use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::super::{Choice, Trouble};
+use super::super::{Choice, DomainError};
 use super::Description;
 use super::dense::{Inverse, Pivoted, norm, product};
 use crate::map::Parametrization;
@@ -225,7 +225,7 @@ impl Core {
     }
 
     /// x at (q, p) into the workspace, with A⁻¹; nothing to do where it stands there already.
-    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());
         }
@@ -246,7 +246,7 @@ impl Core {
         Ok(())
     }
 
-    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
@@ -300,7 +300,7 @@ impl Core {
             before = size;
         }
         let i = self.worst();
-        Err(Trouble::TooFar {
+        Err(DomainError::TooFar {
             equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
         })
@@ -330,11 +330,11 @@ impl Core {
         worst
     }
 
-    fn check_unused(&self) -> Result<(), Trouble> {
+    fn check_unused(&self) -> Result<(), DomainError> {
         for i in (0..self.M).filter(|&i| !self.chart.used[i]) {
             let h = self.work.h[i];
             if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
-                return Err(Trouble::Inconsistent {
+                return Err(DomainError::Inconsistent {
                     equation: self.about.equations[i].name.clone(),
                     residual: h,
                 });
@@ -345,7 +345,7 @@ impl Core {
 
     /// The singular configuration that a state is close to, if it is: no chart has a fair condition
     /// number there.
-    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<Trouble> {
+    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<DomainError> {
         let rank = self.X - self.D;
         if rank == 0 {
             return None;
@@ -360,17 +360,17 @@ impl Core {
             return None;
         }
         let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
-        Some(Trouble::Singular {
+        Some(DomainError::Singular {
             condition,
             equations,
             coordinates,
         })
     }
 
-    fn singular(&mut self) -> Trouble {
+    fn singular(&mut self) -> DomainError {
         let condition = self.work.condition;
         let (equations, coordinates) = self.dependences(self.X - self.D);
-        Trouble::Singular {
+        DomainError::Singular {
             condition,
             equations,
             coordinates,

@@ -24,7 +24,7 @@ mod names;
 mod start;
 mod walk;
 
-use super::{ImplicitError, Trouble};
+use super::{DomainError, ImplicitError};
 use crate::map::{KinematicsMut, Parametrization};
 use crate::system::ChartChanges;
 pub(super) use start::aside;
@@ -186,11 +186,11 @@ impl Parametrization for Closed {
         ChartChanges::default()
     }
 
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         self.core_mut().settle(t, q, v, a)
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         self.core().D > 0
     }
 
@@ -198,26 +198,26 @@ impl Parametrization for Closed {
         "the positions that its equations allow"
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         self.core().solve(t, q).err().map(advised)
     }
 
-    fn doubt(&self) -> Option<String> {
+    fn singularity_warning(&self) -> Option<String> {
         let mut core = self.core();
         let from = core.anchor.clone();
         core.close_to_singular(&from).map(advised)
     }
 
-    fn note(&self) -> Option<String> {
-        Some(self.core().note())
+    fn describe(&self) -> Option<String> {
+        Some(self.core().describe())
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.core().memory()
+    fn save(&self) -> Vec<f64> {
+        self.core().save()
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        self.core_mut().recall(memory)
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.core_mut().restore(saved)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -264,10 +264,10 @@ impl Parametrization for Closed {
 }
 
 /// What there is to say, and to do.
-fn advised(trouble: Trouble) -> String {
-    match trouble {
-        Trouble::Singular { .. } | Trouble::Crossed => format!(
-            "{trouble}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
+fn advised(error: DomainError) -> String {
+    match error {
+        DomainError::Singular { .. } | DomainError::Crossed => format!(
+            "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
         ),
         other => other.to_string(),
     }

@@ -1,6 +1,6 @@
 //! Which equations depend on which, and which coordinates they leave undetermined, in words.
 
-use super::super::Trouble;
+use super::super::DomainError;
 use super::super::chart::RANK;
 use super::super::names::list;
 use super::core::Core;
@@ -24,7 +24,7 @@ impl Core {
 
     /// Why an equation that was redundant does not follow any more, at h_y as it stands: because of
     /// the parameters where it changes with them although the others hold.
-    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> Trouble {
+    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> DomainError {
         self.operators();
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let found = self.about.equations.iter().position(|e| e.name == equation);
@@ -34,12 +34,12 @@ impl Core {
             (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
         };
         match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
-            Some(i) => Trouble::Overdriven {
+            Some(i) => DomainError::Overdriven {
                 driven: self.driven(|j| slope(i, j) > SMALL),
                 equation,
                 residual,
             },
-            None => Trouble::Inconsistent { equation, residual },
+            None => DomainError::Inconsistent { equation, residual },
         }
     }
 

@@ -1,6 +1,6 @@
 //! The way from the last converged state to another one, on one branch of solutions.
 
-use super::super::Trouble;
+use super::super::DomainError;
 use super::core::Core;
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ const PARTS: usize = 64;
 impl Core {
     /// x at (q, p) and its operators into the workspace. Newton's method alone may end on another
     /// branch: where the equations change by too much to exclude one, the way is walked in smaller parts.
-    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
@@ -35,8 +35,10 @@ impl Core {
             parts *= 2;
         };
         std::mem::swap(&mut self.anchor, &mut self.parked);
-        outcome.map_err(|trouble| match trouble {
-            Trouble::Inconsistent { equation, residual } => self.contradicted(equation, residual),
+        outcome.map_err(|error| match error {
+            DomainError::Inconsistent { equation, residual } => {
+                self.contradicted(equation, residual)
+            }
             other => self.explained(other),
         })
     }
@@ -44,7 +46,7 @@ impl Core {
     /// Why the way ends where it has, the parked position: at the end of what is driven, where the
     /// slopes of x with it grow like the condition number, or at a singular configuration, where they
     /// do not.
-    fn explained(&mut self, trouble: Trouble) -> Trouble {
+    fn explained(&mut self, error: DomainError) -> DomainError {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
         if self.p > 0 && (self.D == 0 || singular.is_some()) {
@@ -54,20 +56,20 @@ impl Core {
                 over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
             });
             match singular {
-                Some(Trouble::Singular { condition, .. })
+                Some(DomainError::Singular { condition, .. })
                     if steepest * STEEP * self.X as f64 > condition => {}
                 Some(singular) => return singular,
                 None => {}
             }
-            return Trouble::OutOfReach {
+            return DomainError::OutOfReach {
                 driven: self.driven(|_| true),
             };
         }
-        singular.unwrap_or(trouble)
+        singular.unwrap_or(error)
     }
 
     /// From the parked anchor in equal parts along a straight line.
-    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), Trouble> {
+    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), DomainError> {
         self.anchor.clone_from(&self.parked);
         let mut next = std::mem::take(&mut self.work.stop);
         let mut outcome = Ok(());
@@ -96,14 +98,14 @@ impl Core {
     }
 
     /// One part of the way, by Newton's method, from where the slopes at its beginning lead.
-    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
         self.search(t, q, follow)?;
         self.operators();
         if !follow {
             return Ok(());
         }
         if self.changed() >= 1.0 {
-            return Err(Trouble::Crossed);
+            return Err(DomainError::Crossed);
         }
         Ok(())
     }
