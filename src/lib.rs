@@ -138,8 +138,8 @@ pub mod prelude {
     };
     pub use pullback_elements::load::{CoordinateForce, LineLoad, LoadKind, NodalLoad};
     pub use pullback_elements::model::{
-        Arc, Audit, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState,
-        RigidMotion, Straight,
+        Arc, Axis, Dof, EnergiesAndMomentum, Line, Model, ModelBuilder, ModelError, NodeId,
+        NodeState, RigidMotion, Straight,
     };
     pub use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
     pub use pullback_elements::time::{

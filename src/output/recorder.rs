@@ -408,7 +408,9 @@ impl<'a> Recorder<'a> {
 /// The answers of a model at the state that a motion has reached.
 fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
-    let audit = model.audit(point(progress)).map_err(RecordError::Audit)?;
+    let audit = model
+        .energies_and_momentum(point(progress))
+        .map_err(RecordError::Audit)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
     Ok(Answers::of(model, t).moving(Some(audit), defect))
 }

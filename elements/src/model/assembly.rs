@@ -5,7 +5,7 @@
 use super::Model;
 use super::element_charts::TOO_FAR;
 use super::runs::check_length;
-use super::scatter::{Group, Into};
+use super::scatter::{Group, ScatterTarget};
 use crate::element::ElementError;
 use crate::time::Input;
 use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
@@ -156,22 +156,22 @@ impl Model {
             };
             if !e.mapped {
                 local.combine(e, *weights, [statics, rates]);
-                self.placement.scatter(e, &self.spans, &local.S, values);
+                self.scatter_map.scatter(e, &self.spans, &local.S, values);
                 continue;
             }
             let (tangents, work) = local.tangents(e, statics);
             let group = Group {
                 nodes: &e.nodes,
-                first_place: e.first_place,
+                first_position: e.first_position,
                 tangents,
                 weights: *weights,
             };
-            let mut into = Into {
+            let mut into = ScatterTarget {
                 values,
                 panels: &mut w.panels,
                 work,
             };
-            self.placement
+            self.scatter_map
                 .scatter_group(&self.nodes, &w.operators, &group, &mut into);
         }
         Ok(())
@@ -229,7 +229,7 @@ impl Model {
             w.direct[c] = w.r[c];
         }
         if let Some((_, values)) = &mut S {
-            self.placement.clear_unwritten(values);
+            self.scatter_map.clear_unwritten(values);
             self.work.panels.fill(0.0);
             self.chain_operators(!statics);
         }

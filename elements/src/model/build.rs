@@ -1,11 +1,11 @@
 //! The end of building: one check of the whole, the numbering, the pattern.
 
-use super::ancestry::{self, Alternatives};
 use super::builder::{ModelBuilder, NodeId};
 use super::connections::check_connections;
+use super::dependency_graph::{self, Alternatives};
 use super::formulation;
 use super::loops;
-use super::placement::Placement;
+use super::scatter_map::ScatterMap;
 use super::start;
 use super::workspace::Workspace;
 use super::{
@@ -59,9 +59,9 @@ impl ModelBuilder {
             node.first = total;
             total += node.dim;
         }
-        let dependent = ancestry::order(&nodes);
+        let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
+        let operators = dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
@@ -77,18 +77,18 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut placement = Placement::new(nodes.len(), total);
+        let mut scatter_map = ScatterMap::new(nodes.len(), total);
         for n in outward(&nodes, &elements, &prescribed) {
             let node = &nodes[n];
             let mut size = 0;
             for c in node.range().filter(|&c| free[c]) {
                 unknowns[c] = coordinates.len() as u32;
                 coordinates.push(c);
-                placement.rows[c] = size;
+                scatter_map.rows[c] = size;
                 size += 1;
             }
             if size > 0 {
-                placement.blocks[n] = sizes.len() as u32;
+                scatter_map.blocks[n] = sizes.len() as u32;
                 sizes.push(size as usize);
             }
         }
@@ -99,7 +99,7 @@ impl ModelBuilder {
         for e in &elements {
             sets.extend(alternatives.of(&e.nodes));
         }
-        let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+        let block = |n: &u32| Some(scatter_map.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
         let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
@@ -110,8 +110,8 @@ impl ModelBuilder {
             _ => 1.0,
         };
         let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
-        let panels = placement.arrange(&nodes, &dependent, &elements, &alternatives);
-        placement.locate(&nodes, &dependent, &mut elements, &pattern);
+        let panels = scatter_map.arrange(&nodes, &dependent, &elements, &alternatives);
+        scatter_map.locate(&nodes, &dependent, &mut elements, &pattern);
 
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let turned = |n: &usize| {
@@ -168,7 +168,7 @@ impl ModelBuilder {
             magnitudes,
             length,
             pattern,
-            placement,
+            scatter_map,
             work,
         };
         let zero = vec![0.0; model.coordinates.len()];

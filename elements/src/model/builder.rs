@@ -1,9 +1,9 @@
 //! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
 
 use super::assembly::MAX_NODES;
-use super::dependence::Dependence;
 use super::formulation::Formulation;
 use super::loops::Closing;
+use super::mapped_node::MappedNode;
 use super::{ElementEntry, ModelError, Node, NodeForm, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, Input, TimeFunction};
@@ -229,7 +229,7 @@ impl ModelBuilder {
         }
         let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
-        let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
+        let source = Source::Mapped(Box::new(MappedNode::new(map, segments, d)));
         self.add_node(name, position, form, quantities, source)
     }
 
@@ -313,8 +313,8 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
     ) {
         self.gears.insert(follower, (leader, ratio));
-        let dependence = Dependence::new(map, vec![vec![leader.0]], 1);
-        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(map, vec![vec![leader.0]], 1);
+        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(mapped));
     }
 
     pub(super) fn check_own(
@@ -392,7 +392,7 @@ impl ModelBuilder {
             loose: None,
             mapped: false,
             held: false,
-            first_place: 0,
+            first_position: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }

@@ -1,7 +1,7 @@
 //! Which chart each node and each element uses, decided at converged states only.
 
-use super::dependence::Dependence;
 use super::gather::collect;
+use super::mapped_node::MappedNode;
 use super::slots::fold;
 use super::{Model, Node, NodeForm, Source, among};
 use nalgebra::Vector3;
@@ -347,7 +347,7 @@ fn by_increments(nodes: &[Node], node: &Node) -> bool {
 }
 
 /// The dependence of a node whose map may choose other coordinates, increments apart.
-fn reparametrizing(nodes: &[Node], n: u32) -> Option<&Dependence> {
+fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
     let node = &nodes[n as usize];
     match &node.source {
         Source::Mapped(d) if d.map.reparametrizes() && !by_increments(nodes, node) => Some(d),

@@ -3,8 +3,8 @@
 
 #![allow(non_snake_case)]
 
+use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
-use super::local::Local;
 use super::{ElementEntry, Model, NodeForm, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
@@ -219,7 +219,7 @@ impl Model {
     }
 }
 
-impl Local {
+impl ElementWorkspace {
     /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
     /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
     /// an inertia p h².

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::builder::{ModelBuilder, NodeId};
-use super::dependence::Dependence;
+use super::mapped_node::MappedNode;
 use super::workspace::Workspace;
 use super::{Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
@@ -98,7 +98,7 @@ pub(super) fn apply(
         } else {
             Map::<3, 3>::boxed(map)
         };
-        let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
+        let mapped = MappedNode::new(boxed, vec![vec![own]], node.dim);
         let (name, quantities) = (node.name.clone(), node.quantities.clone());
         nodes.push(Node::new(
             name,
@@ -106,7 +106,7 @@ pub(super) fn apply(
             &quantities,
             Source::Own,
         ));
-        nodes[n].source = Source::Mapped(Box::new(dependence));
+        nodes[n].source = Source::Mapped(Box::new(mapped));
         carriers.insert(NodeId(n as u32), NodeId(own));
     }
     for (n, ..) in prescribed {
@@ -288,8 +288,8 @@ impl Model {
                 first[(k, k)] -= weights.C;
                 second[(k, k)] -= weights.M;
             }
-            let block = self.placement.blocks[own as usize] as usize;
-            let offset = self.placement.rows[range.start] as usize;
+            let block = self.scatter_map.blocks[own as usize] as usize;
+            let offset = self.scatter_map.rows[range.start] as usize;
             for (i, values) in self.pattern.column(block) {
                 let height = self.pattern.size(i);
                 for c in 0..3 {

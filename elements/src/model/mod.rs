@@ -2,45 +2,45 @@
 
 #![allow(non_snake_case)]
 
-mod ancestry;
 mod assembly;
-mod audit;
 mod axis;
 mod build;
 mod builder;
 mod charts;
 mod closures;
 mod connections;
-mod dependence;
+mod dependency_graph;
+mod dummy_dof;
 mod element_charts;
+mod element_workspace;
+mod energies;
 mod enforced;
 mod error;
 mod formulation;
 mod gather;
-mod idle;
 mod line;
-mod local;
 mod loops;
+mod mapped_node;
 mod mobility;
 mod motion;
-mod placement;
 mod query;
 mod rates;
 mod redundant;
 mod runs;
 mod scatter;
+mod scatter_map;
+mod segments;
 mod slots;
 mod start;
 mod symmetry;
 mod system;
-mod travel;
 mod view;
 mod workspace;
 
-pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
+pub use energies::{EnergiesAndMomentum, Momentum};
 pub use error::ModelError;
 pub use formulation::Formulation;
 pub use line::{Line, LineNodes};
@@ -52,12 +52,12 @@ pub use rates::BEFORE_START;
 use crate::element::Element;
 use crate::time::{Input, TimeFunction};
 use assembly::MAX_NODES;
-use dependence::Dependence;
+use mapped_node::MappedNode;
 use nalgebra::Vector3;
-use placement::Placement;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use runs::Runs;
+use scatter_map::ScatterMap;
 use std::ops::{Deref, Range};
 use workspace::Workspace;
 
@@ -69,7 +69,7 @@ enum Source {
     /// They are coordinates of the model itself.
     Own,
     /// They follow from other nodes' coordinates through a constraint map.
-    Mapped(Box<Dependence>),
+    Mapped(Box<MappedNode>),
 }
 
 /// What the coordinates of a node are.
@@ -135,7 +135,7 @@ impl Node {
     fn duplicate(&self) -> Self {
         let source = match &self.source {
             Source::Own => Source::Own,
-            Source::Mapped(d) => Source::Mapped(Box::new(Dependence::new(
+            Source::Mapped(d) => Source::Mapped(Box::new(MappedNode::new(
                 d.map.duplicate(),
                 d.segments.clone(),
                 d.direct,
@@ -223,7 +223,7 @@ pub struct ElementEntry {
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
-    first_place: usize,
+    first_position: usize,
 }
 
 impl ElementEntry {
@@ -290,6 +290,6 @@ pub struct Model {
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,
-    placement: Placement,
+    scatter_map: ScatterMap,
     work: Workspace,
 }

@@ -74,7 +74,7 @@ impl Model {
     }
 
     /// What a frame among `nodes` follows from.
-    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::dependence::Dependence> {
+    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::mapped_node::MappedNode> {
         let node = &self.nodes[n as usize];
         let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
         match &node.source {

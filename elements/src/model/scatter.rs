@@ -7,8 +7,8 @@
 
 #![allow(non_snake_case)]
 
-use super::dependence::Operators;
-use super::placement::{Placement, Position, behind};
+use super::mapped_node::Operators;
+use super::scatter_map::{Position, ScatterMap, behind};
 use super::{NONE, Node, Source};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
@@ -16,19 +16,19 @@ use pullback_manifold::system::Weights;
 /// Tangents over the coordinates of a few nodes.
 pub(super) struct Group<'a> {
     pub nodes: &'a [u32],
-    pub first_place: usize,
+    pub first_position: usize,
     pub tangents: Tangents<'a>,
     pub weights: Weights,
 }
 
 /// Where they go, and room for a column.
-pub(super) struct Into<'a> {
+pub(super) struct ScatterTarget<'a> {
     pub values: &'a mut [f64],
     pub panels: &'a mut [f64],
     pub work: &'a mut [f64],
 }
 
-impl Placement {
+impl ScatterMap {
     /// Adds the pulled-back tangents of a group of nodes, (cK K + cC C + cM M, B) column by column:
     /// rows of own nodes into the pattern, those of others into their panels.
     pub(super) fn scatter_group(
@@ -36,12 +36,12 @@ impl Placement {
         nodes: &[Node],
         operators: &Operators,
         group: &Group<'_>,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let n = group.nodes.iter().map(|&i| nodes[i as usize].dim).sum();
         let (tangents, weights) = (group.tangents, group.weights);
         let mut positions =
-            self.positions[group.first_place..].chunks_exact(group.nodes.len().max(1));
+            self.positions[group.first_position..].chunks_exact(group.nodes.len().max(1));
         let mut x = 0;
         for j in group.nodes {
             let node = &nodes[*j as usize];
@@ -73,7 +73,7 @@ impl Placement {
         group: &[u32],
         positions: &[Position],
         column: usize,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let mut rest = &*into.work;
         for (&i, position) in group.iter().zip(positions) {
@@ -104,7 +104,7 @@ impl Placement {
         n: u32,
         nodes: &[Node],
         operators: &Operators,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let (panel, node) = (&self.panels[n as usize], &nodes[n as usize]);
         let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {

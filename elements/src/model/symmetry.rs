@@ -316,7 +316,7 @@ impl Model {
             v: &X,
             a: &zero,
         };
-        let energies = self.account(at, false)?.energies;
+        let energies = self.evaluate_energies(at, false)?.energies;
         Ok(energies.dissipated * time > NOTHING * energies.kinetic)
     }
 
@@ -363,7 +363,7 @@ impl Model {
                 v: &v,
                 a: &zero,
             };
-            *T = self.account(at, false)?.energies.kinetic;
+            *T = self.evaluate_energies(at, false)?.energies.kinetic;
         }
         let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.length;
         Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))

@@ -103,7 +103,8 @@ impl System for Model {
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
         self.enter_element_charts();
-        self.account(at, false).map(|audit| Some(audit.energies))
+        self.evaluate_energies(at, false)
+            .map(|out| Some(out.energies))
     }
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {

@@ -1,10 +1,10 @@
 //! Buffers of an evaluation.
 
 use super::charts::Reparametrization;
-use super::dependence::Operators;
 use super::element_charts::ElementCharts;
-use super::local::Local;
-use super::travel::SegmentWorkspace;
+use super::element_workspace::ElementWorkspace;
+use super::mapped_node::Operators;
+use super::segments::SegmentChanges;
 use super::{ElementEntry, Node, Source};
 use pullback_manifold::system::{Quantity, Scales};
 
@@ -36,7 +36,7 @@ pub(super) struct Workspace {
     pub operators: Operators,
     /// Rows of the tangent at these nodes, on their way to own ones.
     pub panels: Vec<f64>,
-    pub local: Local,
+    pub local: ElementWorkspace,
     /// Accelerations of a map's coordinates, while it changes their meaning.
     pub accelerations: Vec<Vec<f64>>,
     /// Parts C and M of a tangent, while rates are spins.
@@ -45,7 +45,7 @@ pub(super) struct Workspace {
     pub reparametrizations: Vec<Reparametrization>,
     /// Whether a map was handed over with the last change of charts.
     pub segments_changed: bool,
-    pub travel: SegmentWorkspace,
+    pub segment_changes: SegmentChanges,
     /// Step size, while equations that elements enforce are asked for at the level of accelerations.
     pub accelerations_asked: Option<f64>,
     /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
@@ -115,12 +115,12 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             panels: zeros(panels),
-            local: Local::new(n, parents),
+            local: ElementWorkspace::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
             reparametrizations: Vec::new(),
             segments_changed: false,
-            travel: SegmentWorkspace::default(),
+            segment_changes: SegmentChanges::default(),
             accelerations_asked: None,
             released: Vec::new(),
             element_charts: ElementCharts::default(),

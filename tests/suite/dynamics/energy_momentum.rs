@@ -89,7 +89,7 @@ fn spun(model: &Model) -> (Vec<f64>, RigidMotion) {
 
 /// The model's energy with the potential of its loads, and its momenta.
 fn audit(model: &mut Model, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
-    let audit = model.audit(at).unwrap();
+    let audit = model.energies_and_momentum(at).unwrap();
     let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
     (energy, [audit.momentum.linear, audit.momentum.angular])
 }

@@ -67,7 +67,7 @@ fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) ->
             v: &s.v,
             a: &s.a,
         };
-        let audit = model.audit(at).unwrap();
+        let audit = model.energies_and_momentum(at).unwrap();
         let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
         drift = drift.max((energy - *start.get_or_insert(energy)).abs());
     });
@@ -274,7 +274,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
                 v: &s.v,
                 a: &s.a,
             };
-            model.audit(at).unwrap();
+            model.energies_and_momentum(at).unwrap();
             let mut r = [0.0];
             let out_of = Evaluation {
                 r: &mut r,
@@ -377,7 +377,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
                 v: &s.v,
                 a: &s.a,
             };
-            let audit = model.audit(at).unwrap();
+            let audit = model.energies_and_momentum(at).unwrap();
             let [p, q] = names.map(|n| model.node_state(n).position);
             position = p;
             residual = residual.max((p - q).norm());

@@ -177,7 +177,9 @@ fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
             let options = tight(scheme, TO, part * STEP);
             chain.run(Vector3::zeros(), &options, &mut |model, step| {
                 let State { t, q, v, a, .. } = &step.progress.state;
-                let audit = model.audit(Point { t: *t, q, v, a }).unwrap();
+                let audit = model
+                    .energies_and_momentum(Point { t: *t, q, v, a })
+                    .unwrap();
                 let (p, L) = (audit.momentum.linear, audit.momentum.angular);
                 let energy = audit.energies.kinetic + audit.energies.stored;
                 let (p0, L0, e0) = *first.get_or_insert((p, L, energy));

@@ -21,7 +21,7 @@ mod tree;
 
 use super::builder::{ModelBuilder, NodeId};
 use super::closures::Closure;
-use super::dependence::Dependence;
+use super::mapped_node::MappedNode;
 use super::{ModelError, Node, Source};
 use crate::joint::{JointMap, Offset};
 use crate::time::TimeFunction;
@@ -190,8 +190,8 @@ pub(super) fn close(
         let same = JointMap::new(Offset {
             c: Vector3::zeros(),
         });
-        let dependence = Dependence::new(same.boxed(), vec![vec![frame.0]], 6);
-        nodes[child.0 as usize].source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(same.boxed(), vec![vec![frame.0]], 6);
+        nodes[child.0 as usize].source = Source::Mapped(Box::new(mapped));
     }
     for set in connected(nodes, &loops, held, length)? {
         reports.push(close_set(nodes, &set, held, wishes, length)?);

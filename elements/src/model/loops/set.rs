@@ -5,7 +5,7 @@ use super::link::Read;
 use super::tree::{Coincide, Part, Tree};
 use super::{APART, EQUATIONS, Held, Report, Wishes};
 use crate::model::builder::NodeId;
-use crate::model::dependence::Dependence;
+use crate::model::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source, assembly};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
@@ -291,7 +291,7 @@ pub(super) fn close_set(
             limit: assembly::MAX_NODES,
         });
     }
-    let all = Dependence::new(Box::new(map), vec![parents], D + p.len());
+    let all = MappedNode::new(Box::new(map), vec![parents], D + p.len());
     let source = Source::Mapped(Box::new(all));
     let name = format!("coordinates of {joints}");
     nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
@@ -303,8 +303,8 @@ pub(super) fn close_set(
             first: first - inputs.parameters,
             len: node.dim,
         };
-        let dependence = Dependence::new(Box::new(part), vec![vec![x]], count);
-        node.source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(Box::new(part), vec![vec![x]], count);
+        node.source = Source::Mapped(Box::new(mapped));
     }
     Ok(Report {
         words: format!(

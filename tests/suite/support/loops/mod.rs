@@ -103,7 +103,7 @@ pub fn run<const X: usize>(
                 v: &state.v,
                 a: &state.a,
             };
-            let audit = model.audit(at).unwrap();
+            let audit = model.energies_and_momentum(at).unwrap();
             let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         },

@@ -3,10 +3,10 @@
 
 #![allow(non_snake_case)]
 
-use super::ancestry::find_ancestors;
+use super::dependency_graph::find_ancestors;
+use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
-use super::local::Local;
-use super::scatter::{Group, Into};
+use super::scatter::{Group, ScatterTarget};
 use super::workspace::Workspace;
 use super::{Model, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
@@ -14,7 +14,7 @@ use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
 /// How a node follows: its map, the nodes that the map reads, and the own nodes behind those.
-pub(super) struct Dependence {
+pub(super) struct MappedNode {
     pub map: Box<dyn Parametrization>,
     /// Masters for each segment that the map can be on; a single set for most maps.
     pub segments: Vec<Vec<u32>>,
@@ -62,7 +62,7 @@ impl Operators {
     }
 }
 
-impl Dependence {
+impl MappedNode {
     pub(super) fn new(
         map: Box<dyn Parametrization>,
         segments: Vec<Vec<u32>>,
@@ -250,15 +250,15 @@ impl Model {
             let Some((weights, values)) = &mut S else {
                 continue;
             };
-            let Local {
+            let ElementWorkspace {
                 q, K_sigma, work, ..
             } = &mut w.local;
-            let mut into = Into {
+            let mut into = ScatterTarget {
                 values,
                 panels: &mut w.panels,
                 work,
             };
-            if let Some(first_place) = self.placement.bent(n).filter(|_| !d.map.is_linear()) {
+            if let Some(first_position) = self.scatter_map.bent(n).filter(|_| !d.map.is_linear()) {
                 let k = collect(d.parents(), &self.spans, &w.x, q);
                 let K_sigma = &mut K_sigma[..k * k];
                 d.map
@@ -267,7 +267,7 @@ impl Model {
                     // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
                     let group = Group {
                         nodes: d.parents(),
-                        first_place,
+                        first_position,
                         tangents: Tangents {
                             K: Some(K_sigma),
                             ..Tangents::default()
@@ -278,11 +278,11 @@ impl Model {
                             M: 0.0,
                         },
                     };
-                    self.placement
+                    self.scatter_map
                         .scatter_group(&self.nodes, &w.operators, &group, &mut into);
                 }
             }
-            self.placement
+            self.scatter_map
                 .hand_back(n, &self.nodes, &w.operators, &mut into);
         }
     }
@@ -330,7 +330,7 @@ impl Model {
             for &n in &self.dependent {
                 find_ancestors(&mut self.nodes, n as usize);
             }
-            self.placement.locate(
+            self.scatter_map.locate(
                 &self.nodes,
                 &self.dependent,
                 &mut self.elements,
@@ -346,7 +346,7 @@ impl Model {
 
 /// Adds Bᵀ r (and its rate) to the parents' residuals.
 pub(super) fn hand_back(
-    d: &Dependence,
+    d: &MappedNode,
     parents: &[u32],
     node: &Node,
     spans: &[Span],

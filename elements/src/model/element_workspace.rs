@@ -12,7 +12,7 @@ use pullback_manifold::system::{Scales, Weights};
 
 /// Buffers of one element.
 #[derive(Default)]
-pub(super) struct Local {
+pub(super) struct ElementWorkspace {
     pub x: Vec<f64>,
     previous: Vec<f64>,
     pub v: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Local {
     complements: Vec<Complement>,
 }
 
-impl Local {
+impl ElementWorkspace {
     /// Buffers for elements of at most `n` coordinates and joints that read at most `parents`.
     pub(super) fn new(n: usize, parents: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];

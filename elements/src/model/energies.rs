@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::assembly::named;
-use super::local::Local;
+use super::element_workspace::ElementWorkspace;
 use super::{ElementEntry, Model, Node, Source};
 use crate::constraint::MAX_EQUATIONS;
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ pub struct Momentum {
 
 /// Energies, powers and momenta of a model at one point of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Audit {
+pub struct EnergiesAndMomentum {
     /// Kinetic and stored energy, supplied and dissipated power.
     pub energies: Energies,
     /// Potential of the loads that have one (gravity, constant forces). Their work is part of the
@@ -58,15 +58,22 @@ impl Model {
     ///
     /// # Errors
     /// [`SystemError`] when the point is outside a chart.
-    pub fn audit(&mut self, at: Point<'_>) -> Result<Audit, SystemError> {
-        self.account(at, true)
+    pub fn energies_and_momentum(
+        &mut self,
+        at: Point<'_>,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
+        self.evaluate_energies(at, true)
     }
 
     /// The audit; without its momenta they stay zero.
-    pub(super) fn account(&mut self, at: Point<'_>, momenta: bool) -> Result<Audit, SystemError> {
+    pub(super) fn evaluate_energies(
+        &mut self,
+        at: Point<'_>,
+        momenta: bool,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
         let statics = at.is_static();
         self.expand(at)?;
-        let mut audit = Audit::default();
+        let mut out = EnergiesAndMomentum::default();
         let Energies {
             kinetic,
             stored,
@@ -74,7 +81,7 @@ impl Model {
             dissipated,
             potential,
             drawn,
-        } = &mut audit.energies;
+        } = &mut out.energies;
         let w = &mut self.work;
         w.r.fill(0.0);
         for e in &self.elements {
@@ -86,7 +93,7 @@ impl Model {
             let motion = local.motion(e, at.t, statics);
             let energy = e.element.energy(&motion);
             if e.load {
-                audit.load_potential += energy;
+                out.load_potential += energy;
                 if e.steady {
                     *potential += energy;
                 }
@@ -107,7 +114,7 @@ impl Model {
                 .momenta(e, at.t, statics)
                 .map_err(|error| named(error, &e.name))?;
             if !statics {
-                let Local { x, v, r, work, .. } = local;
+                let ElementWorkspace { x, v, r, work, .. } = local;
                 if e.load {
                     let power = dot(&r[..n], v);
                     *supplied += power;
@@ -117,7 +124,7 @@ impl Model {
                 }
                 *kinetic += 0.5 * dot(&work[..n], v);
                 if momenta {
-                    audit.momentum.add(e, &self.nodes, x, work);
+                    out.momentum.add(e, &self.nodes, x, work);
                 }
             }
             if switched {
@@ -141,7 +148,7 @@ impl Model {
                 }
             }
         }
-        Ok(audit)
+        Ok(out)
     }
 
     /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false where

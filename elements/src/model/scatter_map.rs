@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::ancestry::{Alternatives, union};
+use super::dependency_graph::{Alternatives, union};
 use super::{ElementEntry, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
@@ -14,7 +14,7 @@ use std::ops::Range;
 /// go: the work grows with the joints of a chain times the unknowns behind them, not with the
 /// square of these for every body.
 #[derive(Default)]
-pub(super) struct Placement {
+pub(super) struct ScatterMap {
     /// Per coordinate: its row inside the block of its own node, [`NONE`] when prescribed.
     pub rows: Vec<u32>,
     /// Per node: number of its block in the pattern, [`NONE`] when all is prescribed.
@@ -61,7 +61,7 @@ pub(super) fn behind<'a>(nodes: &'a [Node], n: &'a u32) -> &'a [u32] {
     }
 }
 
-impl Placement {
+impl ScatterMap {
     /// Nothing placed yet, for nodes with `coordinates` in all.
     pub(super) fn new(nodes: usize, coordinates: usize) -> Self {
         Self {
@@ -150,7 +150,7 @@ impl Placement {
         self.written.clear();
         self.written.resize(pattern.len(), false);
         for e in elements {
-            e.first_place = self.positions.len();
+            e.first_position = self.positions.len();
             let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
             e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
@@ -229,7 +229,7 @@ impl Placement {
         (!panel.columns.is_empty()).then_some(panel.bent)
     }
 
-    /// Clears what no element writes; [`Placement::scatter`] of all elements then fills the rest.
+    /// Clears what no element writes; [`ScatterMap::scatter`] of all elements then fills the rest.
     pub(super) fn clear_unwritten(&self, values: &mut [f64]) {
         for block in &self.unwritten {
             values[block.clone()].fill(0.0);
@@ -239,7 +239,7 @@ impl Placement {
     /// Writes or adds an element's local matrix `S` (d×d).
     pub(super) fn scatter(&self, e: &ElementEntry, spans: &[Span], S: &[f64], values: &mut [f64]) {
         let nodes = &e.nodes[..];
-        let positions = &self.positions[e.first_place..][..nodes.len() * nodes.len()];
+        let positions = &self.positions[e.first_position..][..nodes.len() * nodes.len()];
         let d = e.element.dim();
         let mut column = 0;
         for (&nj, positions) in nodes.iter().zip(positions.chunks_exact(nodes.len())) {
@@ -329,7 +329,7 @@ mod tests {
     fn chains_grow_with_the_square_of_their_length() {
         let sizes = [20, 40, 80].map(|count| {
             let model = chain(count);
-            let (p, w) = (&model.placement, &model.work);
+            let (p, w) = (&model.scatter_map, &model.work);
             assert_eq!(model.pattern.len(), count * count);
             [w.operators.B.len(), w.panels.len(), p.positions.len()]
         });

@@ -12,9 +12,9 @@ use pullback_manifold::system::Quantity;
 
 /// A mass on a spring, both of size one; dim 1.
 #[derive(Debug)]
-struct Idle;
+struct DummyDof;
 
-impl Element for Idle {
+impl Element for DummyDof {
     fn dim(&self) -> usize {
         1
     }
@@ -61,7 +61,7 @@ impl ModelBuilder {
         }
         let node = self.coordinates("nothing is free", &[Quantity::Other])?;
         self.nodes[node.0 as usize].form = NodeForm::Dummy;
-        self.element("nothing is free", Idle, &[node])?;
+        self.element("nothing is free", DummyDof, &[node])?;
         Ok(())
     }
 }

@@ -2,19 +2,19 @@
 
 #![allow(non_snake_case)]
 
-use super::dependence::{Dependence, hand_back};
 use super::gather::collect;
+use super::mapped_node::{MappedNode, hand_back};
 use super::workspace::Workspace;
 use super::{Model, Node, Source};
 use pullback_manifold::system::{Point, SystemError};
 
-/// Room for what is asked of the maps that travel.
+/// Room for what is asked of the maps that changes.
 #[derive(Default)]
-pub(super) struct SegmentWorkspace {
+pub(super) struct SegmentChanges {
     /// Coordinates and velocities of their parents where a step begins, one map after the other.
     from: [Vec<f64>; 2],
     /// Changes ahead: the node, by what time the change is overdue, and the segment behind it.
-    overdue: Vec<(u32, f64, usize)>,
+    overshoots: Vec<(u32, f64, usize)>,
     /// Before maps are handed over: momenta at all nodes, operators and segments of those that follow.
     momenta: Vec<f64>,
     B: Vec<f64>,
@@ -25,14 +25,19 @@ impl Model {
     /// See [`System::overshoot`](pullback_manifold::system::System::overshoot).
     pub(super) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         self.collect_overshoots(from, to);
-        let overdue = self.work.travel.overdue.iter().map(|(_, by, _)| *by);
-        overdue.reduce(f64::max)
+        let overshoots = self
+            .work
+            .segment_changes
+            .overshoots
+            .iter()
+            .map(|(_, by, _)| *by);
+        overshoots.reduce(f64::max)
     }
 
     /// See [`System::change_segments`](pullback_manifold::system::System::change_segments).
     pub(super) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.collect_overshoots(from, to);
-        for (n, by, segment) in &self.work.travel.overdue {
+        for (n, by, segment) in &self.work.segment_changes.overshoots {
             if let (true, Source::Mapped(d)) = (*by >= since, &mut self.nodes[*n as usize].source) {
                 d.map.enter(*segment);
             }
@@ -41,17 +46,17 @@ impl Model {
 
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
-        self.work.travel.overdue.clear();
-        let travelling = |n: &&u32| is_segmented(&self.nodes[**n as usize]);
-        if !self.dependent.iter().any(|n| travelling(&n)) || self.expand(from).is_err() {
+        self.work.segment_changes.overshoots.clear();
+        let segmented = |n: &&u32| is_segmented(&self.nodes[**n as usize]);
+        if !self.dependent.iter().any(|n| segmented(&n)) || self.expand(from).is_err() {
             return;
         }
-        let mut travel = std::mem::take(&mut self.work.travel);
-        travel.from.iter_mut().for_each(Vec::clear);
+        let mut changes = std::mem::take(&mut self.work.segment_changes);
+        changes.from.iter_mut().for_each(Vec::clear);
         let Workspace { local, x, v, .. } = &mut self.work;
         for &n in &self.dependent {
             if let Some(d) = segmented_map(&self.nodes[n as usize]) {
-                for (all, x) in travel.from.iter_mut().zip([&*x, &*v]) {
+                for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
                     let k = collect(d.parents(), &self.spans, x, &mut local.q);
                     all.extend_from_slice(&local.q[..k]);
                 }
@@ -66,16 +71,16 @@ impl Model {
                 };
                 let k = collect(d.parents(), &self.spans, x, &mut local.q);
                 collect(d.parents(), &self.spans, v, &mut local.qv);
-                let from = travel.from.each_ref().map(|all| &all[first..first + k]);
+                let from = changes.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
-                let overdue = d.map.overshoot(h, from, to);
-                travel
-                    .overdue
-                    .extend(overdue.map(|(by, segment)| (n, by, segment)));
+                let overshoots = d.map.overshoot(h, from, to);
+                changes
+                    .overshoots
+                    .extend(overshoots.map(|(by, segment)| (n, by, segment)));
                 first += k;
             }
         }
-        self.work.travel = travel;
+        self.work.segment_changes = changes;
     }
 
     /// Keeps the momenta at the nodes, and how they act on the parents, where a map may be handed over.
@@ -85,17 +90,17 @@ impl Model {
             return;
         }
         let Workspace {
-            travel,
+            segment_changes: changes,
             r,
             operators,
             ..
         } = &mut self.work;
-        travel.momenta.clone_from(r);
-        travel.B.clone_from(&operators.B);
-        travel.segments.clear();
+        changes.momenta.clone_from(r);
+        changes.B.clone_from(&operators.B);
+        changes.segments.clear();
         let nodes = self.dependent.iter().map(|&n| &self.nodes[n as usize]);
         let segment = |node: &Node| segmented_map(node).map_or(0, |d| d.map.segment());
-        travel.segments.extend(nodes.map(segment));
+        changes.segments.extend(nodes.map(segment));
     }
 
     /// See [`System::kept_momentum`](pullback_manifold::system::System::kept_momentum):
@@ -108,7 +113,7 @@ impl Model {
         if !self.work.segments_changed {
             return Ok(false);
         }
-        let mut momenta = std::mem::take(&mut self.work.travel.momenta);
+        let mut momenta = std::mem::take(&mut self.work.segment_changes.momenta);
         let known = at.map_or(Ok(()), |at| self.node_momenta(at));
         if at.is_none() {
             self.work.r.clone_from(&momenta);
@@ -122,7 +127,7 @@ impl Model {
                 *p += 0.5 * self.work.r[c];
             }
         }
-        self.work.travel.momenta = momenta;
+        self.work.segment_changes.momenta = momenta;
         known.map(|()| true)
     }
 
@@ -130,7 +135,7 @@ impl Model {
     fn pull_back_momenta(&mut self, before: bool) {
         let w = &mut self.work;
         if before {
-            std::mem::swap(&mut w.operators.B, &mut w.travel.B);
+            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
         }
         for (k, &n) in self.dependent.iter().enumerate().rev() {
             let node = &self.nodes[n as usize];
@@ -138,19 +143,19 @@ impl Model {
                 continue;
             };
             let parents = match before {
-                true => &d.segments[w.travel.segments[k]],
+                true => &d.segments[w.segment_changes.segments[k]],
                 false => d.parents(),
             };
             hand_back(d, parents, node, &self.spans, w, false);
         }
         let w = &mut self.work;
         if before {
-            std::mem::swap(&mut w.operators.B, &mut w.travel.B);
+            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
         }
     }
 }
 
-fn segmented_map(node: &Node) -> Option<&Dependence> {
+fn segmented_map(node: &Node) -> Option<&MappedNode> {
     match &node.source {
         Source::Mapped(d) if d.segments.len() > 1 => Some(d),
         _ => None,
