@@ -9,7 +9,7 @@ use std::fmt;
 
 /// What a step advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Along {
+pub enum StepParameter {
     /// The load parameter of statics.
     Load,
     /// Time.
@@ -38,7 +38,7 @@ pub enum Cause {
     Inaccurate,
     /// An event on the path lies within the step, but cannot be found in it.
     Unlocated {
-        /// LoadKind, in words.
+        /// The event, in words.
         position: String,
     },
 }
@@ -49,7 +49,7 @@ pub struct FailedStep {
     /// Number of the step, from 1; 0 is the equilibrium at the start of statics.
     pub step: usize,
     /// What the step advances.
-    pub along: Along,
+    pub parameter: StepParameter,
     /// Its value at the last converged step.
     pub from: f64,
     /// Its value that was attempted.
@@ -69,12 +69,12 @@ pub struct FailedStep {
     /// What the system itself has to say ([`System::singularity_warnings`]).
     pub singularity_warnings: Vec<String>,
     /// Evaluations and factorisations so far.
-    pub spent: Spent,
+    pub cost: Cost,
 }
 
 /// What an analysis has spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
+pub struct Cost {
     /// Evaluations of the system.
     pub evaluations: usize,
     /// Factorisations.
@@ -108,11 +108,11 @@ impl FailedStep {
     pub(crate) fn new<Y: System + ?Sized>(
         system: &Y,
         context: FailureContext<'_>,
-        along: Along,
+        parameter: StepParameter,
         [from, to]: [f64; 2],
         steps: usize,
         rejected: usize,
-        spent: Spent,
+        cost: Cost,
     ) -> Self {
         let cause = match context.failure {
             Failure::System(error) => Cause::System(error),
@@ -143,7 +143,7 @@ impl FailedStep {
         }
         Self {
             step: steps + 1,
-            along,
+            parameter,
             from,
             to,
             history: context.history.to_vec(),
@@ -161,13 +161,13 @@ impl FailedStep {
                 Cause::System(_) => Vec::new(),
                 _ => system.singularity_warnings(),
             },
-            kink: match along {
-                Along::Load => (system.kinks().into_iter())
+            kink: match parameter {
+                StepParameter::Load => (system.kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
-                Along::Time => None,
+                StepParameter::Time => None,
             },
             cause,
-            spent,
+            cost,
         }
     }
 
@@ -187,9 +187,9 @@ impl FailedStep {
 
     /// Where the step was, and how often it was tried.
     fn heading(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parameter = match self.along {
-            Along::Load => "load parameter",
-            Along::Time => "time",
+        let parameter = match self.parameter {
+            StepParameter::Load => "load parameter",
+            StepParameter::Time => "time",
         };
         let [from, to] = [self.from, self.to].map(significant);
         if self.step == 0 {
@@ -266,24 +266,24 @@ impl fmt::Display for FailedStep {
                 for (name, entry) in mechanism {
                     write!(f, "\n    {name} ({entry:+.3})")?;
                 }
-                f.write_str(match self.along {
-                    Along::Load => {
+                f.write_str(match self.parameter {
+                    StepParameter::Load => {
                         "\n  support it, or follow the path with arc-length control if this is a limit point"
                     }
-                    Along::Time => "\n  give it mass or stiffness, or hold it",
+                    StepParameter::Time => "\n  give it mass or stiffness, or hold it",
                 })?;
                 write!(f, "\n  (the tangent cannot be solved with: {error})")?;
             }
-            Cause::Diverged => f.write_str(match self.along {
-                Along::Load if self.step == 0 => {
+            Cause::Diverged => f.write_str(match self.parameter {
+                StepParameter::Load if self.step == 0 => {
                     "Newton's corrections grow however they are damped; let these loads grow with \
                      the load parameter, or make them smaller"
                 }
-                Along::Load => {
+                StepParameter::Load => {
                     "Newton's corrections grow however they are damped; a limit point may lie ahead \
                      (try arc-length control), or the load is too large"
                 }
-                Along::Time => "Newton's corrections grow; take smaller steps",
+                StepParameter::Time => "Newton's corrections grow; take smaller steps",
             })?,
             Cause::OffPath => f.write_str(
                 "the path turns too sharply for steps of this size, branches or ends; with a larger \

@@ -34,13 +34,14 @@ impl ModelBuilder {
         preferred.extend(self.starts.keys().map(|&(n, _)| n));
         let used = self.elements.iter().flat_map(|e| e.nodes.iter());
         preferred.extend(used.map(|&n| NodeId(n)));
-        let wishes = loops::Wishes {
+        let preferences = loops::StartPreferences {
             starts: &self.starts,
             preferred,
         };
         let held = loops::Held(&self.prescribed);
-        let mut reports = loops::close(&mut self.nodes, &self.closings, &held, &wishes, length)?;
-        let positions = loops::positions(&self.nodes, &enforced, &held, &wishes, length);
+        let mut reports =
+            loops::close(&mut self.nodes, &self.closings, &held, &preferences, length)?;
+        let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
         self.keep_one_free(&reports)?;
         reports.extend(forces);
         let Self {

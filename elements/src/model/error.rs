@@ -148,7 +148,7 @@ pub enum ModelError {
         "joint {joint}: its child {child} is the frame that it is attached to; a joint goes from one frame \
          to another one"
     )]
-    OwnMaster { joint: String, child: String },
+    OwnParent { joint: String, child: String },
     #[error(
         "joint {joint} and its child {child} are {gap:.3e} apart and turned by {turn:.3e}, and no \
          joint between them can move: draw both as one, or release something along the loop"

@@ -24,7 +24,7 @@ pub(super) fn check_step<Y: System + ?Sized>(
     step: f64,
     [r, S]: [&mut [f64]; 2],
 ) -> Result<Option<f64>, DynamicsError> {
-    let Some(limit) = scheme.claims().limit else {
+    let Some(limit) = scheme.properties().limit else {
         return Ok(None);
     };
     let t = state.t;

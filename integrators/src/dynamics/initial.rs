@@ -125,7 +125,7 @@ fn point(state: &State) -> Point<'_> {
 /// Where a driven velocity jumps, the momentum of the free coordinates does not: their velocities jump
 /// by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive and the old velocities. Where a map was handed
 /// over the same is done until p is kept, p what [`System::kept_momentum`] says. Returns how often.
-pub(super) fn strike<Y: System + ?Sized>(
+pub(super) fn apply_impulse<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &mut State,
@@ -135,9 +135,9 @@ pub(super) fn strike<Y: System + ?Sized>(
     [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<usize, DynamicsError> {
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let (mut damping, mut most) = (0.0, if driven { 1 } else { STROKES });
-    let mut stroke = 0;
-    while stroke < most {
+    let (mut damping, mut most) = (0.0, if driven { 1 } else { IMPULSES });
+    let mut count = 0;
+    while count < most {
         let at = Point { t, ..point(state) };
         let known = match driven {
             true => system.momentum(at, missing),
@@ -149,7 +149,7 @@ pub(super) fn strike<Y: System + ?Sized>(
             *missing = before - *missing;
         }
         if largest(missing) <= ROUNDING * size {
-            return Ok(stroke);
+            return Ok(count);
         }
         let buffers = [&mut *r, &mut *S];
         solve_mass(system, solver, state, (h, damping), buffers, Some(missing))?;
@@ -164,14 +164,14 @@ pub(super) fn strike<Y: System + ?Sized>(
             add(&mut state.v, -1.0, r);
             (damping, most) = (h, PASSES);
         } else {
-            stroke += 1;
+            count += 1;
         }
     }
     Ok(most)
 }
 
-/// Strokes at most: each leaves ½ (1 − cos θ) of what is missing at a corner of θ.
-const STROKES: usize = 30;
+/// Impulses at most: each leaves ½ (1 − cos θ) of what is missing at a corner of θ.
+const IMPULSES: usize = 30;
 /// Differences of momentum below this part of the momentum are rounding errors.
 const ROUNDING: f64 = 1e-12;
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::initial::strike;
+use super::initial::apply_impulse;
 use super::run::Run;
 use super::step::Stepper;
 use super::stops::Stop;
@@ -34,7 +34,7 @@ impl Run<'_> {
         } else {
             self.renew(system, solver, progress, true)?;
         }
-        self.aim(system, progress)
+        self.set_target(system, progress)
     }
 
     /// Goes on behind a change of inputs. As they have no rate, velocities stay.
@@ -50,7 +50,7 @@ impl Run<'_> {
         }
         progress.inputs = inputs;
         self.renew(system, solver, progress, true)?;
-        self.aim(system, progress)
+        self.set_target(system, progress)
     }
 
     /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
@@ -67,7 +67,7 @@ impl Run<'_> {
         let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;
         // A drive jumps, or else a map was handed over.
-        let strokes = strike(
+        let impulses = apply_impulse(
             system,
             solver,
             state,
@@ -76,10 +76,10 @@ impl Run<'_> {
             h,
             buffers,
         )?;
-        progress.summary.evaluations += strokes;
-        progress.summary.factorisations += strokes;
+        progress.summary.evaluations += impulses;
+        progress.summary.factorisations += impulses;
         if let (false, Some(projection), Some(kept)) =
-            (supplied, &mut self.projection, &mut progress.kept)
+            (supplied, &mut self.projection, &mut progress.invariants)
         {
             // A corner neither gives nor takes.
             projection.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;

@@ -7,25 +7,25 @@
 
 #![allow(non_snake_case)]
 
+mod coupled_stages;
 mod error;
 mod frequency;
 mod initial;
+mod invariants;
 mod jumps;
-mod kept;
-mod landing;
 mod options;
 mod progress;
 mod projection;
 mod run;
 pub mod scheme;
+mod segment_changes;
 mod stages;
 mod step;
 mod stops;
-mod together;
 
 pub use error::DynamicsError;
 pub use initial::start;
-pub use kept::Kept;
+pub use invariants::Invariants;
 pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};

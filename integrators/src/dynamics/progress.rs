@@ -1,6 +1,6 @@
 //! Where a run in time is, and what it has done.
 
-use super::{DynamicsError, Kept, State};
+use super::{DynamicsError, Invariants, State};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Energies, Scales};
 
@@ -42,7 +42,7 @@ const BOUNDLESS: f64 = 1e3;
 impl EnergyBalance {
     /// Takes the energies at the end of a step of size h, and the mean power dissipated in it if that is
     /// known; the system has these scales.
-    pub(super) fn book(
+    pub(super) fn add_step(
         &mut self,
         now: &Energies,
         h: f64,
@@ -63,7 +63,7 @@ impl EnergyBalance {
     }
 
     /// Refuses a motion whose energy grows without bounds.
-    pub(super) fn judge(&mut self, t: f64) -> Result<(), DynamicsError> {
+    pub(super) fn check_growth(&mut self, t: f64) -> Result<(), DynamicsError> {
         let (energy, known) = (self.now.kinetic + self.now.stored, self.start + self.gross);
         if known > 0.0 && energy > ABSURD * known {
             self.absurd += 1;
@@ -148,9 +148,9 @@ pub struct Progress {
     /// What a scheme that restores energy and momenta aims at.
     #[cfg_attr(
         feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
+        serde(alias = "kept", default, skip_serializing_if = "Option::is_none")
     )]
-    pub kept: Option<Kept>,
+    pub invariants: Option<Invariants>,
     /// Converged steps in a row since the last failure.
     pub easy: usize,
     /// Steps in a row that ended early, at once after they began, where a map was handed over.

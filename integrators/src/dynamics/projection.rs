@@ -16,13 +16,13 @@
 //!
 //! A projection onto a set that holds the truth takes nothing further away from it; one onto an aim
 //! that is itself in error does. So energy is projected onto what the work of the step allows
-//! ([`Kept::unsure`]), a single value only where nothing works but steady loads, and not at all while
+//! ([`Invariants::unsure`]), a single value only where nothing works but steady loads, and not at all while
 //! something is driven: T is no square of the velocities then, and has a least value at p = 0 below
 //! which no velocities bring it.
 
 #![allow(non_snake_case)]
 
-use super::kept::Kept;
+use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
 use pullback_manifold::system::{
     Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
@@ -93,18 +93,18 @@ impl InvariantProjection {
     }
 
     /// What is to be kept from a state on, until the end of a span of times.
-    pub(super) fn aim<Y: System + ?Sized>(
+    pub(super) fn set_target<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         scheme: &Scheme,
         state: &State,
         until: f64,
         buffers: [&mut [f64]; 2],
-    ) -> Result<Kept, DynamicsError> {
+    ) -> Result<Invariants, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
         let symmetries = system.symmetries([state.t, until], &state.q, &state.v);
         self.momentum(system, state, (&now, state.t), buffers)?;
-        let mut kept = Kept::of(&now);
+        let mut kept = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
             system.rigid_rates(&state.q, &motion, &mut self.field);
             kept.motions.push(motion);
@@ -120,17 +120,17 @@ impl InvariantProjection {
         system: &mut Y,
         scheme: &Scheme,
         state: &mut State,
-        kept: &mut Kept,
+        kept: &mut Invariants,
         (t, h): (f64, f64),
         [r, S]: [&mut [f64]; 2],
     ) -> Result<Energies, DynamicsError> {
         self.bounded = false;
         let mut now = energies(system, scheme, state, t)?;
-        kept.work(&now, h);
+        kept.add_step(&now, h);
         let (mut stale, mut bounded, mut driven) = (true, false, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
-            let closed = kept.gap(now.total()).abs() <= ROUNDING * gross;
+            let closed = kept.energy_gap(now.total()).abs() <= ROUNDING * gross;
             if !stale && (driven || closed) {
                 break;
             }
@@ -143,7 +143,7 @@ impl InvariantProjection {
                 .directions()
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
-            let needed = kept.gap(now.total() + rigid);
+            let needed = kept.energy_gap(now.total() + rigid);
             let mut gammas = [0.0; 6];
             let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             self.turns(system, &state.q, &mut gammas);
@@ -179,7 +179,7 @@ impl InvariantProjection {
         if driven {
             (kept.energy, kept.unsure) = (now.total(), 0.0);
         }
-        kept.note(&now);
+        kept.set_power(&now);
         Ok(now)
     }
 
@@ -261,7 +261,7 @@ impl InvariantProjection {
         &mut self,
         system: &Y,
         state: &State,
-        kept: &Kept,
+        kept: &Invariants,
         M: &[f64],
     ) -> f64 {
         let pattern = system.pattern();

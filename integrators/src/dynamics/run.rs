@@ -4,13 +4,13 @@
 
 use super::frequency::check_step;
 use super::initial::accelerate;
-use super::landing::Landing;
 use super::options::check;
 use super::projection::{InvariantProjection, energies};
+use super::segment_changes::SegmentChanges;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
-use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
 use std::ops::ControlFlow;
@@ -52,7 +52,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: Stops::new(system, progress.state.t, options),
-        landing: Landing::default(),
+        segment_changes: SegmentChanges::default(),
         projection: (options.scheme.keeps_energy())
             .then(|| InvariantProjection::new(system.pattern().dim())),
         options,
@@ -94,7 +94,7 @@ pub(super) struct Run<'a> {
     pub(super) missing: Vec<f64>,
     /// Gives back what steps have lost, for a scheme that does.
     pub(super) projection: Option<InvariantProjection>,
-    pub(super) landing: Landing,
+    pub(super) segment_changes: SegmentChanges,
     pub(super) options: &'a DynamicOptions,
 }
 
@@ -145,14 +145,14 @@ impl Run<'_> {
             self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
-        match &progress.kept {
+        match &progress.invariants {
             // A system that is new to a run finds its symmetries again.
             Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
                 let span = [*t, self.next_kink(*t)];
                 system.symmetries(span, q, v);
             }
             Some(_) if self.projection.is_some() => {}
-            _ => self.aim(system, progress)?,
+            _ => self.set_target(system, progress)?,
         }
         let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
         let Stepper { r, S, .. } = &mut self.stepper;
@@ -184,7 +184,7 @@ impl Run<'_> {
     }
 
     /// A scheme that restores energy and momenta keeps those of this state from now on.
-    pub(super) fn aim<Y: System + ?Sized>(
+    pub(super) fn set_target<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -192,9 +192,9 @@ impl Run<'_> {
         let until = self.next_kink(progress.state.t);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
-        progress.kept = match &mut self.projection {
+        progress.invariants = match &mut self.projection {
             Some(projection) => {
-                Some(projection.aim(system, scheme, &progress.state, until, [r, S])?)
+                Some(projection.set_target(system, scheme, &progress.state, until, [r, S])?)
             }
             None => None,
         };
@@ -263,13 +263,14 @@ impl Run<'_> {
         } else {
             to
         };
-        let outcome = outcome.and_then(|()| self.land(system, solver, progress, [to, last]));
+        let outcome =
+            outcome.and_then(|()| self.end_at_segment_change(system, solver, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
             Ok(Some(end)) => end,
             Ok(None) => {
-                self.begin_anew(system, solver, progress)?;
+                self.change_segments_at_start(system, solver, progress)?;
                 return Ok(None);
             }
             Err(failure) => {
@@ -334,11 +335,19 @@ impl Run<'_> {
             ..
         } = progress.summary;
         let rejected = failed + inaccurate;
-        let spent = Spent {
+        let cost = Cost {
             evaluations,
             factorisations,
         };
-        let step = FailedStep::new(system, context, Along::Time, span, steps, rejected, spent);
+        let step = FailedStep::new(
+            system,
+            context,
+            StepParameter::Time,
+            span,
+            steps,
+            rejected,
+            cost,
+        );
         Err(DynamicsError::Step(Box::new(step)))
     }
 
@@ -367,7 +376,7 @@ impl Run<'_> {
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
-        self.leave(system, progress, h);
+        self.finish_step(system, progress, h);
         let State {
             t,
             q,
@@ -378,10 +387,12 @@ impl Run<'_> {
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
         let segments_changed = self.segments_changed(system, left)?;
-        if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.kept, &now) {
+        if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.invariants, &now) {
             // What is missing is given back with the jump.
-            kept.work(now, h);
-        } else if let (Some(projection), Some(kept)) = (&mut self.projection, &mut progress.kept) {
+            kept.add_step(now, h);
+        } else if let (Some(projection), Some(kept)) =
+            (&mut self.projection, &mut progress.invariants)
+        {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
@@ -393,8 +404,8 @@ impl Run<'_> {
             progress.summary.evaluations += projection.take_evaluations();
         }
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            balance.book(&now, h, dissipated, &system.scales());
-            balance.judge(left)?;
+            balance.add_step(&now, h, dissipated, &system.scales());
+            balance.check_growth(left)?;
         }
         if segments_changed {
             self.jump(system, solver, progress, left, false)?;

@@ -3,9 +3,9 @@
 
 #![allow(non_snake_case)]
 
+use super::coupled_stages::CoupledStages;
 use super::scheme::{STAGES, inverse};
 use super::step::{Predictor, Stepper};
-use super::together::Together;
 use super::{Scheme, State};
 use std::ops::Range;
 
@@ -159,7 +159,7 @@ impl Stepper {
                 for (i, j) in group.range().enumerate() {
                     let own = f64::from(u8::from(j == k));
                     let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
-                    let d = self.dq[position(&self.together, group, i, c)];
+                    let d = self.dq[position(&self.coupled, group, i, c)];
                     by.add(d, [q, v, y, a]);
                 }
                 largest = largest.max(((*q - before) * scale).abs());
@@ -202,9 +202,14 @@ impl Gains {
 }
 
 /// Where the unknown `c` of stage `i` of a group stands in `dq`.
-pub(super) fn position(together: &Option<Together>, group: &Group, i: usize, c: usize) -> usize {
-    match together {
-        Some(together) if group.len() > 1 => together.position(i, c),
+pub(super) fn position(
+    coupled: &Option<CoupledStages>,
+    group: &Group,
+    i: usize,
+    c: usize,
+) -> usize {
+    match coupled {
+        Some(coupled) if group.len() > 1 => coupled.position(i, c),
         _ => c,
     }
 }

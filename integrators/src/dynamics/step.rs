@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
+use super::coupled_stages::CoupledStages;
 use super::stages::{Attempt, Group, StageState, position};
-use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::Failure;
@@ -47,13 +47,13 @@ pub enum Tangent {
 pub(crate) struct Stepper {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
-    /// Residuals, then corrections, of the stages that are solved together.
+    /// Residuals, then corrections, of the stages that are solved coupled.
     pub(super) dq: Vec<f64>,
     /// The stages; their last is the new state.
     pub(super) stages: Vec<StageState>,
     pub(super) groups: Vec<Group>,
     /// The matrix of stages that are solved together, where a scheme has them.
-    pub(super) together: Option<Together>,
+    pub(super) coupled: Option<CoupledStages>,
     /// The state aimed at.
     pub next: State,
     pub history: Vec<Iteration>,
@@ -88,7 +88,7 @@ impl Stepper {
         };
         let groups = scheme.groups().map(|range| Group::new(scheme, &range));
         let widest = scheme.groups().map(|g| g.len()).max().unwrap_or(1);
-        let together = (widest > 1).then(|| Together::new(system.pattern(), widest));
+        let coupled = (widest > 1).then(|| CoupledStages::new(system.pattern(), widest));
         let stage = StageState {
             state: next.clone(),
             before: zeros(),
@@ -104,7 +104,7 @@ impl Stepper {
             dq: vec![0.0; widest * n],
             stages: vec![stage; count],
             groups: groups.collect(),
-            together: together
+            coupled: coupled
                 .transpose()
                 .map_err(|source| DynamicsError::Analysis { source })?,
             next,
@@ -262,9 +262,9 @@ impl Stepper {
                 // The stage's own tangent is the last: it is what a failure is explained by.
                 for j in group.range().filter(|j| *j != k).chain([k]) {
                     self.stage(system, k, from, Some(weights(j)))?;
-                    if let (true, Some(together)) = (group.len() > 1, &mut self.together) {
+                    if let (true, Some(coupled)) = (group.len() > 1, &mut self.coupled) {
                         let block = [k - group.start, j - group.start];
-                        together.set(system.pattern(), block, &self.S);
+                        coupled.set(system.pattern(), block, &self.S);
                     }
                 }
             } else {
@@ -278,7 +278,7 @@ impl Stepper {
                 continue;
             }
             for (c, r) in self.r.iter().enumerate() {
-                self.dq[position(&self.together, group, k - group.start, c)] = *r;
+                self.dq[position(&self.coupled, group, k - group.start, c)] = *r;
             }
         }
         Ok(residual)
@@ -352,7 +352,7 @@ impl Stepper {
                 self.by_coordinates(system, step, k)?;
             }
             for (c, r) in self.r.iter_mut().enumerate() {
-                *r = self.dq[position(&self.together, group, i, c)];
+                *r = self.dq[position(&self.coupled, group, i, c)];
             }
             let q = &self.stages[k].state.q;
             let [sizes, floor] = &mut self.room;
@@ -371,10 +371,10 @@ impl Stepper {
         fresh: bool,
     ) -> Result<(), Failure> {
         self.factorisations += usize::from(fresh);
-        let solved = match &mut self.together {
-            Some(together) if group.len() > 1 => {
-                let ready = if fresh { together.factorise() } else { Ok(()) };
-                ready.and_then(|()| together.solve(&mut self.dq))
+        let solved = match &mut self.coupled {
+            Some(coupled) if group.len() > 1 => {
+                let ready = if fresh { coupled.factorise() } else { Ok(()) };
+                ready.and_then(|()| coupled.solve(&mut self.dq))
             }
             _ => {
                 let b = &mut self.dq[..self.r.len()];

@@ -80,7 +80,9 @@ impl BlockLu {
     fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady {
+                operation: "factorise",
+            });
         };
         check_length("matrix", ready.pattern.len(), values.len())?;
         if let Some(b) = b {
@@ -128,7 +130,7 @@ impl LinearSolver for BlockLu {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { operation: "solve" });
         };
         check_length("right-hand side", ready.pattern.dim(), b.len())?;
         ready.gather(b);
@@ -144,7 +146,7 @@ impl LinearSolver for BlockLu {
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise_with(values, Some(b))?;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { operation: "solve" });
         };
         let largest = ready.substitute_back();
         check(ready, self.floor, largest, values, b)?;

@@ -75,7 +75,9 @@ impl FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady {
+                operation: "factorise",
+            });
         };
         columns.load(values)?;
         columns.shift_diagonal();
@@ -101,7 +103,7 @@ impl FaerLu {
                 }
                 Ok(())
             }
-            _ => Err(LinearError::NotReady { asked: "solve" }),
+            _ => Err(LinearError::NotReady { operation: "solve" }),
         }
     }
 }
@@ -162,7 +164,9 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady {
+                operation: "factorise",
+            });
         };
         columns.load(values)?;
         let mut condition = f64::INFINITY;
@@ -195,7 +199,7 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { operation: "solve" });
         };
         let numeric = &self.numeric;
         columns.solve(b, |x| lu_solve(symbolic, numeric, x, MemStack::new(memory)))
@@ -270,7 +274,9 @@ impl LinearSolver for FaerCholesky {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady {
+                operation: "factorise",
+            });
         };
         if self.misses < MISSES {
             columns.load(values)?;
@@ -309,7 +315,7 @@ impl LinearSolver for FaerCholesky {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
-            None => Err(LinearError::NotReady { asked: "solve" }),
+            None => Err(LinearError::NotReady { operation: "solve" }),
             Some(_) if self.misses > 0 => self.lu.solve(values, b),
             Some(Ready {
                 columns,

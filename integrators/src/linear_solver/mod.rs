@@ -88,10 +88,10 @@ pub trait LinearSolver: Send {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LinearError {
     /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
-    #[error("the linear solver was asked to {asked} before it could")]
+    #[error("the linear solver is not ready to {operation}")]
     NotReady {
-        /// What it was asked for.
-        asked: &'static str,
+        /// The operation that was called.
+        operation: &'static str,
     },
     /// A vector of the wrong length.
     #[error("{what} has {found} entries where the pattern has {expected}")]
@@ -216,7 +216,7 @@ fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearE
 
 /// What counts as rounding in a matrix of `blocks` nodes whose scaled rows are of order one.
 ///
-/// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. Along
+/// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. StepParameter
 /// a floating structure nothing damps these errors (the exact Schur complements carry rigid body
 /// motions unchanged), so that they add up like a random walk: the pivot that should vanish is
 /// about ε √blocks. A supported structure has smaller pivots than that only when its condition

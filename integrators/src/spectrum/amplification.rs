@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::dynamics::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper};
-use crate::failure::{Along, FailedStep, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -80,8 +80,16 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
                 S: &stepper.S,
                 history: &stepper.history,
             };
-            let spent = Spent::default();
-            let step = FailedStep::new(&system, context, Along::Time, [0.0, 1.0], 0, 0, spent);
+            let cost = Cost::default();
+            let step = FailedStep::new(
+                &system,
+                context,
+                StepParameter::Time,
+                [0.0, 1.0],
+                0,
+                0,
+                cost,
+            );
             return Err(DynamicsError::Step(Box::new(step)));
         }
         let State {

@@ -15,7 +15,7 @@ mod path;
 mod stability;
 mod start;
 
-pub use crate::failure::{Along, Cause, FailedStep, Spent};
+pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
 pub use arc_length::{trace_path, trace_path_with};
 pub use error::StaticsError;
 pub use load_steps::{StaticOptions, Summary, equilibrium, solve_statics, solve_statics_with};

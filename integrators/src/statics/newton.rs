@@ -20,7 +20,7 @@
 
 use super::{Iteration, NewtonOptions, Summary};
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
@@ -146,13 +146,13 @@ impl Newton {
             S: &self.S,
             history: &self.history,
         };
-        let (along, span) = (Along::Load, [summary.t, to]);
+        let (parameter, span) = (StepParameter::Load, [summary.t, to]);
         let (steps, rejected) = (summary.steps, summary.rejected);
-        let spent = Spent {
+        let cost = Cost {
             evaluations: self.evaluations,
             factorisations: self.factorisations,
         };
-        let step = FailedStep::new(system, context, along, span, steps, rejected, spent);
+        let step = FailedStep::new(system, context, parameter, span, steps, rejected, cost);
         Box::new(step)
     }
 

@@ -90,7 +90,7 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
-    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnMaster`],
+    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnParent`],
     /// [`ModelError::LooseLoop`], [`ModelError::Loop`], [`ModelError::Rigid`],
     /// [`ModelError::AllDriven`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
@@ -113,7 +113,7 @@ impl ModelBuilder {
 }
 
 /// What is said about the coordinates of loops.
-pub(super) struct Wishes<'a> {
+pub(super) struct StartPreferences<'a> {
     /// Values that they should start with.
     pub starts: &'a HashMap<(NodeId, usize), f64>,
     /// Those that should rather be left free.
@@ -156,7 +156,7 @@ pub(super) fn close(
     nodes: &mut Vec<Node>,
     closings: &[Closing],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Result<Vec<Report>, ModelError> {
     let mut reports = Vec::new();
@@ -167,7 +167,7 @@ pub(super) fn close(
         if let Source::Mapped(d) = &a.source
             && d.segments.iter().flatten().any(|&m| m == child.0)
         {
-            return Err(ModelError::OwnMaster {
+            return Err(ModelError::OwnParent {
                 joint: a.name.clone(),
                 child: b.name.clone(),
             });
@@ -194,7 +194,7 @@ pub(super) fn close(
         nodes[child.0 as usize].source = Source::Mapped(Box::new(mapped));
     }
     for set in connected(nodes, &loops, held, length)? {
-        reports.push(close_set(nodes, &set, held, wishes, length)?);
+        reports.push(close_set(nodes, &set, held, preferences, length)?);
     }
     Ok(reports)
 }
@@ -206,14 +206,14 @@ pub(super) fn positions(
     nodes: &[Node],
     closings: &[Closing],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Vec<(u32, usize, f64)> {
     let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
     let mut copies: Vec<Node> = nodes.iter().map(Node::duplicate).collect();
-    if close(&mut copies, &closings, held, wishes, length).is_err() {
+    if close(&mut copies, &closings, held, preferences, length).is_err() {
         return Vec::new();
     }
     let mut known = HashMap::new();
@@ -221,12 +221,15 @@ pub(super) fn positions(
     for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
         if copies[n as usize].is_own() {
             if closings.len() == all {
-                let own = wishes.starts.iter().filter(|((node, _), _)| node.0 == n);
+                let own = preferences
+                    .starts
+                    .iter()
+                    .filter(|((node, _), _)| node.0 == n);
                 positions.extend(own.map(|(&(_, k), &x)| (n, k, x)));
             }
             continue;
         }
-        let Some(x) = value(&copies, n, held, wishes.starts, &mut known) else {
+        let Some(x) = value(&copies, n, held, preferences.starts, &mut known) else {
             return Vec::new();
         };
         positions.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));

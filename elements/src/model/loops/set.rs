@@ -3,7 +3,7 @@
 use super::chain::{self, Chain, coordinates};
 use super::link::Read;
 use super::tree::{Coincide, Part, Tree};
-use super::{APART, EQUATIONS, Held, Report, Wishes};
+use super::{APART, EQUATIONS, Held, Report, StartPreferences};
 use crate::model::builder::NodeId;
 use crate::model::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source, assembly};
@@ -174,7 +174,7 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
 
 /// How gladly a coordinate is left free: more than a half where something is said about it, and more
 /// near the root of its loop.
-fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> f64 {
+fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPreferences<'_>) -> f64 {
     let depth = chains.iter().flat_map(|chain| {
         [chain.frame, chain.child].into_iter().filter_map(|end| {
             let path = chain::upwards(nodes, end);
@@ -188,7 +188,7 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> 
         })
     });
     let near = 0.5 / (1 + depth.min().unwrap_or(0)) as f64;
-    if wishes.preferred.contains(&NodeId(n)) {
+    if preferences.preferred.contains(&NodeId(n)) {
         0.5 + near
     } else {
         near
@@ -200,7 +200,7 @@ pub(super) fn close_set(
     nodes: &mut Vec<Node>,
     chains: &[Chain],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Result<Report, ModelError> {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
@@ -236,8 +236,8 @@ pub(super) fn close_set(
                 } else {
                     1.0
                 },
-                start: wishes.starts.get(&(NodeId(n), k)).copied(),
-                preference: preference(nodes, chains, n, wishes),
+                start: preferences.starts.get(&(NodeId(n), k)).copied(),
+                preference: preference(nodes, chains, n, preferences),
             });
         }
     }

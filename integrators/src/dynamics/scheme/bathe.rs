@@ -1,7 +1,7 @@
 //! Bathe's composite scheme: the trapezoidal rule, then three-point backward differences.
 
 use super::generalised_alpha::within;
-use super::{Claims, Family, Scheme, Stage};
+use super::{Family, Scheme, SchemeProperties, Stage};
 use crate::dynamics::DynamicsError;
 use std::f64::consts::SQRT_2;
 
@@ -33,7 +33,7 @@ impl Scheme {
         let w = 0.5 / (2.0 - gamma);
         let half = 0.5 * gamma;
         let rows = [[half, half, 0.0, 0.0], [w, w, last, 0.0]];
-        let claims = Claims {
+        let properties = SchemeProperties {
             order: 2,
             limit: None,
             symmetric: false,
@@ -45,7 +45,7 @@ impl Scheme {
                 "Bathe",
                 "bathe",
                 &Stage::runge_kutta([gamma, 1.0], rows),
-                claims,
+                properties,
             )
         }
     }

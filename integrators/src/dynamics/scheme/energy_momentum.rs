@@ -1,6 +1,6 @@
 //! Schemes that keep energy and momenta by projection.
 
-use super::{Claims, Family, Scheme};
+use super::{Family, Scheme, SchemeProperties};
 
 /// The energy-momentum projection of the generalised-α family.
 pub(super) const ENERGY_MOMENTUM: Family = Family {
@@ -24,21 +24,21 @@ impl Scheme {
     ///
     /// What is kept: kinetic and stored energy with the potential of steady loads, exactly where nothing
     /// else works; within what dampers and other loads may have done
-    /// ([`Kept::unsure`](crate::dynamics::Kept::unsure)) where they do; not at all while something is
+    /// ([`Invariants::unsure`](crate::dynamics::Invariants::unsure)) where they do; not at all while something is
     /// driven, when the energy is known no better than by the step. And the momenta along the symmetries of the system
     /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)), those of a free model,
     /// of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
     pub(super) fn keeping(self, argument: Option<f64>) -> Self {
-        let claims = Claims {
+        let properties = SchemeProperties {
             symmetric: false,
-            ..self.claims
+            ..self.properties
         };
         Self {
             name: "energy-momentum",
             word: "em",
             arguments: [argument, None],
-            claims,
+            properties,
             keeps: true,
             ..self
         }

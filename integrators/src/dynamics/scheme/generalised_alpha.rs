@@ -1,6 +1,6 @@
 //! The generalised-α family: Newmark, HHT, WBZ and Chung & Hulbert's method.
 
-use super::{Claims, Family, Scheme, Stage};
+use super::{Family, Scheme, SchemeProperties, Stage};
 use crate::dynamics::DynamicsError;
 
 /// Newmark's scheme.
@@ -109,7 +109,7 @@ impl Scheme {
         let numbers = [0.0, 0.0, beta, gamma];
         let mut scheme = Self::newmark_form("Newmark", "newmark", arguments, numbers);
         let lacking = 0.5 * gamma - beta;
-        scheme.claims.limit = (lacking > 0.0).then(|| lacking.sqrt().recip());
+        scheme.properties.limit = (lacking > 0.0).then(|| lacking.sqrt().recip());
         Ok(scheme)
     }
 
@@ -165,7 +165,7 @@ impl Scheme {
             v: [1.0 - gamma, gamma, 0.0, 0.0],
         };
         let second = (gamma - 0.5 + alpha_m - alpha_f).abs() < 1e-14;
-        let claims = Claims {
+        let properties = SchemeProperties {
             order: 1 + usize::from(second),
             limit: None,
             symmetric: second && alpha_m == alpha_f,
@@ -174,7 +174,7 @@ impl Scheme {
             arguments,
             alpha_m,
             alpha_f,
-            ..Self::table(name, word, &[stage], claims)
+            ..Self::table(name, word, &[stage], properties)
         }
     }
 

@@ -66,7 +66,7 @@ impl Stage {
 /// What a scheme is said to do; the conformance kit ([`check::scheme`](crate::check::scheme))
 /// measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Claims {
+pub struct SchemeProperties {
     /// Order of accuracy of coordinates and velocities.
     pub order: usize,
     /// Largest Ω = ω h at which undamped vibrations do not grow; `None` for a scheme that is
@@ -100,7 +100,7 @@ pub struct Scheme {
     pub name: &'static str,
     word: &'static str,
     arguments: [Option<f64>; 2],
-    claims: Claims,
+    properties: SchemeProperties,
     alpha_m: f64,
     alpha_f: f64,
     stages: [Stage; STAGES],
@@ -126,9 +126,9 @@ impl Scheme {
     pub fn new(
         name: &'static str,
         stages: &[Stage],
-        claims: Claims,
+        properties: SchemeProperties,
     ) -> Result<Self, DynamicsError> {
-        let scheme = Self::table(name, name, stages, claims);
+        let scheme = Self::table(name, name, stages, properties);
         match scheme.problem(stages.len()) {
             None => Ok(scheme),
             Some(problem) => Err(DynamicsError::Table { name, problem }),
@@ -165,7 +165,12 @@ impl Scheme {
         }
     }
 
-    fn table(name: &'static str, word: &'static str, stages: &[Stage], claims: Claims) -> Self {
+    fn table(
+        name: &'static str,
+        word: &'static str,
+        stages: &[Stage],
+        properties: SchemeProperties,
+    ) -> Self {
         let count = stages.len().min(STAGES);
         let mut all = [Stage::default(); STAGES];
         all[..count].copy_from_slice(&stages[..count]);
@@ -173,7 +178,7 @@ impl Scheme {
             name,
             word,
             arguments: [None; 2],
-            claims,
+            properties,
             alpha_m: 0.0,
             alpha_f: 0.0,
             stages: all,
@@ -189,13 +194,13 @@ impl Scheme {
     }
 
     /// What it is said to do.
-    pub fn claims(&self) -> Claims {
-        self.claims
+    pub fn properties(&self) -> SchemeProperties {
+        self.properties
     }
 
     /// Order of accuracy.
     pub fn order(&self) -> usize {
-        self.claims.order
+        self.properties.order
     }
 
     /// Orders of accuracy of positions, velocities and accelerations where multipliers hold equations

@@ -7,7 +7,7 @@ use pullback_manifold::sparse::BlockPattern;
 
 /// The system's pattern with blocks that hold all stages of a node, the unknowns of one stage after
 /// those of another, and a solver for it.
-pub(super) struct Together {
+pub(super) struct CoupledStages {
     /// Number of stages.
     count: usize,
     solver: AutoSolver,
@@ -16,7 +16,7 @@ pub(super) struct Together {
     positions: Vec<usize>,
 }
 
-impl Together {
+impl CoupledStages {
     pub(super) fn new(pattern: &BlockPattern, count: usize) -> Result<Self, LinearError> {
         let sizes: Vec<usize> = (0..pattern.blocks())
             .map(|i| count * pattern.size(i))

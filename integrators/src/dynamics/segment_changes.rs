@@ -21,7 +21,7 @@ const ATTEMPTS: usize = 8;
 
 /// Maps that were handed over on the way.
 #[derive(Default)]
-pub(super) struct Landing {
+pub(super) struct SegmentChanges {
     /// By what time changes are due at the end of the step: rounding errors, and those of `MET`.
     since: f64,
     /// The time at which changes were made where a step begins: once is enough.
@@ -37,7 +37,7 @@ impl Run<'_> {
     /// Makes the step that was just made from `progress` again where a change lies in it
     /// ([`System::overshoot`]), until it ends with the change, not later than `last`; the time at which
     /// it ends now. `None` where the change was due at the beginning, and is made at the next attempt.
-    pub(super) fn land<Y: System + ?Sized>(
+    pub(super) fn end_at_segment_change<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -50,7 +50,7 @@ impl Run<'_> {
         let met = (MET * h).max(4.0 * ulp);
         let part = if progress.short < MANY { SHORT } else { NEAR };
         let short = (part * h).max(4.0 * met);
-        self.landing.since = -met;
+        self.segment_changes.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
             let late = system.overshoot(point(&progress.state), point(&self.stepper.next));
@@ -59,10 +59,10 @@ impl Run<'_> {
             };
             let aim = end - late + 0.5 * met;
             if aim <= from + short {
-                if self.landing.begun == Some(from) {
+                if self.segment_changes.begun == Some(from) {
                     break;
                 }
-                self.landing.begun = Some(from);
+                self.segment_changes.begun = Some(from);
                 let begin = end - from - short;
                 system.change_segments(point(&progress.state), point(&self.stepper.next), begin);
                 return Ok(None);
@@ -80,7 +80,7 @@ impl Run<'_> {
     }
 
     /// Counts short steps, and hands over what is due at the end of the step that was just accepted.
-    pub(super) fn leave<Y: System + ?Sized>(
+    pub(super) fn finish_step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -90,7 +90,7 @@ impl Run<'_> {
         progress.short = if is_short { progress.short + 1 } else { 0 };
         // The buffers of the step hold the state before it.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
-        system.change_segments(from, to, self.landing.since);
+        system.change_segments(from, to, self.segment_changes.since);
     }
 
     /// Whether the last change of charts has handed a map over; what it must keep is then known.
@@ -104,7 +104,7 @@ impl Run<'_> {
     }
 
     /// Makes the changes that are due where a step begins.
-    pub(super) fn begin_anew<Y: System + ?Sized>(
+    pub(super) fn change_segments_at_start<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -128,7 +128,7 @@ impl Run<'_> {
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;
-            return self.aim(system, progress);
+            return self.set_target(system, progress);
         }
         self.jump(system, solver, progress, t, false)
     }

@@ -5,7 +5,7 @@ use pullback_manifold::system::{Energies, RigidRates};
 /// What a motion keeps: the aim of a scheme that restores it.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Kept {
+pub struct Invariants {
     /// Kinetic and stored energy and potential of steady loads, with the work of everything else by
     /// the trapezoidal rule.
     pub energy: f64,
@@ -30,34 +30,34 @@ pub struct Kept {
     pub forces: Vec<f64>,
 }
 
-impl Kept {
+impl Invariants {
     /// The energy of a state, and what works on it.
     pub(super) fn of(now: &Energies) -> Self {
-        let mut kept = Self {
+        let mut invariants = Self {
             energy: now.total(),
             ..Self::default()
         };
-        kept.note(now);
-        kept
+        invariants.set_power(now);
+        invariants
     }
 
     /// Books the work and the impulses of a step of size h, with the powers at its end.
-    pub(super) fn work(&mut self, now: &Energies, h: f64) {
+    pub(super) fn add_step(&mut self, now: &Energies, h: f64) {
         self.energy += 0.5 * h * (self.power + now.power());
         self.unsure += 0.5 * h * (self.gross_power + gross_power(now));
         for (momentum, force) in self.momenta.iter_mut().zip(&self.forces) {
             *momentum += h * force;
         }
-        self.note(now);
+        self.set_power(now);
     }
 
     /// Notes the powers of a state.
-    pub(super) fn note(&mut self, now: &Energies) {
+    pub(super) fn set_power(&mut self, now: &Energies) {
         (self.power, self.gross_power) = (now.power(), gross_power(now));
     }
 
     /// What an energy lacks of the nearest one that is possible.
-    pub(super) fn gap(&self, energy: f64) -> f64 {
+    pub(super) fn energy_gap(&self, energy: f64) -> f64 {
         let off = self.energy - energy;
         off - off.min(self.unsure).max(-self.unsure)
     }
