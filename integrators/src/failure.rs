@@ -1,4 +1,4 @@
-//! A step that failed, with everything needed to understand it: where, why, and what is worst.
+//! Report of a failed step: position, cause, iterations and the worst residuals.
 
 #![allow(non_snake_case)]
 
@@ -7,7 +7,7 @@ use crate::statics::{Event, Iteration};
 use pullback_manifold::system::{Quantity, System, SystemError};
 use std::fmt;
 
-/// What a step advances.
+/// The parameter that a step advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepParameter {
     /// The load parameter of statics.
@@ -23,56 +23,56 @@ pub enum Cause {
     System(SystemError),
     /// The tangent is singular or the linear solver failed.
     Linear {
-        /// The solver's words.
+        /// The error of the solver.
         error: LinearError,
-        /// Names and entries of the mechanism found, largest first.
+        /// Components of the mechanism by name, largest first.
         mechanism: Vec<(String, f64)>,
     },
-    /// Corrections grow whatever the damping.
+    /// Corrections grow even when damped.
     Diverged,
-    /// A path turns too sharply for the step.
+    /// The path turns too sharply for the step.
     OffPath,
-    /// Not converged within the iterations allowed.
+    /// No convergence within the allowed iterations.
     TooManyIterations,
-    /// The estimate of the local error asks for steps below the smallest.
+    /// The local error needs steps below the smallest one.
     Inaccurate,
-    /// An event on the path lies within the step, but cannot be found in it.
+    /// The path passes an event within the step that cannot be located.
     Unlocated {
         /// The event, in words.
         position: String,
     },
 }
 
-/// A step that failed: where, how far it came, and which coordinate was worst.
+/// Report of a failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedStep {
     /// Number of the step, from 1; 0 is the equilibrium at the start of statics.
     pub step: usize,
-    /// What the step advances.
+    /// The parameter that the step advances.
     pub parameter: StepParameter,
     /// Its value at the last converged step.
     pub from: f64,
     /// Its value that was attempted.
     pub to: f64,
-    /// Why.
+    /// The cause.
     pub cause: Cause,
     /// Iterations of the last attempt.
     pub history: Vec<Iteration>,
     /// Per quantity: name of the coordinate with the largest residual, and that residual.
     pub worst: Vec<(Quantity, String, f64)>,
-    /// Failed attempts so far.
+    /// Number of failed attempts so far.
     pub rejected: usize,
-    /// The smallest step allowed, where that is why it was not halved again; in statics.
+    /// The smallest allowed step, if it prevents another halving; in statics.
     pub min_step: Option<f64>,
     /// A kink or jump of a function of the load parameter within the step.
     pub kink: Option<f64>,
-    /// What the system itself has to say ([`System::singularity_warnings`]).
+    /// Warnings of the system ([`System::singularity_warnings`]).
     pub singularity_warnings: Vec<String>,
-    /// Evaluations and factorisations so far.
+    /// Cost of the analysis so far.
     pub cost: Cost,
 }
 
-/// What an analysis has spent.
+/// Cost of an analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Evaluations of the system.
@@ -95,7 +95,7 @@ pub(crate) enum Failure {
     Unlocated(Event),
 }
 
-/// What an iteration left behind when it failed.
+/// State of an iteration that failed.
 pub(crate) struct FailureContext<'a> {
     pub failure: Failure,
     pub r: &'a [f64],
@@ -104,7 +104,7 @@ pub(crate) struct FailureContext<'a> {
 }
 
 impl FailedStep {
-    /// Names what failed. `steps` and `rejected` are those before this attempt.
+    /// Reports a failure. `steps` and `rejected` count those before this attempt.
     pub(crate) fn new<Y: System + ?Sized>(
         system: &Y,
         context: FailureContext<'_>,
@@ -156,7 +156,7 @@ impl FailedStep {
                 .collect(),
             rejected,
             min_step: None,
-            // A state that cannot be evaluated says why itself.
+            // An evaluation error gives the reason itself.
             singularity_warnings: match cause {
                 Cause::System(_) => Vec::new(),
                 _ => system.singularity_warnings(),
@@ -185,7 +185,7 @@ impl FailedStep {
         }
     }
 
-    /// Where the step was, and how often it was tried.
+    /// Writes the position of the step and the number of attempts.
     fn heading(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parameter = match self.parameter {
             StepParameter::Load => "load parameter",
@@ -220,7 +220,7 @@ impl FailedStep {
     }
 }
 
-/// The largest components of the null vector, by name.
+/// The largest components of the null vector, with names.
 pub(crate) fn mechanism<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<(String, f64)> {
     let Some(null) = null_vector(system.pattern(), values) else {
         return Vec::new();
@@ -346,10 +346,10 @@ impl fmt::Display for FailedStep {
     }
 }
 
-/// A number for reading: seven significant digits at most, whatever its size.
+/// Formats a number for messages: at most seven significant digits.
 pub fn significant(x: f64) -> String {
     let rounded = format!("{x:.6e}").parse().unwrap_or(x);
-    // Debug writes the shortest digits, with an exponent where zeros would be many.
+    // Debug writes the shortest digits, with an exponent instead of many zeros.
     let text = format!("{:?}", rounded + 0.0);
     match text.strip_suffix(".0") {
         Some(whole) => whole.to_owned(),

@@ -1,4 +1,4 @@
-//! A run in time: steps that end at kinks, are halved when they fail, and are accounted for.
+//! A run in time: steps that end at kinks and are halved after a failure.
 
 #![allow(non_snake_case)]
 
@@ -15,7 +15,7 @@ use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
 use std::ops::ControlFlow;
 
-/// Integrates the equations of motion from where `progress` stands, with the default solver.
+/// Integrates the equations of motion from `progress`, with the default solver.
 ///
 /// The observer is called after each accepted step and may stop the run.
 ///
@@ -30,8 +30,8 @@ pub fn integrate<Y: System + ?Sized>(
     integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
 }
 
-/// As [`integrate`], with a linear solver of the caller's choice; stages that are solved together
-/// (Radau IIA) take a solver of their own for the larger matrix.
+/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
+/// own for the larger matrix.
 ///
 /// # Errors
 /// As [`integrate`].
@@ -43,7 +43,7 @@ pub fn integrate_with<Y: System + ?Sized>(
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
     check(options, progress, system)?;
-    // Gyroscopic and centrifugal tangents are not symmetric whatever the stiffness is.
+    // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
     solver
         .analyse(system.pattern(), Symmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
@@ -81,18 +81,18 @@ pub fn integrate_with<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Steps ahead for which symmetries are looked for where nothing ends them.
+/// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
 
 pub(super) struct Run<'a> {
     pub(super) stepper: Stepper,
     /// Times at which a step must end.
     stops: Stops,
-    /// A momentum that is kept over a jump.
+    /// A momentum that is conserved at a jump.
     pub(super) momentum: Vec<f64>,
-    /// What the velocities lack of it after the jump.
+    /// Missing momentum after the jump.
     pub(super) missing: Vec<f64>,
-    /// Gives back what steps have lost, for a scheme that does.
+    /// Projection onto the invariants, if the scheme has one.
     pub(super) projection: Option<InvariantProjection>,
     pub(super) segment_changes: SegmentChanges,
     pub(super) options: &'a DynamicOptions,
@@ -107,7 +107,7 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let fresh = progress.state.a.is_empty();
-        // A run that is continued may have been given another step.
+        // A continued run may have another step.
         let DynamicOptions { step, min_step, .. } = *self.options;
         if self.options.adaptivity.is_none() {
             progress.next_step = progress.next_step.min(step);
@@ -122,8 +122,7 @@ impl Run<'_> {
             a,
             algorithmic,
         } = &mut progress.state;
-        // A system that has not seen this state yet chooses its charts; a state that was accepted
-        // before stays as it is.
+        // A system without this state chooses its charts; an accepted state keeps its charts.
         system.start(*t, q);
         let mut none: [&mut [f64]; 0] = [];
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
@@ -162,7 +161,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The balance of energies begins with the present state.
+    /// Starts the energy balance at the present state.
     pub(super) fn open_balance<Y: System + ?Sized>(
         &self,
         system: &mut Y,
@@ -177,13 +176,13 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The next kink, or a time that is some steps away.
+    /// The next kink, or a time some steps away.
     fn next_kink(&self, t: f64) -> f64 {
         let far = t + FAR * self.options.step;
         self.stops.next_kink(t).map_or(far, |kink| kink.min(far))
     }
 
-    /// A scheme that restores energy and momenta keeps those of this state from now on.
+    /// Sets the invariants of this state as the target of the projection.
     pub(super) fn set_target<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -201,7 +200,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Finds the accelerations of the state, from those that it has; see [`accelerate`].
+    /// Updates the accelerations of the state; see [`accelerate`].
     pub(super) fn accelerate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -235,7 +234,7 @@ impl Run<'_> {
             .map_err(|source| DynamicsError::System { t, source })
     }
 
-    /// One attempt at a step; its size when it may be accepted, `None` when a smaller one is due.
+    /// One attempt at a step; its size if it may be accepted, `None` if a smaller one is needed.
     fn attempt<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -246,7 +245,7 @@ impl Run<'_> {
         let stop = self.stops.next(from, self.options);
         let count = equal_steps(stop.left - from, progress.next_step);
         let h = (stop.left - from) / count;
-        // A step ends before a kink: functions of time are asked on its left.
+        // A step ends before a kink: functions of time are evaluated on its left.
         let to = match (count > 1.0, stop.kink) {
             (true, _) => first_end([from, stop.left], count),
             (false, true) => stop.left.next_down(),
@@ -287,7 +286,7 @@ impl Run<'_> {
         };
         let error = self.local_error(system, &progress.state, h);
         let factor = (0.9 * (adaptivity.tolerance / error).cbrt()).clamp(0.3, 2.0);
-        // A step forced short by a stop says nothing about the size of the next one.
+        // A step shortened by a stop does not limit the next one.
         let wanted = (h * factor).min(adaptivity.max_step);
         if error <= adaptivity.tolerance {
             let forced = h < 0.99 * progress.next_step && factor >= 1.0;
@@ -306,7 +305,7 @@ impl Run<'_> {
         Ok(None)
     }
 
-    /// After a failure: half the step, or the end.
+    /// Halves the step after a failure, or ends the run.
     fn halve<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -351,7 +350,7 @@ impl Run<'_> {
         Err(DynamicsError::Step(Box::new(step)))
     }
 
-    /// Takes the new state, its charts, and accelerations anew where a kink makes them jump.
+    /// Accepts the new state and updates charts, and accelerations after a kink.
     fn accept<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -361,18 +360,18 @@ impl Run<'_> {
     ) -> Result<usize, DynamicsError> {
         let left = self.stepper.next.t;
         let kink = self.stops.kink(left);
-        let asked = if kink.is_some() {
+        let t_left = if kink.is_some() {
             left.next_down()
         } else {
             left
         };
         let damped = (progress.summary.energy).is_some_and(|e| e.now.dissipated != 0.0);
         let dissipated = match damped {
-            true => self.mean_dissipation(system, &progress.state, asked),
+            true => self.mean_dissipation(system, &progress.state, t_left),
             false => None,
         };
-        // The system is left at the end of the step.
-        let mut now = self.energies(system, &self.stepper.next, asked)?;
+        // The evaluation leaves the system at the end of the step.
+        let mut now = self.energies(system, &self.stepper.next, t_left)?;
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
@@ -388,7 +387,7 @@ impl Run<'_> {
         progress.summary.chart_changes += changes.charts;
         let segments_changed = self.segments_changed(system, left)?;
         if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.invariants, &now) {
-            // What is missing is given back with the jump.
+            // The jump restores what is missing.
             kept.add_step(now, h);
         } else if let (Some(projection), Some(kept)) =
             (&mut self.projection, &mut progress.invariants)
@@ -396,10 +395,10 @@ impl Run<'_> {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
-                kept.energy += energies(system, scheme, state, asked)?.total() - now.total();
+                kept.energy += energies(system, scheme, state, t_left)?.total() - now.total();
             }
             let Stepper { r, S, .. } = &mut self.stepper;
-            let restored = projection.restore(system, scheme, state, kept, (asked, h), [r, S])?;
+            let restored = projection.restore(system, scheme, state, kept, (t_left, h), [r, S])?;
             now = now.map(|_| restored);
             progress.summary.evaluations += projection.take_evaluations();
         }
@@ -411,7 +410,7 @@ impl Run<'_> {
             self.jump(system, solver, progress, left, false)?;
         }
         match kink {
-            // What lies behind the end is not known to be asked for.
+            // The end of a run does not pass a kink.
             Some(_) if left >= self.options.to => progress.at_kink = true,
             Some(stop) => self.pass(system, solver, progress, stop)?,
             None => {}
@@ -421,8 +420,8 @@ impl Run<'_> {
             let nominal = self.options.step;
             let stop = self.stops.next(progress.state.t, self.options);
             let rest = equal_steps(stop.left - progress.state.t, progress.next_step);
-            // With an odd number of steps left, twice their size would lead away from the times of
-            // those before they were halved.
+            // With an odd number of steps left, doubled steps would miss the times of the steps
+            // before they were halved.
             let pairs = rest % 2.0 == 0.0;
             if progress.easy >= self.options.easy && progress.next_step < nominal && pairs {
                 progress.next_step = nominal.min(2.0 * progress.next_step);
@@ -432,11 +431,12 @@ impl Run<'_> {
         Ok(changes.charts)
     }
 
-    /// Power lost in dampers in the middle of a state and the next one, with the velocity (q₁ − q₀) / h.
+    /// Power of dampers midway between a state and the next one, with the velocity (q₁ − q₀) / h.
     ///
-    /// The powers at both ends may be those of dampers that relax within the step, of which most of it knows
-    /// nothing. This is what the trapezoidal rule dissipates in a linear system, whatever the step. `None`
-    /// where the system cannot be evaluated in between: a step that has converged does not fail by its books.
+    /// The powers at both ends may be those of dampers that relax within a small part of the step.
+    /// This one is the dissipation of the trapezoidal rule in a linear system, for any step. `None`
+    /// if the system cannot be evaluated there: a converged step must not fail by its energy
+    /// balance.
     fn mean_dissipation<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,

@@ -1,4 +1,4 @@
-//! Steps that end where a system changes its maps.
+//! Steps that end at a change of segment of the system's maps.
 
 use super::run::Run;
 use super::step::rebase;
@@ -7,24 +7,25 @@ use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Point, System};
 
-/// A change is met when it is overdue by less than this part of a step.
+/// Tolerance of the time of a change, as a part of a step.
 const MET: f64 = 1e-12;
-/// A step that would end this part of its size before a change goes on to it.
+/// A step that ends by this part of its size before a change is extended to it.
 const NEAR: f64 = 1e-2;
-/// A change in this part of a step behind its beginning is made at the beginning.
+/// A change within this part of a step after its beginning is made at the beginning.
 const SHORT: f64 = 1e-8;
-/// Steps shorter than `NEAR` in a row at most, so that what swings to and fro over a change faster than
-/// steps can follow costs no more than this.
+/// Largest number of steps in a row shorter than `NEAR`, which limits the cost of oscillations
+/// about a change that are faster than the steps.
 const MANY: usize = 1000;
-/// Attempts at most: Newton's method for the time of a change.
+/// Largest number of attempts: Newton's method for the time of a change.
 const ATTEMPTS: usize = 8;
 
-/// Maps that were handed over on the way.
+/// State of the search for changes of segment.
 #[derive(Default)]
 pub(super) struct SegmentChanges {
-    /// By what time changes are due at the end of the step: rounding errors, and those of `MET`.
+    /// Least overshoot at which changes are made at the end of the step: rounding errors, and
+    /// `MET`.
     since: f64,
-    /// The time at which changes were made where a step begins: once is enough.
+    /// The time at which changes were made at the beginning of a step, to make them once.
     begun: Option<f64>,
 }
 
@@ -34,9 +35,9 @@ fn point(state: &State) -> Point<'_> {
 }
 
 impl Run<'_> {
-    /// Makes the step that was just made from `progress` again where a change lies in it
-    /// ([`System::overshoot`]), until it ends with the change, not later than `last`; the time at which
-    /// it ends now. `None` where the change was due at the beginning, and is made at the next attempt.
+    /// Repeats the step from `progress` until it ends at the first change of segment within it
+    /// ([`System::overshoot`]), not later than `last`; returns the end of the step. `None` if the
+    /// change is at the beginning, where the next attempt makes it.
     pub(super) fn end_at_segment_change<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -53,12 +54,14 @@ impl Run<'_> {
         self.segment_changes.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
-            let late = system.overshoot(point(&progress.state), point(&self.stepper.next));
-            let Some(late) = late.filter(|late| *late > -near && late.abs() > met) else {
+            let overshoot = system.overshoot(point(&progress.state), point(&self.stepper.next));
+            let Some(overshoot) =
+                overshoot.filter(|overshoot| *overshoot > -near && overshoot.abs() > met)
+            else {
                 break;
             };
-            let aim = end - late + 0.5 * met;
-            if aim <= from + short {
+            let target = end - overshoot + 0.5 * met;
+            if target <= from + short {
                 if self.segment_changes.begun == Some(from) {
                     break;
                 }
@@ -67,10 +70,10 @@ impl Run<'_> {
                 system.change_segments(point(&progress.state), point(&self.stepper.next), begin);
                 return Ok(None);
             }
-            if aim > last {
+            if target > last {
                 break;
             }
-            (end, near) = (aim, h);
+            (end, near) = (target, h);
             rebase(progress, end - from);
             let scheme = &self.options.scheme;
             self.stepper
@@ -79,7 +82,7 @@ impl Run<'_> {
         Ok(Some(end))
     }
 
-    /// Counts short steps, and hands over what is due at the end of the step that was just accepted.
+    /// Counts short steps, and makes the changes at the end of the accepted step.
     pub(super) fn finish_step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -88,12 +91,12 @@ impl Run<'_> {
     ) {
         let is_short = h < NEAR * progress.next_step;
         progress.short = if is_short { progress.short + 1 } else { 0 };
-        // The buffers of the step hold the state before it.
+        // The buffers of the step hold the previous state.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
         system.change_segments(from, to, self.segment_changes.since);
     }
 
-    /// Whether the last change of charts has handed a map over; what it must keep is then known.
+    /// Whether the last change of charts changed a segment; the momentum to conserve is then known.
     pub(super) fn segments_changed<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -103,7 +106,7 @@ impl Run<'_> {
         known.map_err(|source| DynamicsError::System { t, source })
     }
 
-    /// Makes the changes that are due where a step begins.
+    /// Makes the changes of segment at the beginning of a step.
     pub(super) fn change_segments_at_start<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -124,7 +127,7 @@ impl Run<'_> {
             return Ok(());
         }
         if progress.summary.steps == 0 {
-            // The velocities of the start are meant as they are.
+            // Initial velocities are valid after the change.
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;

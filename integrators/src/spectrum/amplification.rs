@@ -29,9 +29,9 @@ impl System for Oscillator {
     }
 }
 
-/// The amplification matrix at Ω = ω h, by rows, of (q, h q̇/(1 + Ω), h² y/(1 + Ω²)): scaled so
-/// that its entries stay of order one. By one step of size 1 from each unit state, the step routine that
-/// all runs use; limits of the step size are not asked.
+/// The amplification matrix at Ω = ω h, by rows, of (q, h q̇/(1 + Ω), h² y/(1 + Ω²)), scaled so that
+/// its entries stay of order one. Found by one step of size 1 from each unit state, by the step
+/// routine of all runs; limits of the step size are ignored.
 ///
 /// # Errors
 /// [`DynamicsError::Option`] unless Ω is positive and finite, or that of a step that fails.

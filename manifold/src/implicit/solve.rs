@@ -6,14 +6,15 @@ use super::{Choice, DomainError, Equations, GAIN, Implicit, ImplicitError, names
 use crate::map::{Map, Reparametrized, derived};
 use nalgebra::{SMatrix, SVector};
 
-/// Residual of a redundant equation, as a relative change of coordinates, that counts as zero.
+/// Largest residual of a redundant equation, as a relative change of coordinates, that counts as
+/// zero.
 pub(super) const CONSISTENT: f64 = 1e-9;
-/// Corrections relative to the sizes of the coordinates that end Newton's method: the next one
-/// would be their square.
+/// Correction relative to the sizes of the coordinates that ends Newton's method; the next one
+/// would be its square.
 pub(super) const CONVERGED: f64 = 1e-13;
-/// Corrections that may be rounding errors where the condition number is large.
+/// Correction that may be rounding if the condition number is large.
 pub(super) const ROUNDING: f64 = 1e-10;
-/// Iterations from the last converged state at most.
+/// Largest number of iterations from the last converged state.
 const ITERATIONS: usize = 30;
 
 /// A solution of h(t, x) = 0 at given q.
@@ -24,13 +25,13 @@ pub(super) struct Solution<const D: usize, const X: usize, const M: usize> {
 
 /// An implicit constraint solved for X coordinates x = φ(t, q) in D = X − rank(h_x) of its own.
 ///
-/// q = 0 is the configuration at which it was made. D + M exceeds X by the number of redundant
-/// equations, which are found, dropped and named ([`Solved::redundant`]).
+/// q = 0 is the initial configuration. D + M exceeds X by the number of redundant equations, which
+/// are found, dropped and named ([`Solved::redundant`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solved<H, const D: usize, const X: usize, const M: usize> {
     pub(super) constraint: H,
     choice: Choice,
-    /// Where q = 0.
+    /// Configuration at q = 0.
     reference: SVector<f64, X>,
     /// The last converged x and B there: Newton's method starts from it.
     anchor: SVector<f64, X>,
@@ -53,7 +54,7 @@ where
         Self::with(constraint, t, guess, Choice::default())
     }
 
-    /// As [`Solved::new`], with the coordinates q chosen in another way.
+    /// As [`Solved::new`], with another choice of the coordinates q.
     ///
     /// # Errors
     /// As [`Solved::new`].
@@ -73,7 +74,7 @@ where
         let J = derived::tangent(&Equations(&constraint), t, &x).B;
         let sizes = sizes(&constraint, &J, &[0.0; M]);
         let found = best(&constraint, &J, &sizes, choice);
-        // Beside equations that do their part one that does not is redundant, or the position singular.
+        // An equation with a vanishing gradient is redundant, or the configuration is singular.
         let flat = touching(&constraint, t, &x, &J);
         let used = match &found {
             Some((chart, _)) => chart.used,
@@ -96,9 +97,9 @@ where
         })
     }
 
-    /// With these coordinates as q, kept until a better choice is due ([`Choice::Split`]) or for
-    /// good ([`Choice::Fixed`]); `None` where they do not determine the others. q = 0 stays where
-    /// it is: to be asked for before anything moves.
+    /// The same constraint with these coordinates as q, until a better choice is found
+    /// ([`Choice::Split`]) or for good ([`Choice::Fixed`]); `None` if they do not determine the
+    /// others. q = 0 stays the same configuration: to be called before anything moves.
     #[must_use]
     pub fn with_independent(mut self, t: f64, independent: [usize; D]) -> Option<Self> {
         let zero = SVector::zeros();
@@ -121,7 +122,7 @@ where
         self.chart.L.tr_mul(x_dot)
     }
 
-    /// The coordinates that q are; `None` in the tangent space.
+    /// The coordinates selected as q; `None` in the tangent space.
     pub fn independent(&self) -> Option<[usize; D]> {
         self.chart.independent
     }
@@ -131,18 +132,18 @@ where
         &self.constraint
     }
 
-    /// How q is chosen.
+    /// The choice of q.
     pub fn choice(&self) -> Choice {
         self.choice
     }
 
-    /// Names of the equations that are not used because they follow from the others.
+    /// Names of the redundant equations.
     pub fn redundant(&self) -> Vec<String> {
         let unused = (0..M).filter(|&i| !self.chart.used[i]);
         unused.map(|i| self.constraint.equation(i)).collect()
     }
 
-    /// Condition number of A at q; infinite where the equations cannot be solved.
+    /// Condition number of A at q; infinite if the equations cannot be solved.
     pub fn condition(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         self.solve(t, q)
             .map_or(f64::INFINITY, |s| s.inverse.condition)
@@ -166,8 +167,8 @@ where
             let dx = inverse.B * (q - self.coordinates(&x)) - inverse.P * at.x;
             x += dx;
             let size = self.largest(&dx);
-            // Newton's method contracts near the branch of solutions that it started from; where
-            // it does not it may end on another one.
+            // Newton's method contracts near the branch of solutions on which it started; otherwise
+            // it may end on another one.
             let rounding = ROUNDING.max(f64::EPSILON * 10.0 * inverse.condition);
             let stalled = size <= rounding && size > 0.5 * before;
             if size <= CONVERGED || stalled {
@@ -224,7 +225,7 @@ where
         }
     }
 
-    /// Makes a converged state the one that Newton's method starts from.
+    /// Makes a converged state the start of Newton's method.
     pub(super) fn remember(&mut self, t: f64, q: &SVector<f64, D>) -> Option<Solution<D, X, M>> {
         let now = self.solve(t, q).ok()?;
         (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
@@ -233,7 +234,7 @@ where
         Some(now)
     }
 
-    /// Changes the chart where that is due at a converged state, and starts from there from now on.
+    /// Changes the chart at a converged state if needed, and makes the state the new start.
     pub(super) fn settle(
         &mut self,
         t: f64,
@@ -252,8 +253,8 @@ where
         Some(self.reparametrize(t, q, v, chart, inverse.B))
     }
 
-    /// Changes the chart at (q, q̇) whether that is due or not: to the coordinates `independent` as
-    /// q, or to the tangent space there. `None`, and no change, where they do not determine x.
+    /// Changes the chart at (q, q̇) in any case: to the coordinates `independent`, or to the tangent
+    /// space there. `None`, without a change, if they do not determine x.
     pub fn switch(
         &mut self,
         t: f64,
@@ -275,7 +276,7 @@ where
         (inverse.condition * RANK < 1.0).then(|| self.reparametrize(t, q, v, chart, inverse.B))
     }
 
-    /// q′ = L′ᵀ(x − x_ref) is linear in x: x, ẋ and ẍ are what they were.
+    /// q′ = L′ᵀ(x − x_ref) is linear in x: x, ẋ and ẍ do not change.
     fn reparametrize(
         &mut self,
         t: f64,

@@ -1,4 +1,4 @@
-//! One map after another.
+//! Composition of two maps.
 
 #![allow(non_snake_case)]
 

@@ -1,4 +1,4 @@
-//! The object-safe boundary: maps of any dimensions behind a pointer.
+//! The object-safe interface to maps of any dimensions.
 
 #![allow(non_snake_case)]
 
@@ -7,7 +7,7 @@ use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
 
-/// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
+/// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
 #[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
 pub struct KinematicsMut<'a> {
     pub x: &'a mut [f64],
@@ -18,13 +18,13 @@ pub struct KinematicsMut<'a> {
     pub B_ddot: &'a mut [f64],
 }
 
-/// A [`Map`] of any dimensions behind a pointer: slices outside, fixed sizes and no heap inside.
+/// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known at run time only
-/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
-/// says; matrices are stored column by column.
+/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known only at run time
+/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths of [`Parametrization::dims`];
+/// matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
-    /// What the map is called in reports: the name of its type unless it has a better one.
+    /// Name of the map in reports; the name of its type by default.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
@@ -57,13 +57,13 @@ pub trait Parametrization: Send + Sync {
         true
     }
 
-    /// Whether φ is linear in q, so that K_σ(f) vanishes and nobody has to ask for it.
+    /// Whether φ is linear in q, so that K_σ(f) vanishes and is not evaluated.
     fn is_linear(&self) -> bool {
         false
     }
 
-    /// See [`Map::reparametrize`]: the coordinates, their velocities and any number of accelerations are
-    /// changed in place; whether they were. Nothing to do by default.
+    /// See [`Map::reparametrize`]: transforms the coordinates, their velocities and any number of
+    /// accelerations in place; returns whether they changed. Nothing by default.
     fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let _ = (t, q, v, a);
         false
@@ -85,8 +85,7 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// What makes steps from the last converged state fail though the map is defined there, in words
-    /// that follow "joint at node a: ": a singular configuration that is near. Nothing by default.
+    /// A warning about a nearby singular configuration, if any, to follow "joint at node a: ".
     fn singularity_warning(&self) -> Option<String> {
         None
     }
@@ -117,14 +116,13 @@ pub trait Parametrization: Send + Sync {
         let _ = at;
     }
 
-    /// What the map remembers of its way besides the coordinates, where it cannot be found from
-    /// them: what a checkpoint has to hold.
+    /// State of the map besides the coordinates that cannot be found from them, for checkpoints.
     fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Goes on from what [`Parametrization::save`] gave for the same map; false, and no change,
-    /// where that is not of this map.
+    /// Restores the state from [`Parametrization::save`] of the same map; false, without a change,
+    /// if it belongs to another map.
     fn restore(&mut self, saved: &[f64]) -> bool {
         saved.is_empty()
     }
@@ -135,8 +133,8 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
-    /// there are equations; as many as there are.
+    /// Lagrange multipliers of the equations behind the map under the covector `f` (n), one per
+    /// equation.
     fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
         let _ = (t, q, f);
         lambda.fill(0.0);
@@ -152,7 +150,7 @@ pub trait Parametrization: Send + Sync {
     fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
 }
 
-/// The bridge from fixed sizes to slices.
+/// Adapter from fixed sizes to slices.
 pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>

@@ -10,38 +10,38 @@ use crate::system::ChartChanges;
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// A frame whose coordinates are its displacement and the material rotation vector θ since the last
-/// converged step, (d, θ) ↦ (d, Ψ) with R(Ψ) = Rₙ R(θ).
+/// A frame whose coordinates are its displacement d and the material rotation vector θ since the
+/// last converged step, (d, θ) ↦ (d, Ψ) with R(Ψ) = Rₙ R(θ).
 ///
-/// After every step θ begins anew at zero, where θ̇ = Ω and θ̈ = Ω̇: the updated Lagrangian
-/// formulation of Cardona & Géradin 1988 (\[M04\] 3.3) for any scheme and any element, as a chart
-/// that is centred anew. With the angular velocities of θ,
+/// After every step θ restarts at zero, where θ̇ = Ω and θ̈ = Ω̇: the updated Lagrangian formulation
+/// of Cardona & Géradin 1988 (\[M04\] 3.3) for any scheme and any element. With the angular
+/// velocities of θ,
 ///
 /// ```text
 /// Ω = T(θ) θ̇,   Ω̇ = T(θ) θ̈ + Ṫ θ̇                                       [M04] (50)
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::reparametrizes`]): a node of six coordinates, three lengths and three angles; or of three, for a
-/// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
+/// ([`Map::reparametrizes`]): six coordinates of a frame, three lengths and three angles, or three
+/// of a rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
-/// Made by [`Increment::with_velocities`] its rates are spins from the first converged state on
-/// ([`Map::velocity_kind`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
-/// generalised-α family adds up are the updates of the Lie-group method of Brüls, Cardona &
-/// Arnold 2012,
+/// With [`Increment::with_velocities`], the rates are angular velocities from the first converged
+/// state on ([`Map::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
+/// of the generalised-α family are those of the Lie-group method of Brüls, Cardona & Arnold 2012,
 ///
 /// ```text
 /// Rₙ₊₁ = Rₙ R(h Ωₙ + h²[(½−β) aₙ + β aₙ₊₁]),   Ωₙ₊₁ = Ωₙ + h[(1−γ) aₙ + γ aₙ₊₁]
 /// ```
 ///
-/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew. With
-/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones those of
-/// w and the material Ω̇, which stays as it is when the chart is centred anew.
+/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so recentring the chart changes nothing. With spatial ones the
+/// updates are sums of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones, sums of w and of the
+/// material Ω̇, which recentring leaves unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
-    /// Which angular velocities the rates are once the chart is centred, and whether it has been.
+    /// Angular velocities that replace the rates once the chart is centred, and whether it has
+    /// been.
     velocity_kind: Option<VelocityKind>,
     centred: bool,
 }
@@ -63,7 +63,7 @@ impl Increment {
         }
     }
 
-    /// From the reference orientation, with spins for rates.
+    /// The reference orientation, with angular velocities as rates.
     pub fn with_velocities(kind: VelocityKind) -> Self {
         Self {
             velocity_kind: Some(kind),
@@ -100,7 +100,7 @@ impl<const D: usize> Map<D, D> for Increment {
         (PI - theta(q).norm()).min(TAU - Psi)
     }
 
-    /// Its coordinates are no frame's.
+    /// Its coordinates belong to no frame.
     fn is_objective(&self) -> bool {
         false
     }
@@ -169,7 +169,7 @@ impl<const D: usize> Map<D, D> for Increment {
             c: SVector::zeros(),
         };
         new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
-        // From rates or spins at θ to Ω and Ω̇.
+        // From rates or angular velocities at θ to Ω and Ω̇.
         let B = match kind {
             Some(VelocityKind::Material) => return Some(new),
             Some(VelocityKind::Spatial | VelocityKind::Mixed) => so3::rotation(&theta).transpose(),

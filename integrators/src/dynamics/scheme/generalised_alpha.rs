@@ -32,7 +32,7 @@ pub(super) const HHT: Family = Family {
                 [0.5, 1.0],
             )
             .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0)))
-            // It keeps the word that it was asked for by.
+            // Output shows the requested word.
             .map(|scheme| Scheme {
                 arguments: [Some(rho), None],
                 ..scheme
@@ -67,8 +67,8 @@ pub(super) const CHUNG_HULBERT: Family = Family {
     },
 };
 
-/// Coefficients of the generalised-α family with the algorithmic acceleration a carried along
-/// (Arnold & Brüls 2007; \[M04\] ch. 5):
+/// Coefficients of the generalised-α family with the algorithmic acceleration a (Arnold & Brüls
+/// 2007; \[M04\] ch. 5):
 ///
 /// ```text
 /// (1−α_m) aₙ₊₁ + α_m aₙ = (1−α_f) q̈ₙ₊₁ + α_f q̈ₙ
@@ -199,7 +199,7 @@ pub(super) fn within(
     value: f64,
     [from, to]: [f64; 2],
 ) -> Result<(), DynamicsError> {
-    // Written so that a value that is not a number is refused.
+    // NaN is rejected.
     if value >= from && value <= to {
         Ok(())
     } else {
