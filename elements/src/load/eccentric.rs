@@ -1,4 +1,4 @@
-//! A force of fixed direction at a point beside the node: the weight of an eccentric mass.
+//! A dead force at a point beside the node, such as the weight of an eccentric mass.
 
 #![allow(non_snake_case)]
 
@@ -27,7 +27,7 @@ impl EccentricForce {
         Self::boxed(force, offset, Box::new(amplitude))
     }
 
-    /// As [`EccentricForce::new`], for an amplitude that is boxed already.
+    /// As [`EccentricForce::new`], for a boxed amplitude.
     pub fn boxed(force: [f64; 3], offset: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
         Self {
             n: force.into(),

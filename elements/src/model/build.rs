@@ -1,4 +1,4 @@
-//! The end of building: one check of the whole, the numbering, the pattern.
+//! Validation, numbering and pattern of a model.
 
 use super::builder::{ModelBuilder, NodeId};
 use super::connections::check_connections;
@@ -20,8 +20,8 @@ impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
     ///
     /// # Errors
-    /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
-    /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
+    /// [`ModelError`] with the cause. Statics also checks that the supports suffice
+    /// ([`Model::check_supports`]); a free structure is valid in dynamics.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };
@@ -42,7 +42,7 @@ impl ModelBuilder {
         let mut reports =
             loops::close(&mut self.nodes, &self.closings, &held, &preferences, length)?;
         let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
-        self.keep_one_free(&reports)?;
+        self.add_dummy_dof(&reports)?;
         reports.extend(forces);
         let Self {
             mut nodes,
@@ -94,8 +94,8 @@ impl ModelBuilder {
             }
         }
 
-        // The pattern has room for whatever an element may come to depend on; a joint without
-        // elements behind it carries no force. Elements at one body all have the same set.
+        // The pattern has room for all nodes that an element may depend on; a joint without
+        // elements carries no force. Elements on one body all have the same set.
         let mut sets = HashSet::new();
         for e in &elements {
             sets.extend(alternatives.of(&e.nodes));
@@ -184,8 +184,8 @@ impl ModelBuilder {
     }
 }
 
-/// Shortest and longest lever of the model: the least distance between nodes of an element or a
-/// joint that stand apart, and the extent of the whole; zero and infinite where there is none.
+/// Shortest and longest lever of the model: the least distance between different node positions of
+/// an element or a joint, and the extent of the whole; zero and infinity if there is none.
 fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     if extent == 0.0 {
         return [0.0, f64::INFINITY];
@@ -218,7 +218,7 @@ fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     [if shortest.is_finite() { shortest } else { 0.0 }, extent]
 }
 
-/// Diagonal of the box around all frames; zero where they stand at one position.
+/// Diagonal of the box around all frames; zero if all have the same position.
 fn extent(nodes: &[Node]) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64| {
         let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.position);
@@ -232,8 +232,8 @@ fn extent(nodes: &[Node]) -> f64 {
 /// All nodes by their distance from the supports, counted in elements.
 ///
 /// Elimination takes the last first: from free ends towards supports every partial structure is
-/// held by what is still to come, and pivots keep their size. The other way round the last pivot
-/// of a cantilever would be its tip stiffness, small by the cube of the number of elements.
+/// held by the rest, and pivots keep their size. In the opposite order the last pivot of a
+/// cantilever would be its tip stiffness, small by the cube of the number of elements.
 fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Vec<usize> {
     let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
@@ -289,7 +289,7 @@ fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed])
     order
 }
 
-/// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.
+/// Checks that reparametrized coordinates are free, and used by no other map or element.
 fn check_reparametrized(
     nodes: &[Node],
     elements: &[ElementEntry],
@@ -299,7 +299,7 @@ fn check_reparametrized(
         let Source::Mapped(d) = &node.source else {
             continue;
         };
-        // Masters behind the first are parameters, which stay what they are.
+        // Parents after the first are parameters, which are not reparametrized.
         for &m in d
             .parents()
             .iter()
@@ -307,7 +307,7 @@ fn check_reparametrized(
             .filter(|_| d.map.reparametrizes())
         {
             let parent = &nodes[m as usize];
-            // Made for the frame by the model itself.
+            // Created for the frame by the model itself.
             if parent.form == NodeForm::Increment {
                 continue;
             }
@@ -362,7 +362,7 @@ fn resolve_prescribed(
         }
         let coordinate = node.coordinate_name(dof);
         if matches!(node.source, Source::Mapped(_)) {
-            return Err(refuse_slave(nodes, id.0, coordinate));
+            return Err(refuse_mapped(nodes, id.0, coordinate));
         }
         if !taken.insert(node.first + dof) {
             return Err(ModelError::PrescribedTwice { coordinate });
@@ -375,9 +375,9 @@ fn resolve_prescribed(
     Ok(out)
 }
 
-/// Says what can be prescribed instead of a coordinate that follows from others: those that it follows
-/// from in the end.
-fn refuse_slave(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
+/// Error for a prescribed coordinate that follows from others; it names those that can be
+/// prescribed instead.
+fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
     let (mut waiting, mut own) = (vec![dependent], Vec::new());
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
@@ -386,7 +386,7 @@ fn refuse_slave(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErro
                 let solved = node.name.clone();
                 return ModelError::PrescribedSolved { coordinate, solved };
             }
-            // The first of them first.
+            // In the order of the parents.
             Source::Mapped(d) => waiting.extend(d.parents().iter().rev()),
             Source::Own if own.contains(&node.name.as_str()) => {}
             Source::Own => own.push(&node.name),

@@ -1,4 +1,4 @@
-//! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
+//! Building a model: nodes, elements, supports.
 
 use super::assembly::MAX_NODES;
 use super::formulation::Formulation;
@@ -16,17 +16,17 @@ use std::collections::{HashMap, HashSet};
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
 
-/// What the coordinates of a frame node measure.
+/// Quantities of the coordinates of a frame node.
 pub(super) const FRAME_QUANTITIES: [Quantity; FRAME] = {
     use Quantity::{Angle, Length};
     [Length, Length, Length, Angle, Angle, Angle]
 };
 
-/// A node of the builder that made it.
+/// A node of a model builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub(crate) u32);
 
-/// An element of the builder that made it.
+/// An element of a model builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ElementId(pub(crate) u32);
 
@@ -55,7 +55,7 @@ impl Dof {
     /// The three rotations.
     pub const ROTATIONS: [Self; 3] = [Self::RX, Self::RY, Self::RZ];
 
-    /// Position among the six coordinates.
+    /// Index among the six coordinates.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -71,7 +71,7 @@ pub(super) const DOF_NAMES: [&str; FRAME] = [
     "rotation about e3",
 ];
 
-/// Collects a model and checks it when [`ModelBuilder::build`] is called.
+/// Builder of a model; [`ModelBuilder::build`] validates it.
 #[derive(Default)]
 pub struct ModelBuilder {
     pub(super) nodes: Vec<Node>,
@@ -79,11 +79,11 @@ pub struct ModelBuilder {
     pub(super) elements: Vec<ElementEntry>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
     pub(super) closings: Vec<Closing>,
-    /// Where coordinates of loops should start.
+    /// Desired initial values of coordinates in loops.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
-    /// Coordinates that loops rather leave free.
+    /// Coordinates that loops should leave free.
     pub(super) preferred: HashSet<NodeId>,
-    /// Coordinates that follow another one through gears, and their ratios to it.
+    /// Coordinates that follow another one by gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
     pub(super) formulation: Formulation,
     pub(super) inputs: Vec<Input>,
@@ -113,7 +113,7 @@ impl ModelBuilder {
         )
     }
 
-    /// Adds coordinates that are no frame: those a joint releases, say.
+    /// Adds scalar coordinates, such as those of a joint.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`].
@@ -131,8 +131,8 @@ impl ModelBuilder {
         )
     }
 
-    /// Adds a rotation vector of its own: the three coordinates that a spherical joint releases.
-    /// It changes its chart like that of a frame.
+    /// Adds a rotation vector, such as the three coordinates of a spherical joint. Its chart
+    /// changes like that of a frame.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`].
@@ -147,11 +147,11 @@ impl ModelBuilder {
         )
     }
 
-    /// Adds a frame node whose six coordinates follow from those of `parents` through a map.
+    /// Adds a frame node whose six coordinates are a map of those of `parents`.
     ///
     /// # Errors
-    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] when
-    /// the map does not take the parents' coordinates to six; [`ModelError::ForeignNode`].
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] if
+    /// the map is not from the parents' coordinates to six; [`ModelError::ForeignNode`].
     pub fn mapped_node(
         &mut self,
         name: impl Into<String>,
@@ -162,8 +162,8 @@ impl ModelBuilder {
         self.mapped_node_along(name, position, map, &[parents])
     }
 
-    /// As [`ModelBuilder::mapped_node`], for a map that travels along several sets of parents
-    /// ([`Map::segment`](pullback_manifold::map::Map::segment) tells which one it reads).
+    /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
+    /// ([`Map::segment`](pullback_manifold::map::Map::segment) is the one in use).
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -178,15 +178,15 @@ impl ModelBuilder {
         self.add_mapped(name.into(), position, form, map, segments)
     }
 
-    /// Adds coordinates that are no frame and follow from those of `parents` through a map: those of
-    /// a loop that is closed by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint,
-    /// one of them ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a
-    /// gear. Joints and elements take them as they take any coordinates.
+    /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed
+    /// by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint, one of them
+    /// ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a gear. Joints
+    /// and elements use them like any coordinates.
     ///
     /// # Errors
-    /// As [`ModelBuilder::mapped_node`]. A map that changes the meaning of its own coordinates
-    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be the only one that uses
-    /// them: [`ModelError::Reparametrized`] when the model is built.
+    /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
+    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be their only
+    /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
     pub fn mapped_coordinates(
         &mut self,
         name: impl Into<String>,
@@ -259,10 +259,10 @@ impl ModelBuilder {
         Ok(id)
     }
 
-    /// The node of a name.
+    /// Node with a name.
     ///
     /// # Errors
-    /// [`ModelError::UnknownNode`], which lists the names there are.
+    /// [`ModelError::UnknownNode`], with a list of all names.
     pub fn find(&self, name: &str) -> Result<NodeId, ModelError> {
         self.names.get(name).copied().ok_or_else(|| {
             let mut known: Vec<&str> = self.nodes.iter().map(|n| n.name.as_str()).collect();
@@ -285,17 +285,17 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].position
     }
 
-    /// Number of coordinates of a node: six of a frame.
+    /// Number of coordinates of a node, six for a frame.
     pub fn dim(&self, node: NodeId) -> usize {
         self.nodes[node.0 as usize].dim
     }
 
-    /// Whether a node has coordinates of its own, and follows no others.
+    /// Whether a node has coordinates of its own and is not mapped.
     pub(crate) fn is_own(&self, node: NodeId) -> bool {
         self.nodes[node.0 as usize].is_own()
     }
 
-    /// The coordinate that a coordinate follows through gears in the end, and its ratio to that.
+    /// The coordinate at the end of a chain of gears, and the ratio to it.
     pub(crate) fn behind_gears(&self, mut node: NodeId) -> (NodeId, f64) {
         let mut ratio = 1.0;
         while let Some(&(leader, r)) = self.gears.get(&node) {
@@ -304,7 +304,7 @@ impl ModelBuilder {
         (node, ratio)
     }
 
-    /// Lets a coordinate follow an earlier one through a map: a gear of this ratio.
+    /// Makes a coordinate follow an earlier one by a gear of this ratio.
     pub(crate) fn follow(
         &mut self,
         leader: NodeId,
@@ -337,7 +337,7 @@ impl ModelBuilder {
     /// Adds an element or a load on nodes.
     ///
     /// # Errors
-    /// [`ModelError::Dimension`] when the nodes do not have the coordinates that it expects.
+    /// [`ModelError::Dimension`] if the nodes do not have the coordinates of the element.
     pub fn element(
         &mut self,
         name: impl Into<String>,
@@ -347,7 +347,7 @@ impl ModelBuilder {
         self.boxed_element(name.into(), Box::new(element), nodes)
     }
 
-    /// As [`ModelBuilder::element`], for an element that is boxed already.
+    /// As [`ModelBuilder::element`], for a boxed element.
     ///
     /// # Errors
     /// As [`ModelBuilder::element`].
@@ -397,14 +397,14 @@ impl ModelBuilder {
         Ok(ElementId(self.elements.len() as u32 - 1))
     }
 
-    /// Holds coordinates of a node at zero.
+    /// Fixes coordinates of a node at zero.
     pub fn support(&mut self, node: NodeId, dofs: &[Dof]) {
         for &dof in dofs {
             self.prescribe(node, dof, Constant(0.0));
         }
     }
 
-    /// A value for loads and prescribed coordinates that is set from outside while a run goes on.
+    /// Adds a value for loads and prescribed coordinates that is set from outside during a run.
     pub fn input(&mut self, value: f64) -> Input {
         let input = Input::new(value);
         self.inputs.push(input.clone());
@@ -417,12 +417,12 @@ impl ModelBuilder {
         self.prescribe_boxed(node, dof, Box::new(function));
     }
 
-    /// As [`ModelBuilder::prescribe`], for a function that is boxed already.
+    /// As [`ModelBuilder::prescribe`], for a boxed function.
     pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
         self.prescribe_coordinate(node, dof.index(), function);
     }
 
-    /// Prescribes coordinate `k` of any node: the angle of a revolute joint, say.
+    /// Prescribes coordinate `k` of any node, such as the angle of a revolute joint.
     pub fn prescribe_coordinate(
         &mut self,
         node: NodeId,

@@ -1,4 +1,4 @@
-//! Which chart each node and each element uses, decided at converged states only.
+//! Charts of nodes and elements, changed at converged states only.
 
 use super::gather::collect;
 use super::mapped_node::MappedNode;
@@ -10,7 +10,7 @@ use pullback_manifold::map::Map;
 use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::TAU;
 
-/// The coordinates of a map that may change their meaning.
+/// Coordinates of a map that reparametrizes them.
 #[derive(Default)]
 pub(super) struct Reparametrization {
     node: u32,
@@ -47,8 +47,8 @@ impl Model {
         })
     }
 
-    /// Changes the charts of nodes where that is due ([`RotationVector`]: ψ > π), then lets the
-    /// elements choose theirs.
+    /// Changes the charts of nodes where needed ([`RotationVector`]: ψ > π), then those of the
+    /// elements.
     pub(super) fn update_charts(
         &mut self,
         t: f64,
@@ -56,7 +56,7 @@ impl Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
-        // Where a map cannot be evaluated, the next evaluation says so.
+        // If a map cannot be evaluated, the next evaluation reports it.
         if !self.look_before(t, q) {
             return ChartChanges::default();
         }
@@ -105,7 +105,7 @@ impl Model {
         if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
             self.keep_momentum(Point { t, q, v, a });
         }
-        // Where a map cannot be evaluated, the next evaluation says so.
+        // If a map cannot be evaluated, the next evaluation reports it.
         let Ok(maps) = self.update_maps(t, q) else {
             return ChartChanges {
                 charts: changed,
@@ -120,9 +120,9 @@ impl Model {
         }
     }
 
-    /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
-    /// coordinates of one own node, the first parent, which nobody else uses: seen to when the
-    /// model is built.
+    /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of
+    /// one own node, the first parent, and have no other user, which is checked when the model is
+    /// built.
     fn reparametrize_coordinates(
         &mut self,
         t: f64,
@@ -155,7 +155,7 @@ impl Model {
                 next += k + 1;
             }
             self.work.reparametrizations = all;
-            // The next ones may depend on coordinates that have just changed.
+            // The next ones may depend on the coordinates that have just changed.
             if reparametrized.is_none() {
                 break;
             }
@@ -163,7 +163,7 @@ impl Model {
         changed
     }
 
-    /// The same for the rotations of frames by increments, each of which reads its own unknowns only.
+    /// The same for rotations by increments, each of which reads its own unknowns only.
     fn reparametrize_increments(
         &mut self,
         t: f64,
@@ -190,7 +190,7 @@ impl Model {
             changed += 1;
             let range = self.spans[d.parents()[0] as usize].range();
             for (i, c) in range.enumerate() {
-                // A held displacement stays what it is.
+                // A held displacement does not change.
                 let u = self.unknowns[c];
                 if u == super::NONE {
                     continue;
@@ -208,7 +208,7 @@ impl Model {
         changed
     }
 
-    /// The new coordinates of a map, into the state.
+    /// Writes the new coordinates of a map to the state.
     fn write_back(
         &self,
         new: &Reparametrization,
@@ -232,9 +232,9 @@ impl Model {
         }
     }
 
-    /// Coordinates, velocities and all accelerations of the parents of all maps that may change
-    /// their meaning, into the workspace; false where the point is outside a chart, which the next
-    /// evaluation says.
+    /// Writes coordinates, velocities and all accelerations of the parents of all maps that may
+    /// reparametrize them to the workspace; false if the point is outside a chart, which the next
+    /// evaluation reports.
     fn collect_reparametrizations(
         &mut self,
         t: f64,
@@ -277,9 +277,9 @@ impl Model {
         true
     }
 
-    /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
-    /// dependent, something of the rotation is free, and what is prescribed is and stays zero. (A
-    /// component that is driven means another constraint in the other chart.)
+    /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
+    /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
+    /// would be another constraint in the other chart.)
     pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
@@ -295,7 +295,8 @@ impl Model {
         still.then_some(unknowns)
     }
 
-    /// Whole turns off the rotations that are driven, by the time alone; how many have changed.
+    /// Subtracts whole turns from prescribed rotations, as a function of time alone; returns the
+    /// number of changes.
     pub(super) fn fold_prescribed_rotations(&mut self, t: f64) -> usize {
         let mut changed = 0;
         for (node, turns) in &mut self.prescribed_rotations {
@@ -315,8 +316,8 @@ impl Model {
     }
 }
 
-/// A rotation vector and its rate, and a second rate in place, after a change of chart: a step may
-/// have turned it by more than one turn, and then whole turns are taken off.
+/// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may
+/// have rotated it by more than one turn, so whole turns are subtracted.
 fn settled(
     transition: &Complement,
     psi: &Vector3<f64>,
@@ -335,7 +336,7 @@ fn settled(
     [k.x, k.x_dot]
 }
 
-/// Whether a node is a frame by increments.
+/// Whether the rotation of a frame is by increments.
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
         Source::Mapped(d) => {
@@ -346,7 +347,7 @@ fn by_increments(nodes: &[Node], node: &Node) -> bool {
     }
 }
 
-/// The dependence of a node whose map may choose other coordinates, increments apart.
+/// The map of a node if it may reparametrize its coordinates, increments excepted.
 fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
     let node = &nodes[n as usize];
     match &node.source {

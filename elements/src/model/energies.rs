@@ -1,4 +1,4 @@
-//! What a run can be audited by: energies, powers and momenta of the whole model.
+//! Energies, powers and momenta of a model.
 
 #![allow(non_snake_case)]
 
@@ -24,15 +24,15 @@ pub struct Momentum {
 pub struct EnergiesAndMomentum {
     /// Kinetic and stored energy, supplied and dissipated power.
     pub energies: Energies,
-    /// Potential of the loads that have one (gravity, constant forces). Their work is part of the
-    /// supplied power all the same.
+    /// Potential of the loads that have one (gravity, constant forces). Their power is also part of
+    /// the supplied power.
     pub load_potential: f64,
-    /// Momentum of everything that has mass.
+    /// Momentum of all mass.
     pub momentum: Momentum,
 }
 
 impl Momentum {
-    /// Adds that of an element with coordinates `x` and generalised momenta `p`.
+    /// Adds the momentum of an element with coordinates `x` and generalised momenta `p`.
     fn add(&mut self, e: &ElementEntry, nodes: &[Node], x: &[f64], p: &[f64]) {
         let mut k = 0;
         for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
@@ -52,12 +52,12 @@ impl Momentum {
 impl Model {
     /// Energies, powers and momenta at a point in motion.
     ///
-    /// They follow from the elements' forces and mass matrices alone: the generalised momentum is
-    /// p = M ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
-    /// prescribed coordinate, a map that moves by itself −r·∂φ/∂t.
+    /// They follow from the elements' forces and mass matrices: the generalised momentum is p = M
+    /// ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
+    /// prescribed coordinate, a time-dependent map −r·∂φ/∂t.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
+    /// [`SystemError`] if the point is outside a chart.
     pub fn energies_and_momentum(
         &mut self,
         at: Point<'_>,
@@ -65,7 +65,7 @@ impl Model {
         self.evaluate_energies(at, true)
     }
 
-    /// The audit; without its momenta they stay zero.
+    /// The same, with zero momentum unless `momenta`.
     pub(super) fn evaluate_energies(
         &mut self,
         at: Point<'_>,
@@ -102,7 +102,7 @@ impl Model {
             }
             if !statics {
                 *dissipated += e.element.dissipation(&motion);
-                // Its force is asked for where it has power: at what is driven or follows.
+                // Its force is only needed at prescribed and mapped nodes.
                 let known =
                     (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
@@ -151,8 +151,8 @@ impl Model {
         Ok(out)
     }
 
-    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false where
-    /// nothing is driven, as it cannot jump then.
+    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false if nothing
+    /// is prescribed, as it cannot jump then.
     pub(super) fn generalised_momentum(
         &mut self,
         at: Point<'_>,
@@ -167,7 +167,7 @@ impl Model {
         Ok(true)
     }
 
-    /// The momenta M ẋ at all nodes, in the place of residuals.
+    /// Writes the momenta M ẋ of all nodes to the residuals.
     pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
         let w = &mut self.work;

@@ -1,4 +1,4 @@
-//! What can be wrong with a model, each with the name of the thing and what to do.
+//! Errors of models, with names and remedies.
 
 use crate::beam::{BeamError, SectionError};
 use crate::constraint::PenaltyError;
@@ -7,7 +7,7 @@ use crate::time::TimeFunctionError;
 use pullback_manifold::implicit::ImplicitError;
 use pullback_manifold::system::SystemError;
 
-/// Why a model cannot be built.
+/// Error of a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum ModelError {

@@ -64,15 +64,15 @@ use workspace::Workspace;
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Where a node's coordinates come from.
+/// Source of a node's coordinates.
 enum Source {
-    /// They are coordinates of the model itself.
+    /// Coordinates of the model itself.
     Own,
-    /// They follow from other nodes' coordinates through a constraint map.
+    /// A constraint map from other nodes' coordinates.
     Mapped(Box<MappedNode>),
 }
 
-/// What the coordinates of a node are.
+/// Kind of a node's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NodeForm {
@@ -82,15 +82,15 @@ pub enum NodeForm {
     Increment,
     /// A rotation vector alone.
     Rotation,
-    /// Multipliers of equations: no coordinates, but unknowns.
+    /// Multipliers of equations: unknowns, but not coordinates.
     Multipliers,
-    /// Any others, of one chart.
+    /// Scalar coordinates.
     Coordinates,
-    /// The one unknown of a model of which everything is prescribed.
+    /// The one unknown of a model with everything prescribed.
     Dummy,
 }
 
-/// Where a node's coordinates are in the vector of all nodes' coordinates.
+/// Range of a node in the vector of all nodes' coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     first: u32,
@@ -118,7 +118,7 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node without a position: coordinates that are no frame.
+    /// A node without a position: scalar coordinates.
     fn new(name: String, form: NodeForm, quantities: &[Quantity], source: Source) -> Self {
         Self {
             name,
@@ -131,7 +131,7 @@ impl Node {
         }
     }
 
-    /// A node of the same kind that follows in the same way.
+    /// A copy of the node, with a copy of its map.
     fn duplicate(&self) -> Self {
         let source = match &self.source {
             Source::Own => Source::Own,
@@ -177,7 +177,7 @@ struct NodeList {
 }
 
 impl NodeList {
-    /// Of at most [`MAX_NODES`] nodes.
+    /// At most [`MAX_NODES`] nodes.
     fn new(of: &[NodeId]) -> Self {
         let mut nodes = [NONE; MAX_NODES];
         for (node, id) in nodes.iter_mut().zip(of) {
@@ -203,23 +203,23 @@ pub struct ElementEntry {
     name: String,
     element: Box<dyn Element>,
     nodes: NodeList,
-    /// Bit k: node k is a frame whose rotation matters.
+    /// Bit k: node k is a frame whose rotation is used.
     frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,
-    /// The same in the chart it goes on in.
+    /// The same in its next chart.
     wanted: u32,
-    /// Whether its nodes have turned so far against each other that no chart holds them all.
+    /// Whether the nodes have rotated so far relative to each other that no chart contains them.
     overturned: bool,
-    /// An equation left out that does not follow from the others any more, and its residual.
+    /// An omitted equation that does not follow from the others any more, and its residual.
     loose: Option<(usize, f64)>,
     /// Whether any node is mapped.
     mapped: bool,
-    /// Whether a coordinate of its nodes is prescribed or follows others.
+    /// Whether a coordinate of its nodes is prescribed or mapped.
     held: bool,
-    /// Whether it has no tangents.
+    /// Whether all its tangents are zero.
     dead: bool,
-    /// Whether it stands for applied loads.
+    /// Whether it is an applied load.
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
@@ -227,19 +227,19 @@ pub struct ElementEntry {
 }
 
 impl ElementEntry {
-    /// A dead load that is seen as it is stored.
+    /// A dead load on nodes that are not switched.
     fn reads_only_time(&self) -> bool {
         self.dead && self.switched == 0
     }
 }
 
-/// A coordinate that is a given function of time.
+/// A coordinate that is a prescribed function of time.
 struct Prescribed {
     coordinate: usize,
     function: Box<dyn TimeFunction>,
 }
 
-/// What is prescribed of these coordinates, of all in the order of coordinates.
+/// The prescribed ones among these coordinates, of all in ascending order.
 fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] {
     let before = |end: usize| prescribed.partition_point(|p| p.coordinate < end);
     &prescribed[before(coordinates.start)..before(coordinates.end)]
@@ -247,45 +247,46 @@ fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] 
 
 /// An assembled model: a [`System`](pullback_manifold::system::System) with names.
 ///
-/// Made by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
+/// Created by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
 /// neither prescribed nor mapped.
 pub struct Model {
     nodes: Vec<Node>,
     spans: Vec<Span>,
-    /// Nodes that follow others, parents first.
+    /// Mapped nodes, parents first.
     dependent: Vec<u32>,
-    /// Frames by increments whose rates may be spins.
+    /// Frames by increments whose rates may be angular velocities.
     spin_frames: Vec<u32>,
-    /// How loops are closed.
+    /// Report on the loops.
     reports: Vec<loops::Report>,
     elements: Vec<ElementEntry>,
     /// Elements that enforce equations.
     enforced: Vec<usize>,
-    /// Coordinates at the start, unless something else is said.
+    /// Default initial coordinates.
     initial: Vec<f64>,
-    /// Equations (element, number) that are left out and follow from the others only for some
-    /// motions of what is driven, with its names.
+    /// Omitted equations (element, number) that follow from the others only for some prescribed
+    /// motions, with the names of these.
     overdriven: Vec<((usize, usize), String)>,
-    /// Unknowns where equations were left out last; empty where none is.
+    /// Unknowns at the last choice of omitted equations; empty if there is none.
     chosen_at: Vec<f64>,
-    /// Whether it does not matter whether these follow from the others.
+    /// Whether the omitted equations are not checked.
     unwatched: bool,
-    /// In the order of coordinates.
+    /// Ascending by coordinate.
     prescribed: Vec<Prescribed>,
-    /// What is set from outside.
+    /// Values set from outside.
     inputs: Vec<Input>,
-    /// Frames whose whole rotation is driven, with the whole turns taken off.
+    /// Frames with a fully prescribed rotation, with the number of subtracted turns.
     prescribed_rotations: Vec<(usize, i32)>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
-    /// The same by runs of free coordinates.
+    /// The same as runs of free coordinates.
     runs: Runs,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     quantities: Vec<Quantity>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
-    /// What each unknown is added to: a displacement to a position, an angle to one radian.
+    /// Magnitude that each unknown is added to: a displacement to a position, an angle to one
+    /// radian.
     magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,

@@ -1,19 +1,19 @@
-//! Tangents of groups in which nodes follow others, on their way to the pattern.
+//! Scattering of tangents of groups with mapped nodes to the pattern.
 //!
 //! ```text
-//! rows of own nodes                  →  pattern
-//! rows of nodes that follow others   →  panels  →  Bᵀ  →  panels of their parents, pattern
+//! rows of own nodes     →  pattern
+//! rows of mapped nodes  →  panels  →  Bᵀ  →  panels of their parents, pattern
 //! ```
 
 #![allow(non_snake_case)]
 
 use super::mapped_node::Operators;
-use super::scatter_map::{Position, ScatterMap, behind};
+use super::scatter_map::{BlockPosition, ScatterMap, behind};
 use super::{NONE, Node, Source};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
 
-/// Tangents over the coordinates of a few nodes.
+/// Tangents over the coordinates of a group of nodes.
 pub(super) struct Group<'a> {
     pub nodes: &'a [u32],
     pub first_position: usize,
@@ -21,7 +21,7 @@ pub(super) struct Group<'a> {
     pub weights: Weights,
 }
 
-/// Where they go, and room for a column.
+/// Destination of a scatter, and scratch for a column.
 pub(super) struct ScatterTarget<'a> {
     pub values: &'a mut [f64],
     pub panels: &'a mut [f64],
@@ -30,7 +30,7 @@ pub(super) struct ScatterTarget<'a> {
 
 impl ScatterMap {
     /// Adds the pulled-back tangents of a group of nodes, (cK K + cC C + cM M, B) column by column:
-    /// rows of own nodes into the pattern, those of others into their panels.
+    /// rows of own nodes to the pattern, those of mapped nodes to their panels.
     pub(super) fn scatter_group(
         &self,
         nodes: &[Node],
@@ -66,12 +66,12 @@ impl ScatterMap {
         }
     }
 
-    /// Adds a column to its places, node by node.
+    /// Adds a column at its positions, node by node.
     fn put(
         &self,
         nodes: &[Node],
         group: &[u32],
-        positions: &[Position],
+        positions: &[BlockPosition],
         column: usize,
         into: &mut ScatterTarget<'_>,
     ) {
@@ -98,8 +98,8 @@ impl ScatterMap {
         }
     }
 
-    /// Hands the rows at a node that follows others to its parents: Bᵀ times its panel.
-    pub(super) fn hand_back(
+    /// Adds the rows at a mapped node to its parents: Bᵀ times its panel.
+    pub(super) fn pull_back_rows(
         &self,
         n: u32,
         nodes: &[Node],
@@ -110,11 +110,11 @@ impl ScatterMap {
         let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {
             return;
         };
-        // Panels of parents come before those of the nodes that follow them.
+        // Panels of parents come before those of the nodes mapped from them.
         let (above, own) = into.panels.split_at_mut(start as usize);
         let mut columns = own.chunks_exact(node.dim);
         let parents = d.parents();
-        let positions = self.positions[panel.handed..].chunks_exact(parents.len().max(1));
+        let positions = self.positions[panel.parent_rows..].chunks_exact(parents.len().max(1));
         for (&a, positions) in panel.columns.iter().zip(positions) {
             for column in 0..self.width(&nodes[a as usize]) {
                 let Some(f) = columns.next() else { return };

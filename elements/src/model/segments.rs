@@ -1,21 +1,21 @@
-//! Maps that travel along chains of elements: when they are handed over, and the momentum then.
+//! Maps with several segments: changes of segment, and the momentum to conserve.
 
 #![allow(non_snake_case)]
 
 use super::gather::collect;
-use super::mapped_node::{MappedNode, hand_back};
+use super::mapped_node::{MappedNode, pull_back_forces};
 use super::workspace::Workspace;
 use super::{Model, Node, Source};
 use pullback_manifold::system::{Point, SystemError};
 
-/// Room for what is asked of the maps that changes.
+/// Buffers for maps with several segments.
 #[derive(Default)]
 pub(super) struct SegmentChanges {
-    /// Coordinates and velocities of their parents where a step begins, one map after the other.
+    /// Coordinates and velocities of their parents at the beginning of a step, map by map.
     from: [Vec<f64>; 2],
-    /// Changes ahead: the node, by what time the change is overdue, and the segment behind it.
+    /// Changes ahead: node, overshoot, next segment.
     overshoots: Vec<(u32, f64, usize)>,
-    /// Before maps are handed over: momenta at all nodes, operators and segments of those that follow.
+    /// Before a change: momenta at all nodes, operators and segments of the mapped ones.
     momenta: Vec<f64>,
     B: Vec<f64>,
     segments: Vec<usize>,
@@ -25,13 +25,8 @@ impl Model {
     /// See [`System::overshoot`](pullback_manifold::system::System::overshoot).
     pub(super) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         self.collect_overshoots(from, to);
-        let overshoots = self
-            .work
-            .segment_changes
-            .overshoots
-            .iter()
-            .map(|(_, by, _)| *by);
-        overshoots.reduce(f64::max)
+        let ahead = &self.work.segment_changes.overshoots;
+        ahead.iter().map(|(_, by, _)| *by).reduce(f64::max)
     }
 
     /// See [`System::change_segments`](pullback_manifold::system::System::change_segments).
@@ -73,19 +68,20 @@ impl Model {
                 collect(d.parents(), &self.spans, v, &mut local.qv);
                 let from = changes.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
-                let overshoots = d.map.overshoot(h, from, to);
+                let overshoot = d.map.overshoot(h, from, to);
                 changes
                     .overshoots
-                    .extend(overshoots.map(|(by, segment)| (n, by, segment)));
+                    .extend(overshoot.map(|(by, segment)| (n, by, segment)));
                 first += k;
             }
         }
         self.work.segment_changes = changes;
     }
 
-    /// Keeps the momenta at the nodes, and how they act on the parents, where a map may be handed over.
+    /// Records the momenta at the nodes, and the operators to the parents, before a possible
+    /// change.
     pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
-        // Where a map cannot be evaluated, the next evaluation says so.
+        // If a map cannot be evaluated, the next evaluation reports it.
         if !self.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
             return;
         }
@@ -131,7 +127,8 @@ impl Model {
         known.map(|()| true)
     }
 
-    /// From the nodes to the unknowns, as the maps are now or as they were before.
+    /// Pulls back from the nodes to the unknowns, by the present maps or by those before the
+    /// change.
     fn pull_back_momenta(&mut self, before: bool) {
         let w = &mut self.work;
         if before {
@@ -146,7 +143,7 @@ impl Model {
                 true => &d.segments[w.segment_changes.segments[k]],
                 false => d.parents(),
             };
-            hand_back(d, parents, node, &self.spans, w, false);
+            pull_back_forces(d, parents, node, &self.spans, w, false);
         }
         let w = &mut self.work;
         if before {

@@ -27,7 +27,7 @@ impl System for Model {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.expand_places(previous.t, previous.q)?;
+        self.expand_positions(previous.t, previous.q)?;
         std::mem::swap(&mut self.work.x, &mut self.work.previous);
         self.work.has_previous = true;
         let outcome = self.evaluate(at, out);
@@ -41,9 +41,9 @@ impl System for Model {
         h: f64,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.work.accelerations_asked = Some(h);
+        self.work.acceleration_step = Some(h);
         let outcome = self.evaluate(at, out);
-        self.work.accelerations_asked = None;
+        self.work.acceleration_step = None;
         outcome
     }
 
@@ -60,8 +60,8 @@ impl System for Model {
     ) -> ChartChanges {
         let changes = self.update_charts(t, q, v, accelerations);
         if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
-            // Observers find the accepted state. A joint outside its domain is named when the model
-            // is next evaluated.
+            // Restores the accepted state for observers. A joint outside its domain is reported by
+            // the next evaluation.
             let _ = self.expand(Point { t, q, v, a });
         }
         changes

@@ -1,4 +1,4 @@
-//! A set of loops that share coordinates: what follows from what, and its equations.
+//! A set of loops that share coordinates: dependencies and equations.
 
 use super::chain::{self, Chain, coordinates};
 use super::link::Read;
@@ -18,15 +18,15 @@ use std::collections::HashMap;
 pub(super) struct Inputs {
     /// Nodes of the parameters and of the unknowns, with their first input.
     pub(super) nodes: Vec<(u32, usize)>,
-    /// How many inputs are parameters, and how many there are.
+    /// Number of inputs that are parameters, and of all inputs.
     parameters: usize,
     pub(super) count: usize,
-    /// How many of the nodes are parameters.
+    /// Number of nodes that are parameters.
     given: usize,
 }
 
 impl Inputs {
-    /// Sorts own coordinate nodes, and roots that matter, into parameters and unknowns.
+    /// Sorts own coordinate nodes, and required roots, into parameters and unknowns.
     pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], held: &Held<'_>) -> Self {
         let moves = |n: &&u32| !held.still(**n as usize, nodes[**n as usize].dim);
         let given = |n: &&u32| roots.contains(n) || held.any(**n as usize);
@@ -57,7 +57,7 @@ impl Inputs {
     }
 }
 
-/// The equations of chains as a tree of copies of their maps.
+/// The equations of chains, as a tree of copies of their maps.
 pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
     let mut tree = Tree::new(inputs.count);
     let mut made: HashMap<(u32, u32), Read> = HashMap::new();
@@ -75,7 +75,7 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
     tree
 }
 
-/// Adds the map of node n, and of those that it follows, up to the root.
+/// Adds the map of node n, and of those above it, up to the root.
 fn add(
     nodes: &[Node],
     n: u32,
@@ -105,8 +105,7 @@ fn add(
     read
 }
 
-/// Loops in which no joint coordinate is left to follow from others: fine where the frames are one as
-/// they are drawn.
+/// Loops without dependent joint coordinates: valid if the frames coincide as drawn.
 fn nothing_follows(
     nodes: &[Node],
     chains: &[Chain],
@@ -143,7 +142,7 @@ fn nothing_follows(
     )))
 }
 
-/// What there is to say about values that coordinates should have and that do not fit together.
+/// Report on desired values that are inconsistent.
 fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters: usize) -> String {
     let mut words = String::new();
     for (k, x) in map.displaced() {
@@ -159,7 +158,7 @@ fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters:
     words
 }
 
-/// What there is to say about frames that are one and are drawn apart.
+/// Report on frames that coincide but are drawn apart.
 fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     let mut words = String::new();
     for chain in chains {
@@ -172,8 +171,8 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     words
 }
 
-/// How gladly a coordinate is left free: more than a half where something is said about it, and more
-/// near the root of its loop.
+/// Preference of a coordinate as an independent one: above a half if requested by the user, and
+/// larger near the root of its loop.
 fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPreferences<'_>) -> f64 {
     let depth = chains.iter().flat_map(|chain| {
         [chain.frame, chain.child].into_iter().filter_map(|end| {
@@ -195,7 +194,7 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPrefe
     }
 }
 
-/// Closes a set of loops: its coordinates, and what there is to say about it.
+/// Closes a set of loops; returns its report.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
     chains: &[Chain],
