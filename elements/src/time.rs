@@ -59,12 +59,10 @@ impl TimeFunction for Constant {
     }
 }
 
-/// A value set from outside during a run, by a controller for example: a handle whose clones share
-/// it.
+/// A value set from outside during a run, by a controller for example: a handle whose clones share it.
 ///
-/// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). If the value changes
-/// between two steps, a run updates the accelerations, as at a kink; it must not change within a
-/// step.
+/// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). If the value changes between
+/// two steps, a run updates the accelerations, as at a kink; it must not change within a step.
 #[derive(Clone, Debug)]
 pub struct Input(Arc<AtomicU64>);
 

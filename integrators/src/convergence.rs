@@ -4,8 +4,7 @@ use crate::statics::Iteration;
 
 /// Residual that the last tangent should leave, relative to the tolerance.
 const SAFE: f64 = 0.1;
-/// Corrections larger than this, relative to the scales of the coordinates, are not rounding
-/// errors.
+/// Corrections larger than this, relative to the scales of the coordinates, are not rounding errors.
 const SMALL: f64 = 1e-6;
 /// A correction with no effect, relative to the largest of its step.
 const NOTHING: f64 = 1e-9;
@@ -41,8 +40,7 @@ pub(crate) struct ConvergencePredictor {
 }
 
 impl ConvergencePredictor {
-    /// From the iterations of a step; `renewed` says that the last one used the tangent of its
-    /// iterate.
+    /// From the iterations of a step; `renewed` says that the last one used the tangent of its iterate.
     pub(crate) fn new(history: &[Iteration], renewed: bool) -> Self {
         let unknown = Self {
             before: ([0.0; 3], 0.0),

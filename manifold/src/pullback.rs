@@ -34,8 +34,7 @@ pub struct Slot<'a> {
     pub B_dot: &'a [f64],
     /// B̈ (n×d), empty where M is absent.
     pub B_ddot: &'a [f64],
-    /// K_σ(r) of the slot's own residual (d×d); empty without a tangent, or if it is added
-    /// elsewhere.
+    /// K_σ(r) of the slot's own residual (d×d); empty without a tangent, or if it is added elsewhere.
     pub K_sigma: &'a [f64],
 }
 

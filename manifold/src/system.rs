@@ -98,8 +98,7 @@ impl<'a> Evaluation<'a> {
 pub struct ChartChanges {
     /// Number of coordinate charts that changed.
     pub charts: usize,
-    /// Whether the residual may have changed as well, by the chart dependence of the
-    /// discretisation.
+    /// Whether the residual may have changed as well, by the chart dependence of the discretisation.
     pub residual: bool,
 }
 
@@ -331,10 +330,9 @@ pub trait System {
         ChartChanges::default()
     }
 
-    /// Amount by which the step overshot the first change of segment, in units of time; negative
-    /// before it. Such a change keeps values but not their derivatives, and a step across it loses
-    /// its order, so integrators end a step there. `None` if there is no change ahead, and by
-    /// default.
+    /// Amount by which the step overshot the first change of segment, in units of time; negative before
+    /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
+    /// so integrators end a step there. `None` if there is no change ahead, and by default.
     fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         let _ = (from, to);
         None

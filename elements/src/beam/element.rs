@@ -63,9 +63,8 @@ impl Beam<2> {
     /// A beam element through two, three or four reference positions (equidistant in the parameter)
     /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
     ///
-    /// E₁ is rotated to the tangent of the interpolated reference line; E₂ stays in its plane with
-    /// it. Rotations are interpolated by total rotation vectors; see [`Interpolation::beam`] for
-    /// others.
+    /// E₁ is rotated to the tangent of the interpolated reference line; E₂ stays in its plane with it.
+    /// Rotations are interpolated by total rotation vectors; see [`Interpolation::beam`] for others.
     ///
     /// # Errors
     /// [`BeamError`] for coinciding nodes, an invalid orientation or number of nodes.

@@ -82,8 +82,7 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
     fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
     /// Adds the pull-back of `kernel`, a function in x̂ of the previous iterate, the motion, the
-    /// residual and the tangents. It reads velocities, and adds to C, only if the beam is
-    /// `viscous`.
+    /// residual and the tangents. It reads velocities, and adds to C, only if the beam is `viscous`.
     ///
     /// # Errors
     /// [`ElementError`] outside the domain of the interpolation, and those of the kernel.

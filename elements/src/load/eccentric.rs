@@ -8,8 +8,7 @@ use nalgebra::Vector3;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
 
-/// A force n of fixed direction at the material offset e from a frame node; dim 6.
-/// \[M04\] (156)–(157).
+/// A force n of fixed direction at the material offset e from a frame node; dim 6. \[M04\] (156)–(157).
 ///
 /// Covector n for d and Tᵀ e~ Rᵀn for Ψ. It has the potential −n·(d + (R − I) e), zero in the
 /// reference configuration, so that its tangent is symmetric.

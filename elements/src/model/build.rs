@@ -39,8 +39,8 @@ impl ModelBuilder {
             preferred,
         };
         let held = loops::Held(&self.prescribed);
-        let mut reports =
-            loops::close(&mut self.nodes, &self.closings, &held, &preferences, length)?;
+        let nodes = &mut self.nodes;
+        let mut reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
         let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
         self.add_dummy_dof(&reports)?;
         reports.extend(forces);
@@ -127,9 +127,7 @@ impl ModelBuilder {
         };
         let sizes = |node: &Node| -> Vec<f64> {
             let quantities = node.quantities.iter();
-            quantities
-                .map(|quantity| magnitude(node, *quantity))
-                .collect()
+            quantities.map(|k| magnitude(node, *k)).collect()
         };
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
@@ -300,12 +298,8 @@ fn check_reparametrized(
             continue;
         };
         // Parents after the first are parameters, which are not reparametrized.
-        for &m in d
-            .parents()
-            .iter()
-            .take(1)
-            .filter(|_| d.map.reparametrizes())
-        {
+        let first = d.parents().iter().take(1);
+        for &m in first.filter(|_| d.map.reparametrizes()) {
             let parent = &nodes[m as usize];
             // Created for the frame by the model itself.
             if parent.form == NodeForm::Increment {

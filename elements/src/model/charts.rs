@@ -120,9 +120,8 @@ impl Model {
         }
     }
 
-    /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of
-    /// one own node, the first parent, and have no other user, which is checked when the model is
-    /// built.
+    /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of one
+    /// own node, the first parent, and have no other user, which is checked when the model is built.
     fn reparametrize_coordinates(
         &mut self,
         t: f64,

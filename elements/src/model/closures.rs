@@ -24,12 +24,11 @@ pub enum Closure {
 impl ModelBuilder {
     /// As [`ModelBuilder::close`], with another method.
     ///
-    /// Multipliers and penalties act between the two frames: a free child stays free, and the loop
-    /// may contain bodies that fly freely. Both methods enforce the equations of the map: the gap
-    /// in the child's axes over the size of the model, and twice the vector part of the quaternion
-    /// between the frames. An analysis of such a model starts from
-    /// [`Model::initial`](super::Model::initial), or from another start after
-    /// [`Model::satisfy`](super::Model::satisfy).
+    /// Multipliers and penalties act between the two frames: a free child stays free, and the loop may
+    /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
+    /// child's axes over the size of the model, and twice the vector part of the quaternion between the
+    /// frames. An analysis of such a model starts from [`Model::initial`](super::Model::initial), or
+    /// from another start after [`Model::satisfy`](super::Model::satisfy).
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].

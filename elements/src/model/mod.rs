@@ -285,8 +285,7 @@ pub struct Model {
     quantities: Vec<Quantity>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
-    /// Magnitude that each unknown is added to: a displacement to a position, an angle to one
-    /// radian.
+    /// Magnitude that each unknown is added to: a displacement to a position, an angle to one radian.
     magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,

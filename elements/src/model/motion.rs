@@ -111,11 +111,10 @@ impl Model {
         Some(out)
     }
 
-    /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's
-    /// axes, the force and moment −R μ act on the child, and the opposite on the frame that
-    /// coincides with it; they cancel at a node with both, except for a remainder: above a frame
-    /// that rotates freely there is no moment about its axis, as loads and inertia balance the
-    /// closing forces there.
+    /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's axes,
+    /// the force and moment −R μ act on the child, and the opposite on the frame that coincides with
+    /// it; they cancel at a node with both, except for a remainder: above a frame that rotates freely
+    /// there is no moment about its axis, as loads and inertia balance the closing forces there.
     pub(super) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
         let w = &self.work;
         let mut out = [Vector3::zeros(); 2];

@@ -340,8 +340,7 @@ mod tests {
         }
     }
 
-    /// Every coordinate occurs once in the operators of a frame, even if several joints depend on
-    /// it.
+    /// Every coordinate occurs once in the operators of a frame, even if several joints depend on it.
     #[test]
     fn coordinates_are_counted_once() {
         let mut b = ModelBuilder::new();

@@ -78,8 +78,7 @@ impl Model {
         self.work.segment_changes = changes;
     }
 
-    /// Records the momenta at the nodes, and the operators to the parents, before a possible
-    /// change.
+    /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
     pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
         // If a map cannot be evaluated, the next evaluation reports it.
         if !self.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
@@ -127,8 +126,7 @@ impl Model {
         known.map(|()| true)
     }
 
-    /// Pulls back from the nodes to the unknowns, by the present maps or by those before the
-    /// change.
+    /// Pulls back from the nodes to the unknowns, by the present maps or by those before the change.
     fn pull_back_momenta(&mut self, before: bool) {
         let w = &mut self.work;
         if before {

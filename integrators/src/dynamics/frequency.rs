@@ -12,10 +12,9 @@ const MOST: usize = 120;
 /// Relative change of the largest Ritz value, over a few steps, at which it has converged.
 const SETTLED: f64 = 1e-9;
 
-/// The largest stable step of a conditionally stable scheme, from the largest frequency at this
-/// state; rejects a step beyond it. The frequency is approached from below, to about six digits. If
-/// the motion stiffens the system later, it is not evaluated again; the energy balance shows the
-/// instability.
+/// The largest stable step of a conditionally stable scheme, from the largest frequency at this state;
+/// rejects a step beyond it. The frequency is approached from below, to about six digits. If the motion
+/// stiffens the system later, it is not evaluated again; the energy balance shows the instability.
 pub(super) fn check_step<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,

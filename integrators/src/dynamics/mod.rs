@@ -55,8 +55,7 @@ pub struct NewtonOptions {
     /// Residual relative to applied and reaction forces (moments) at convergence; without any
     /// forces, only rounding errors are allowed.
     pub relative: f64,
-    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding
-    /// errors.
+    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
     pub absolute: f64,
     /// Largest number of iterations per step.
     pub max_iterations: usize,

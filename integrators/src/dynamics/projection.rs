@@ -30,8 +30,7 @@ use pullback_manifold::system::{
 
 /// Largest number of passes.
 const PASSES: usize = 5;
-/// Tolerance of energy over the sum of the magnitudes of its parts, and of momenta over their
-/// sizes.
+/// Tolerance of energy over the sum of the magnitudes of its parts, and of momenta over their sizes.
 const ROUNDING: f64 = 1e-14;
 /// Remaining part of the length of a field that depends on others.
 const DEPENDENT: f64 = 1e-7;
@@ -219,10 +218,9 @@ impl InvariantProjection {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// Writes the mass matrix to `S` and the generalised momentum at a time: just before a kink
-    /// that the state has reached, where a prescribed velocity may jump. Whether a motion is
-    /// prescribed: the kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant
-    /// c.
+    /// Writes the mass matrix to `S` and the generalised momentum at a time: just before a kink that
+    /// the state has reached, where a prescribed velocity may jump. Whether a motion is prescribed: the
+    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
     fn momentum<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,

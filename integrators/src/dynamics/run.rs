@@ -262,8 +262,7 @@ impl Run<'_> {
         } else {
             to
         };
-        let outcome =
-            outcome.and_then(|()| self.end_at_segment_change(system, solver, progress, [to, last]));
+        let outcome = outcome.and_then(|()| self.locate(system, solver, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
@@ -338,15 +337,8 @@ impl Run<'_> {
             evaluations,
             factorisations,
         };
-        let step = FailedStep::new(
-            system,
-            context,
-            StepParameter::Time,
-            span,
-            steps,
-            rejected,
-            cost,
-        );
+        let time = StepParameter::Time;
+        let step = FailedStep::new(system, context, time, span, steps, rejected, cost);
         Err(DynamicsError::Step(Box::new(step)))
     }
 
@@ -433,10 +425,9 @@ impl Run<'_> {
 
     /// Power of dampers midway between a state and the next one, with the velocity (q₁ − q₀) / h.
     ///
-    /// The powers at both ends may be those of dampers that relax within a small part of the step.
-    /// This one is the dissipation of the trapezoidal rule in a linear system, for any step. `None`
-    /// if the system cannot be evaluated there: a converged step must not fail by its energy
-    /// balance.
+    /// The powers at both ends may be those of dampers that relax within a small part of the step. This
+    /// one is the dissipation of the trapezoidal rule in a linear system, for any step. `None` if the
+    /// system cannot be evaluated there: a converged step must not fail by its energy balance.
     fn mean_dissipation<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,

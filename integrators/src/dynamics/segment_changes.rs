@@ -22,8 +22,7 @@ const ATTEMPTS: usize = 8;
 /// State of the search for changes of segment.
 #[derive(Default)]
 pub(super) struct SegmentChanges {
-    /// Least overshoot at which changes are made at the end of the step: rounding errors, and
-    /// `MET`.
+    /// Least overshoot at which changes are made at the end of the step: rounding errors, and `MET`.
     since: f64,
     /// The time at which changes were made at the beginning of a step, to make them once.
     begun: Option<f64>,
@@ -38,7 +37,7 @@ impl Run<'_> {
     /// Repeats the step from `progress` until it ends at the first change of segment within it
     /// ([`System::overshoot`]), not later than `last`; returns the end of the step. `None` if the
     /// change is at the beginning, where the next attempt makes it.
-    pub(super) fn end_at_segment_change<Y: System + ?Sized>(
+    pub(super) fn locate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -55,9 +54,7 @@ impl Run<'_> {
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
             let overshoot = system.overshoot(point(&progress.state), point(&self.stepper.next));
-            let Some(overshoot) =
-                overshoot.filter(|overshoot| *overshoot > -near && overshoot.abs() > met)
-            else {
+            let Some(overshoot) = overshoot.filter(|by| *by > -near && by.abs() > met) else {
                 break;
             };
             let target = end - overshoot + 0.5 * met;

@@ -201,14 +201,9 @@ impl Gains {
 }
 
 /// Index of unknown `c` of stage `i` of a group in `dq`.
-pub(super) fn position(
-    coupled: &Option<CoupledStages>,
-    group: &Group,
-    i: usize,
-    c: usize,
-) -> usize {
-    match coupled {
-        Some(coupled) if group.len() > 1 => coupled.position(i, c),
+pub(super) fn position(stages: &Option<CoupledStages>, group: &Group, i: usize, c: usize) -> usize {
+    match stages {
+        Some(stages) if group.len() > 1 => stages.position(i, c),
         _ => c,
     }
 }

@@ -17,9 +17,8 @@ use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError
 /// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2, it matters little at
 /// their large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and
 /// 1057. At a quarter of the step the cantilever takes 1691 and 1915. There `Velocity` diverges
-/// with the exact tangent, but not with stresses of the previous iterate
-/// ([`System::evaluate_from`]). A constant acceleration is worse than both, as it oscillates with
-/// the trapezoidal rule.
+/// with the exact tangent, but not with stresses of the previous iterate ([`System::evaluate_from`]). A
+/// constant acceleration is worse than both, as it oscillates with the trapezoidal rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Predictor {
     /// Coordinates at constant velocity, qₙ + h q̇ₙ.
@@ -62,8 +61,7 @@ pub(crate) struct Stepper {
     pub factorisations: usize,
     /// Quantity of each coordinate.
     quantities: Vec<Quantity>,
-    /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their
-    /// residuals.
+    /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
     pub(super) inverse_scale: Vec<f64>,
     /// Whether all residuals of [`Quantity::Other`] are gaps of multipliers.
     gaps: bool,
@@ -95,9 +93,8 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
-        let mut others = (0..n)
-            .filter(|&i| system.quantity(i) == Quantity::Other)
-            .peekable();
+        let is_other = |i: &usize| system.quantity(*i) == Quantity::Other;
+        let mut others = (0..n).filter(is_other).peekable();
         let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
         Ok(Self {
             r: zeros(),

@@ -99,9 +99,7 @@ impl AutoSolver {
 
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let Some(pattern) = &self.pattern else {
-            return Err(LinearError::NotReady {
-                operation: "factorise",
-            });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         if !self.lu_analysed {
             self.lu.analyse(pattern, self.symmetry)?;
@@ -148,7 +146,7 @@ impl LinearSolver for AutoSolver {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match self.active {
-            None => Err(LinearError::NotReady { operation: "solve" }),
+            None => Err(LinearError::NotReady { call: "solve" }),
             Some(Chosen::Cholesky) => self.cholesky.solve(values, b),
             Some(Chosen::Lu) => self.lu.solve(values, b),
             Some(Chosen::Block) => match (self.block.solve(values, b), values) {

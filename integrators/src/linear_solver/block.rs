@@ -22,8 +22,7 @@ use super::factors::{Factors, Failure};
 use super::symbolic::Symbolic;
 use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length};
 
-/// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6
-/// ones.
+/// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
 const MAX_UPDATES: usize = 20_000_000;
 
 /// Sparse LU of dense blocks; see the module's source for method and criteria.
@@ -81,9 +80,7 @@ impl BlockLu {
     fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady {
-                operation: "factorise",
-            });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         check_length("matrix", ready.pattern.len(), values.len())?;
         if let Some(b) = b {
@@ -131,7 +128,7 @@ impl LinearSolver for BlockLu {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
-            return Err(LinearError::NotReady { operation: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         check_length("right-hand side", ready.pattern.dim(), b.len())?;
         ready.gather(b);
@@ -147,7 +144,7 @@ impl LinearSolver for BlockLu {
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise_with(values, Some(b))?;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { operation: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         let largest = ready.substitute_back();
         check(ready, self.floor, largest, values, b)?;

@@ -75,9 +75,7 @@ impl FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady {
-                operation: "factorise",
-            });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         columns.load(values)?;
         columns.shift_diagonal();
@@ -103,7 +101,7 @@ impl FaerLu {
                 }
                 Ok(())
             }
-            _ => Err(LinearError::NotReady { operation: "solve" }),
+            _ => Err(LinearError::NotReady { call: "solve" }),
         }
     }
 }
@@ -164,9 +162,7 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady {
-                operation: "factorise",
-            });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         columns.load(values)?;
         let mut condition = f64::INFINITY;
@@ -199,7 +195,7 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { operation: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         let numeric = &self.numeric;
         columns.solve(b, |x| lu_solve(symbolic, numeric, x, MemStack::new(memory)))
@@ -273,9 +269,7 @@ impl LinearSolver for FaerCholesky {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady {
-                operation: "factorise",
-            });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         if self.misses < MISSES {
             columns.load(values)?;
@@ -314,7 +308,7 @@ impl LinearSolver for FaerCholesky {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
-            None => Err(LinearError::NotReady { operation: "solve" }),
+            None => Err(LinearError::NotReady { call: "solve" }),
             Some(_) if self.misses > 0 => self.lu.solve(values, b),
             Some(Ready {
                 columns,

@@ -86,10 +86,10 @@ pub trait LinearSolver: Send {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LinearError {
     /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
-    #[error("the linear solver is not ready to {operation}")]
+    #[error("the linear solver is not ready to {call}")]
     NotReady {
-        /// The operation that was called.
-        operation: &'static str,
+        /// The method that was called.
+        call: &'static str,
     },
     /// A vector of the wrong length.
     #[error("{what} has {found} entries where the pattern has {expected}")]

@@ -1,10 +1,9 @@
 //! Symmetric scaling by powers of two.
 //!
-//! Rows of forces and rows of moments, stretching and bending differ by many orders of magnitude,
-//! and a pivot can only be called small against something. `S A S` with `s_i ≈ 1/√|A_ii|` is
-//! dimensionless and, for a positive definite matrix, within a factor of the best conditioned
-//! scaling there is; powers of two make it free of rounding, so that it changes no digit of the
-//! elimination.
+//! Rows of forces and rows of moments, stretching and bending differ by many orders of magnitude, and a
+//! pivot can only be called small against something. `S A S` with `s_i ≈ 1/√|A_ii|` is dimensionless
+//! and, for a positive definite matrix, within a factor of the best conditioned scaling there is;
+//! powers of two make it free of rounding, so that it changes no digit of the elimination.
 
 use pullback_manifold::sparse::BlockPattern;
 
@@ -28,9 +27,8 @@ pub(crate) fn inverse_root(d: f64) -> f64 {
 /// Largest number of sweeps of an equilibration.
 const SWEEPS: usize = 8;
 
-/// Diagonals below this part of the largest, in typical sizes of the unknowns, are not valid
-/// scales: half of the digits may be rounding errors of stiffer parts, half are left for the
-/// elimination.
+/// Diagonals below this part of the largest, in typical sizes of the unknowns, are not valid scales:
+/// half of the digits may be rounding errors of stiffer parts, half are left for the elimination.
 const FLOOR: f64 = 1.5e-8;
 
 /// Initial scales: rows by their diagonal, those of multipliers by what they couple.

@@ -81,15 +81,8 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
                 history: &stepper.history,
             };
             let cost = Cost::default();
-            let step = FailedStep::new(
-                &system,
-                context,
-                StepParameter::Time,
-                [0.0, 1.0],
-                0,
-                0,
-                cost,
-            );
+            let time = StepParameter::Time;
+            let step = FailedStep::new(&system, context, time, [0.0, 1.0], 0, 0, cost);
             return Err(DynamicsError::Step(Box::new(step)));
         }
         let State {

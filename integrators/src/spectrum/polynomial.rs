@@ -45,9 +45,8 @@ pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     Some([-2.0 * R.re, R.norm_sqr(), 0.0])
 }
 
-/// Closed form of the first step: for the generalised-α family from its equations of one step with
-/// q̈₀ = −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for other
-/// schemes.
+/// Closed form of the first step: for the generalised-α family from its equations of one step with q̈₀ =
+/// −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for other schemes.
 pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
     let W = Omega * Omega;
     if let Some(coefficients) = scheme.coefficients() {
@@ -76,10 +75,9 @@ pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
     })
 }
 
-/// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of
-/// order 2 and above: of the generalised-α family by Chung & Hulbert 1993, with all coefficients
-/// free; of Runge-Kutta methods by ln R(z) = z + κ z³ − σ z⁴ + …, where λ = R(iΩ). `None` for other
-/// schemes.
+/// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of order 2
+/// and above: of the generalised-α family by Chung & Hulbert 1993, with all coefficients free; of
+/// Runge-Kutta methods by ln R(z) = z + κ z³ − σ z⁴ + …, where λ = R(iΩ). `None` for other schemes.
 pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
     if scheme.order() < 2 {
         return None;

@@ -27,8 +27,7 @@ pub struct NewtonOptions {
     /// Residual relative to applied and reaction forces (moments) at convergence; positive,
     /// [`NewtonOptions::LOOSEST`] at most.
     pub relative: f64,
-    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding
-    /// errors.
+    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
     pub absolute: f64,
     /// Largest number of linear solutions per step.
     pub max_iterations: usize,

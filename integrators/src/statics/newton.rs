@@ -7,13 +7,12 @@
 //! Both right-hand sides share one factorisation, so a step along a path costs one more solution
 //! than a step at a fixed load and passes limit points, where K alone is singular.
 //!
-//! The first corrections are full: the first large correction of a slender beam bends it without
-//! its axis following, the axial residual explodes, and the next correction repairs it (no line
-//! search allows this; measured on the 45° bend, such a search needs five steps instead of one).
-//! After that, corrections are damped by the natural monotonicity test: a trial is accepted if the
-//! residual or the simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton
-//! Methods for Nonlinear Problems, section 3.3). A trial outside the domain of a chart is always
-//! damped.
+//! The first corrections are full: the first large correction of a slender beam bends it without its
+//! axis following, the axial residual explodes, and the next correction repairs it (no line search
+//! allows this; measured on the 45° bend, such a search needs five steps instead of one). After that,
+//! corrections are damped by the natural monotonicity test: a trial is accepted if the residual or the
+//! simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton Methods for Nonlinear
+//! Problems, section 3.3). A trial outside the domain of a chart is always damped.
 
 #![allow(non_snake_case)]
 

@@ -31,11 +31,9 @@ pub struct ArcLengthOptions {
     pub min_step: f64,
     /// Largest number of steps.
     pub max_steps: usize,
-    /// Change of the load parameter that counts as much as a change of the coordinates by their
-    /// scales.
+    /// Change of the load parameter that counts as much as a change of the coordinates by their scales.
     pub load_scale: f64,
-    /// Desired number of iterations of a step; fewer make the next one larger, more make it
-    /// smaller.
+    /// Desired number of iterations of a step; fewer make the next one larger, more make it smaller.
     pub target_iterations: usize,
     /// Events to locate and report, each with whether it ends the path.
     pub events: Vec<(Event, bool)>,

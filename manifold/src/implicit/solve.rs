@@ -6,8 +6,7 @@ use super::{Choice, DomainError, Equations, GAIN, Implicit, ImplicitError, names
 use crate::map::{Map, Reparametrized, derived};
 use nalgebra::{SMatrix, SVector};
 
-/// Largest residual of a redundant equation, as a relative change of coordinates, that counts as
-/// zero.
+/// Largest residual of a redundant equation, as a relative change of coordinates, that counts as zero.
 pub(super) const CONSISTENT: f64 = 1e-9;
 /// Correction relative to the sizes of the coordinates that ends Newton's method; the next one
 /// would be its square.

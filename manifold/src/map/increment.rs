@@ -40,8 +40,7 @@ use std::f64::consts::{PI, TAU};
 pub struct Increment {
     /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
-    /// Angular velocities that replace the rates once the chart is centred, and whether it has
-    /// been.
+    /// Angular velocities that replace the rates once the chart is centred, and whether it has been.
     velocity_kind: Option<VelocityKind>,
     centred: bool,
 }

@@ -24,8 +24,7 @@ pub(super) struct Link {
     pub map: Box<dyn Parametrization>,
     /// Sources of the coordinates, and the number of each.
     pub reads: Vec<(Read, usize)>,
-    /// Inputs that it depends on, ascending, and for each source the indices of its inputs among
-    /// them.
+    /// Inputs that it depends on, ascending, and for each source the indices of its inputs among them.
     pub columns: Vec<usize>,
     pub positions: Vec<Vec<usize>>,
     pub n: usize,

@@ -84,10 +84,9 @@ impl ModelBuilder {
     /// Makes two frames coincide: `frame`, usually attached to a joint, and `child`.
     ///
     /// A free child is attached to the frame. One that is attached to something else, or is held,
-    /// closes a loop: the builder then makes the coordinates of the joints along the loop follow
-    /// from as many independent ones as are free. The independent ones change during a run if
-    /// others become better. [`Model::descriptions`](super::Model::descriptions) reports the
-    /// result.
+    /// closes a loop: the builder then makes the coordinates of the joints along the loop follow from
+    /// as many independent ones as are free. The independent ones change during a run if others become
+    /// better. [`Model::descriptions`](super::Model::descriptions) reports the result.
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.

@@ -22,15 +22,14 @@ impl Scheme {
     /// integrals is that of Hughes, Caughey & Liu 1978, with momenta and numerical damping Kuhl &
     /// Ramm 1996).
     ///
-    /// Kinetic and stored energy with the potential of steady loads are conserved exactly if
-    /// nothing else does work, within the possible work of dampers and other loads
-    /// ([`Invariants::unsure`](crate::dynamics::Invariants::unsure)), and not at all while a motion
-    /// is prescribed, when the energy is only known to the accuracy of the step. So are the momenta
-    /// along the symmetries of the system
-    /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)): those of a free
-    /// model, or of one that is pinned at a point or attached to an axis. The projection is
-    /// orthogonal in the kinetic energy, of the order of the local error, and needs no
-    /// factorisation.
+    /// Kinetic and stored energy with the potential of steady loads are conserved exactly if nothing
+    /// else does work, within the possible work of dampers and other loads
+    /// ([`Invariants::unsure`](crate::dynamics::Invariants::unsure)), and not at all while a motion is
+    /// prescribed, when the energy is only known to the accuracy of the step. So are the momenta along
+    /// the symmetries of the system
+    /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)): those of a free model,
+    /// or of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
+    /// kinetic energy, of the order of the local error, and needs no factorisation.
     pub(super) fn keeping(self, argument: Option<f64>) -> Self {
         let properties = SchemeProperties {
             symmetric: false,

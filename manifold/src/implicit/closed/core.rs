@@ -223,8 +223,7 @@ impl Core {
         w.Y[X * D..].iter_mut().for_each(|y| *y = -*y);
     }
 
-    /// Solves for x at (q, p), with A⁻¹, into the workspace; returns at once if it is there
-    /// already.
+    /// Solves for x at (q, p), with A⁻¹, into the workspace; returns at once if it is there already.
     pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());

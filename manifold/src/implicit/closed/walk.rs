@@ -44,9 +44,8 @@ impl Core {
         })
     }
 
-    /// Why the path ends at the parked position: at the limit of a prescribed motion, where the
-    /// slopes of x grow like the condition number, or at a singular configuration, where they do
-    /// not.
+    /// Why the path ends at the parked position: at the limit of a prescribed motion, where the slopes
+    /// of x grow like the condition number, or at a singular configuration, where they do not.
     fn explained(&mut self, error: DomainError) -> DomainError {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
@@ -111,10 +110,9 @@ impl Core {
         Ok(())
     }
 
-    /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below
-    /// one, A is regular on the whole segment between the two positions (Neumann's series); across
-    /// a singular configuration, where branches meet, it is at least one, however short the
-    /// segment.
+    /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below one, A
+    /// is regular on the whole segment between the two positions (Neumann's series); across a singular
+    /// configuration, where branches meet, it is at least one, however short the segment.
     fn changed(&self) -> f64 {
         let (p, X, M, w) = (self.p, self.X, self.M, &self.work);
         let used = |i: &usize| self.chart.used[*i];
