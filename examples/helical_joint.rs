@@ -22,7 +22,7 @@ impl Joint<1> for Screw {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Kind::Angle)]
+        [("angle", Quantity::Angle)]
     }
 }
 

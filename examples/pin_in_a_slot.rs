@@ -22,7 +22,7 @@ impl Joint<2> for Slot {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("along", Kind::Length), ("angle", Kind::Angle)]
+        [("along", Quantity::Length), ("angle", Quantity::Angle)]
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {

@@ -23,7 +23,7 @@ impl Joint<1> for Wound {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("parameter", Kind::Other)]
+        [("parameter", Quantity::Other)]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use pullback::elements::joint::Prismatic;
 use pullback::manifold::map::Linear;
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -47,7 +47,8 @@ fn sliders(builder: &mut ModelBuilder, x: NodeId) -> Result<(), Box<dyn Error>> 
         let (mut axis, mut position) = ([0.0; 3], [0.0; 3]);
         (axis[k], position[k]) = (1.0, trammel().start[k]);
         let pick = Linear::<2, 1>::pick(k, 0.0).boxed();
-        let way = builder.mapped_coordinates(format!("{name} way"), &[Kind::Length], pick, &[x])?;
+        let way =
+            builder.mapped_coordinates(format!("{name} way"), &[Quantity::Length], pick, &[x])?;
         let start = offset(builder, &format!("start of {name}"), ground, position)?;
         let slider = builder.add_joint_frame(name, start, Prismatic::new(axis)?, &[way])?;
         let mass = PointMass::new(MASS)?;
@@ -69,11 +70,11 @@ enum By {
 /// The model, and the node of x.
 fn model(by: By) -> Result<(Model, NodeId), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
-    let ways = [Kind::Length; 2];
+    let ways = [Quantity::Length; 2];
     let x = match by {
         By::Map => {
             let map = Solved::<_, 1, 2, 1>::new(trammel(), 0.0, [0.0; 2])?;
-            let q = builder.coordinates("q", &[Kind::Length])?;
+            let q = builder.coordinates("q", &[Quantity::Length])?;
             builder.mapped_coordinates("x", &ways, map.boxed(), &[q])?
         }
         _ => builder.coordinates("x", &ways)?,

@@ -138,8 +138,8 @@ pub mod prelude {
     };
     pub use pullback_elements::load::{CoordinateForce, LineLoad, LoadKind, NodalLoad};
     pub use pullback_elements::model::{
-        Arc, Audit, Axis, Dof, Line, Model, ModelBuilder, ModelError, NodeId, NodeState,
-        RigidMotion, Straight,
+        Arc, Axis, Dof, EnergiesAndMomentum, Line, Model, ModelBuilder, ModelError, NodeId,
+        NodeState, RigidMotion, Straight,
     };
     pub use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
     pub use pullback_elements::time::{
@@ -156,6 +156,6 @@ pub mod prelude {
     pub use pullback_manifold::map::Map;
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
-    pub use pullback_manifold::system::{Kind, Point, System};
+    pub use pullback_manifold::system::{Point, Quantity, System};
     pub use std::ops::ControlFlow;
 }

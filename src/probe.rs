@@ -5,7 +5,7 @@
 use crate::input::Quantity;
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::{Audit, ElementId, Model, NodeId, Reaction};
+use pullback_elements::model::{ElementId, EnergiesAndMomentum, Model, NodeId, Reaction};
 use std::f64::consts::TAU;
 
 /// What a probe looks at.
@@ -52,7 +52,7 @@ pub struct Answers {
     reactions: Vec<Reaction>,
     strain_energy: f64,
     load_potential: f64,
-    audit: Option<Audit>,
+    audit: Option<EnergiesAndMomentum>,
     energy_defect: f64,
 }
 
@@ -73,7 +73,7 @@ impl Answers {
 
     /// The same, with what is known of a motion.
     #[must_use]
-    pub fn moving(self, audit: Option<Audit>, energy_defect: f64) -> Self {
+    pub fn moving(self, audit: Option<EnergiesAndMomentum>, energy_defect: f64) -> Self {
         Self {
             audit,
             energy_defect,
@@ -87,7 +87,7 @@ impl Answers {
     }
 
     /// Energies, powers and momenta; zero in statics.
-    pub fn audit(&self) -> Audit {
+    pub fn audit(&self) -> EnergiesAndMomentum {
         self.audit.unwrap_or_default()
     }
 

@@ -149,7 +149,7 @@ fn execute(
         file,
         ..
     } = job;
-    let mut notes = model.notes();
+    let mut notes = model.descriptions();
     if model.mapped_frames().next().is_some() {
         notes.push(model.mobility().to_string());
     }

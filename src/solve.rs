@@ -255,8 +255,8 @@ pub fn solve(
             let failure = SolveError::from(error);
             if let Some(step) = failure.step() {
                 counts.rejected = step.rejected;
-                counts.evaluations = step.spent.evaluations;
-                counts.factorisations = step.spent.factorisations;
+                counts.evaluations = step.cost.evaluations;
+                counts.factorisations = step.cost.factorisations;
             }
             Ended {
                 counts,

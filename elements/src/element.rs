@@ -1,4 +1,4 @@
-//! What an element is: one evaluation that fills a residual and the requested tangents.
+//! The element interface: one evaluation of the residual and the requested tangents.
 
 #![allow(non_snake_case)]
 
@@ -6,9 +6,9 @@ use crate::constraint::Enforced;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::system::Weights;
 
-/// Time, coordinates, velocities and accelerations of an element: those of its nodes, one after
-/// the other. A frame node has six, (d, Ψ): displacement from its reference position and rotation
-/// vector from its reference orientation, both in global components.
+/// Time, coordinates, velocities and accelerations of an element, node by node. A frame node has
+/// six coordinates (d, Ψ): displacement from its reference position and rotation vector from its
+/// reference orientation, both in global components.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     /// Time, or load parameter in statics.
@@ -21,23 +21,23 @@ pub struct Motion<'a> {
     pub a: &'a [f64],
 }
 
-/// What an evaluation fills. Everything is zero on entry and the element **adds** to it.
+/// Output of an evaluation. Everything is zero on entry and the element **adds** to it.
 ///
 /// Matrices are n×n, column by column, n = [`Element::dim`].
 pub struct Response<'a> {
     /// Residual covector r = f_ext − f_int − f_acc.
     pub r: &'a mut [f64],
-    /// K = −∂r/∂x, when asked for.
+    /// K = −∂r/∂x, if requested.
     pub K: Option<&'a mut [f64]>,
-    /// C = −∂r/∂ẋ, when asked for.
+    /// C = −∂r/∂ẋ, if requested.
     pub C: Option<&'a mut [f64]>,
-    /// M = −∂r/∂ẍ, when asked for.
+    /// M = −∂r/∂ẍ, if requested.
     pub M: Option<&'a mut [f64]>,
-    /// Partial derivative ∂r/∂t at a fixed motion, when asked for.
+    /// Partial derivative ∂r/∂t at a fixed motion, if requested.
     pub r_t: Option<&'a mut [f64]>,
 }
 
-/// Why an element cannot be evaluated.
+/// Error of the evaluation of an element.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ElementError {
     /// A rotation vector has reached the edge of its chart, ψ = 2π.
@@ -46,16 +46,16 @@ pub enum ElementError {
         /// The rotation angle in radians.
         psi: f64,
     },
-    /// Two nodes have turned against each other by a whole turn.
+    /// Two nodes have rotated by a whole turn relative to each other.
     #[error("its nodes have turned against each other by {psi:.6} rad, nearly a whole turn (2π)")]
     Overturned {
         /// The angle of the relative rotation in radians.
         psi: f64,
     },
-    /// The equations that it enforces are outside of their domain.
+    /// The enforced equations are outside their domain.
     #[error("it left {edge}")]
     OutsideDomain {
-        /// What it left, and what to do about it.
+        /// The limit that was exceeded, with a remedy.
         edge: &'static str,
         /// Distance to the edge, ≤ 0.
         margin: f64,
@@ -70,9 +70,9 @@ pub enum ElementError {
 
 /// An element that forms the combined tangent of an integrator faster than its parts K, C and M.
 pub trait Combined {
-    /// Adds the residual to `r` and cK·K + cC·C + cM·M to `S` (n×n, column by column): the sums of
-    /// what [`Element::evaluate`], or [`Element::evaluate_from`] with a `previous` iterate, adds.
-    /// Both are zero on entry.
+    /// Adds the residual to `r` and cK·K + cC·C + cM·M to `S` (n×n, column by column), as
+    /// [`Element::evaluate`] does, or [`Element::evaluate_from`] with a `previous` iterate. Both
+    /// are zero on entry.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
@@ -86,10 +86,10 @@ pub trait Combined {
     ) -> Result<(), ElementError>;
 }
 
-/// Rotations beyond this angle are refused: T is singular at 2π, T⁻¹ unbounded.
+/// Largest rotation angle accepted: T is singular at 2π, T⁻¹ unbounded.
 pub(crate) const EDGE: f64 = std::f64::consts::TAU - 1e-3;
 
-/// Forces at one position of an element, for output.
+/// State of one cross-section of an element, for output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionState {
     /// Position of the cross-section's centre in the reference configuration, global components.
@@ -108,27 +108,27 @@ pub struct SectionState {
     pub M: Vector3<f64>,
 }
 
-/// An element, or a load: anything that contributes to the residual through its nodes.
+/// An element or a load: a contribution to the residual by nodes.
 ///
-/// The same trait serves beams, bodies, springs and loads; the coordinates may be those of free
-/// nodes or come out of any constraint map, the element does not know.
+/// Beams, bodies, springs and loads implement it. The coordinates may belong to free nodes or come
+/// from any constraint map.
 pub trait Element: Send + Sync {
     /// Number of coordinates: the sum of its nodes' dimensions.
     fn dim(&self) -> usize;
 
-    /// Adds the residual, and the tangents asked for, at the given motion.
+    /// Adds the residual, and the requested tangents, at the given motion.
     ///
     /// # Errors
-    /// [`ElementError`] when the motion is outside the element's domain.
+    /// [`ElementError`] if the motion is outside the element's domain.
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError>;
 
     /// As [`Element::evaluate`], but K may use stresses extrapolated linearly from the previous
     /// iterate instead of those at `at`.
     ///
-    /// The residual is the same, and K differs by terms of the second order in the step, so that
-    /// Newton's method stays quadratic. What it gains is a tangent free of the large spurious
-    /// stresses that a big step leaves in a slender element (Magisano, Leonetti & Garcea 2017,
-    /// Comput. Methods Appl. Mech. Eng. 313). Ignored by default.
+    /// The residual is the same, and K differs by terms of second order in the step, so Newton's
+    /// method stays quadratic. The tangent is then free of the large spurious stresses of a big
+    /// step in a slender element (Magisano, Leonetti & Garcea 2017, Comput. Methods Appl. Mech.
+    /// Eng. 313). Ignored by default.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
@@ -142,12 +142,12 @@ pub trait Element: Send + Sync {
         self.evaluate(at, out)
     }
 
-    /// The combined tangent, where there is a faster way to it than through its parts.
+    /// The combined tangent, if it can be formed faster than from its parts.
     fn combined(&self) -> Option<&dyn Combined> {
         None
     }
 
-    /// Whether the residual depends on time alone: all tangents are zero.
+    /// Whether the residual depends on time alone, so that all tangents are zero.
     fn is_dead(&self) -> bool {
         false
     }
@@ -158,7 +158,7 @@ pub trait Element: Send + Sync {
         0.0
     }
 
-    /// Kinetic energy, where there is a faster way to it than ½ ẋ·M ẋ; asked only in motion.
+    /// Kinetic energy in motion, if it can be computed faster than ½ ẋ·M ẋ.
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
         let _ = at;
         None
@@ -170,55 +170,55 @@ pub trait Element: Send + Sync {
         0.0
     }
 
-    /// Times at which a function of time inside has a kink; none by default.
+    /// Times at which its functions of time have a kink; none by default.
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Whether K is symmetric at rest, wherever the element can be.
+    /// Whether K is symmetric at rest, at every point of the domain.
     fn is_symmetric(&self) -> bool {
         true
     }
 
-    /// Whether its forces turn with a rigid motion of all its nodes, as internal ones do; what is
-    /// tied to space besides its nodes says no. So do loads by default.
+    /// Whether its forces rotate with a rigid motion of all its nodes, as internal ones do; false
+    /// for elements that are tied to space, and for loads by default.
     fn is_objective(&self) -> bool {
         !self.is_load()
     }
 
-    /// Whether rotations of its nodes matter to it; one that takes their positions alone says no, and
-    /// leaves them free to turn against each other as often as they like.
+    /// Whether it depends on rotations of its nodes; false for an element that uses positions only,
+    /// whose nodes may rotate relative to each other without limit.
     fn sees_rotations(&self) -> bool {
         true
     }
 
-    /// The name of its type, for reports.
+    /// Name of its type, for reports.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
 
-    /// Whether it stands for applied loads, which set the scale of a convergence test.
+    /// Whether it is an applied load, which sets the scale of convergence tests.
     fn is_load(&self) -> bool {
         false
     }
 
-    /// Whether it is a load with a potential, its energy, that is the same function of its coordinates at all
-    /// times. What it does to a motion is then known exactly, and not to the order of a scheme alone.
+    /// Whether it is a load with a time-independent potential, its energy. Its work is then known
+    /// exactly, not only to the order of a scheme.
     fn is_steady(&self) -> bool {
         false
     }
 
-    /// The equations that it enforces on its coordinates, where there are such; none by default.
+    /// The equations that it enforces on its coordinates, if any; none by default.
     fn enforced(&self) -> Option<&dyn Enforced> {
         None
     }
 
-    /// As [`Element::enforced`], to change what is enforced.
+    /// As [`Element::enforced`], mutable.
     fn enforced_mut(&mut self) -> Option<&mut dyn Enforced> {
         None
     }
 
-    /// Appends the states of its cross-sections, for output; nothing by default.
+    /// Appends the states of its cross-sections for output; nothing by default.
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         let _ = (at, out);
     }

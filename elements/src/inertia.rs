@@ -1,4 +1,4 @@
-//! Inertia of a frame that carries mass: a rigid body, or a cross-section per unit length.
+//! Inertia of a frame with mass: a rigid body, or a cross-section per unit length.
 //!
 //! With material quantities (components in the initial frame) Ω = TΨ̇, A = TΨ̈ + ṪΨ̇, g = Rᵀẍ, the
 //! mass m, its first moment S = m c and its moments J about the frame's origin:
@@ -29,13 +29,13 @@ pub struct Inertia {
     pub J: Matrix3<f64>,
 }
 
-/// Why an inertia is impossible.
+/// Error of an inertia.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InertiaError {
     /// A number that is infinite or not a number.
     #[error("inertia needs finite numbers, got {what} = {value}")]
     NotFinite {
-        /// Which quantity.
+        /// Name of the quantity.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -57,7 +57,7 @@ pub enum InertiaError {
         /// Entry (column, row).
         lower: f64,
     },
-    /// Principal moments that no distribution of mass has.
+    /// Principal moments that no distribution of mass can have.
     #[error(
         "principal moments of inertia about the mass centre {principal:?} are impossible: none may \
          be negative, and none larger than the sum of the other two"
@@ -78,7 +78,7 @@ pub(crate) struct FrameMotion {
     pub x_ddot: Vector3<f64>,
 }
 
-/// What force and tangents share.
+/// Terms shared by force and tangents.
 pub(crate) struct Moving<'a> {
     inertia: &'a Inertia,
     motion: &'a FrameMotion,
@@ -86,11 +86,11 @@ pub(crate) struct Moving<'a> {
     T: Matrix3<f64>,
     Omega: Vector3<f64>,
     A: Vector3<f64>,
-    /// What a first moment of mass adds.
+    /// Terms of the first moment of mass.
     eccentric: Option<Eccentric>,
 }
 
-/// What only matters where the mass centre is not the frame's origin.
+/// Terms of a mass centre that is not the frame's origin.
 struct Eccentric {
     R: Matrix3<f64>,
     /// A×S + Ω×(Ω×S), material.
@@ -114,7 +114,7 @@ impl Inertia {
         }
     }
 
-    /// The same, checked: finite, symmetric, and possible as a distribution of mass.
+    /// The same inertia, validated: finite, symmetric, and possible as a distribution of mass.
     ///
     /// # Errors
     /// [`InertiaError`].
@@ -158,7 +158,7 @@ impl Inertia {
         Ok(self)
     }
 
-    /// The same inertia with components in the axes to which R₀ takes the present ones.
+    /// The same inertia with components in the axes rotated by R₀.
     #[must_use]
     pub fn rotated(&self, R0: &Matrix3<f64>) -> Self {
         Self {
@@ -185,7 +185,7 @@ impl Inertia {
         0.5 * energy
     }
 
-    /// Whether there is no inertia at all.
+    /// Whether the inertia is zero.
     pub fn is_zero(&self) -> bool {
         *self == Self::default()
     }
@@ -236,7 +236,7 @@ impl Moving<'_> {
         stack(&f, &self.T.tr_mul(&self.h()))
     }
 
-    /// M alone: what momenta and kinetic energies need.
+    /// M alone, for momenta and kinetic energies.
     #[inline]
     pub fn mass(&self) -> Matrix6<f64> {
         let Inertia { mass, S, J } = self.inertia;
@@ -255,7 +255,7 @@ impl Moving<'_> {
 
     /// The exact tangent of f_acc over (x, Ψ): K, C and M with the given weights.
     ///
-    /// A variation of the motion does δΩ = C₁ δΨ + T δΨ̇ and δA = (C₅ + C₁) δΨ + C₄ δΨ̇ + T δΨ̈.
+    /// A variation of the motion gives δΩ = C₁ δΨ + T δΨ̇ and δA = (C₅ + C₁) δΨ + C₄ δΨ̇ + T δΨ̈.
     #[inline]
     pub fn tangent(&self, weights: Weights) -> Matrix6<f64> {
         let Self {

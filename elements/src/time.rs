@@ -7,26 +7,26 @@ use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A function of time with two derivatives, and of nothing else: for what is set from outside there is
-/// [`Input`].
+/// A function of time with two derivatives, independent of everything else; see [`Input`] for
+/// values set from outside.
 pub trait TimeFunction: Send + Sync + Debug {
     /// Value, first and second derivative at `t`.
     ///
-    /// At a kink these are the ones to the right of it.
+    /// At a kink, the derivatives from the right.
     fn at(&self, t: f64) -> [f64; 3];
 
-    /// Its value, where that is known to be the same at all times.
+    /// Its value, if it is known to be constant.
     fn constant(&self) -> Option<f64> {
         None
     }
 
-    /// Times at which a derivative jumps: step boundaries for an integrator.
+    /// Times at which a derivative jumps, where time steps end.
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
     }
 }
 
-/// Why a time function cannot be made.
+/// Error of a time function.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TimeFunctionError {
     /// A number is infinite or not a number.
@@ -59,10 +59,10 @@ impl TimeFunction for Constant {
     }
 }
 
-/// A value that is set from outside while a run goes on, by a controller, say: a handle whose clones share it.
+/// A value set from outside during a run, by a controller for example: a handle whose clones share it.
 ///
-/// [`ModelBuilder::input`](crate::model::ModelBuilder::input) makes one. A run finds accelerations anew where
-/// the value has changed between two steps, as behind a kink; within a step it must not change.
+/// Created by [`ModelBuilder::input`](crate::model::ModelBuilder::input). If the value changes between
+/// two steps, a run updates the accelerations, as at a kink; it must not change within a step.
 #[derive(Clone, Debug)]
 pub struct Input(Arc<AtomicU64>);
 
@@ -88,7 +88,7 @@ impl TimeFunction for Input {
     }
 }
 
-/// f(t) = slope · t for all t: what a load parameter does in statics.
+/// f(t) = slope · t for all t, like a load parameter in statics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proportional(pub f64);
 
@@ -127,9 +127,9 @@ impl TimeFunction for Sine {
     }
 }
 
-/// Straight lines between points, constant before the first and after the last.
+/// Piecewise linear between points, constant before the first and after the last.
 ///
-/// Ramps and hats are tables of two and three points.
+/// Ramps and triangles are tables of two and three points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     points: Vec<[f64; 2]>,
@@ -139,7 +139,7 @@ impl Table {
     /// A table of (time, value) pairs with increasing times.
     ///
     /// # Errors
-    /// [`TimeFunctionError`] for no points, numbers that are not finite, times that do not
+    /// [`TimeFunctionError`] for no points, numbers that are not finite, or times that do not
     /// increase.
     pub fn new(points: Vec<[f64; 2]>) -> Result<Self, TimeFunctionError> {
         if points.is_empty() {
@@ -205,7 +205,7 @@ impl TimeFunction for Table {
     }
 }
 
-/// Zero but for `value` from `start` until `end`: a load that is put on and taken off at once.
+/// `value` from `start` until `end`, zero otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
     start: f64,

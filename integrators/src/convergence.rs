@@ -1,26 +1,25 @@
-//! What the iterations so far say of the next.
+//! Prediction of the next iteration from the past ones.
 
 use crate::statics::Iteration;
 
-/// A residual that the last tangent is to leave, over what the convergence test allows.
+/// Residual that the last tangent should leave, relative to the tolerance.
 const SAFE: f64 = 0.1;
-/// Corrections larger than this, relative to the scales of their coordinates, are none of rounding.
+/// Corrections larger than this, relative to the scales of the coordinates, are not rounding errors.
 const SMALL: f64 = 1e-6;
-/// A correction that changes nothing, over the largest of its step.
+/// A correction with no effect, relative to the largest of its step.
 const NOTHING: f64 = 1e-9;
-/// Residuals that fall by less than this do not fall.
+/// Residuals that fall by less than this factor stagnate.
 const FALL: f64 = 0.1;
-/// The same of corrections in a step of time, whose first corrections are small.
+/// The same for corrections in a time step, whose first corrections are small.
 const FALL_IN_TIME: f64 = 0.1;
-/// The same in statics, where a large step may begin far from its end and corrections fall linearly: to
-/// two thirds each time where a cubic spring is all there is.
+/// The same in statics, where a large step may begin far from its end and corrections fall
+/// linearly: by two thirds per iteration for a purely cubic spring.
 const FALL_AT_REST: f64 = 0.9;
-/// Residuals that fall as linear convergence lets them, to three tenths for that spring: not as
-/// quadratic convergence does, and not as rounding errors, which stay.
+/// Ratio of residuals in linear convergence, three tenths for that spring: slower than quadratic
+/// convergence, unlike rounding errors, which stay.
 const LINEARLY: std::ops::Range<f64> = 0.01..0.5;
 
-/// The residual that is evaluated next, and the correction that it would ask for, before they are
-/// known.
+/// Prediction of the next residual, and of the correction that it needs.
 ///
 /// With the tangent of each iterate, corrections fall as c_k = κ c²_{k−1}, and residuals with them:
 /// r_k ≈ ϱ² r_{k−1}, ϱ = c_{k−1} / c_{k−2}. A tangent that is one correction old is off by
@@ -28,21 +27,20 @@ const LINEARLY: std::ops::Range<f64> = 0.01..0.5;
 /// for Nonlinear Problems, section 2.1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ConvergencePredictor {
-    /// The residual before the last correction, per kind, and over what is allowed.
+    /// The residual before the last correction, per quantity, and relative to the tolerance.
     before: ([f64; 3], f64),
-    /// The residual that is expected, over what is allowed.
+    /// The predicted residual relative to the tolerance.
     next: f64,
     /// Whether the last correction came from the tangent of its iterate.
     renewed: bool,
-    /// Whether the next correction is expected to change nothing.
+    /// Whether the next correction is predicted to have no effect.
     settled: bool,
-    /// How a last correction that was small has fallen since the one before.
+    /// Ratio of a small last correction to the one before.
     fallen: f64,
 }
 
 impl ConvergencePredictor {
-    /// From the iterations of a step, the last of which had the tangent of its iterate where it is
-    /// `renewed`.
+    /// From the iterations of a step; `renewed` says that the last one used the tangent of its iterate.
     pub(crate) fn new(history: &[Iteration], renewed: bool) -> Self {
         let unknown = Self {
             before: ([0.0; 3], 0.0),
@@ -57,7 +55,7 @@ impl ConvergencePredictor {
         };
         let ratio = last.correction / before.correction;
         let fall = match renewed {
-            // A damped correction tells nothing of the next one.
+            // A damped correction predicts nothing.
             _ if before.damping * last.damping < 1.0 => f64::INFINITY,
             true => ratio * ratio,
             false => 2.0 * ratio,
@@ -73,20 +71,20 @@ impl ConvergencePredictor {
         }
     }
 
-    /// Whether the last tangent takes a residual to balance in one correction.
+    /// Whether one correction with the last tangent brings a residual to balance.
     pub(crate) fn serves(&self, residual: f64) -> bool {
         self.renewed && 2.0 * residual * residual <= SAFE * self.before.1
     }
 
-    /// Whether the state to be evaluated will need no tangent of its own.
+    /// Whether the next state will need no tangent of its own.
     pub(crate) fn without_tangent(&self) -> bool {
         self.settled || self.next <= 1.0 || self.serves(self.next)
     }
 
-    /// Whether another correction is not expected to mend anything, though residuals are still larger
-    /// than is allowed: it would change nothing, or else corrections and residuals have ceased to
-    /// fall. What stiff neighbours leave may hide a residual that still does: corrections tell. At
-    /// `rest` one part of a structure may come linearly where all others have settled.
+    /// Whether another correction is predicted not to help, though residuals exceed the tolerance:
+    /// it would have no effect, or corrections and residuals have stopped falling. Residuals of
+    /// stiff neighbours may hide one that still falls; corrections show it. At `rest` one part of a
+    /// structure may converge linearly after all others.
     pub(crate) fn is_stagnation(&self, residual: [f64; 3], allowed: [f64; 3], rest: bool) -> bool {
         let stays = |k: usize| residual[k] <= allowed[k] || residual[k] > FALL * self.before.0[k];
         let linearly = |k: usize| {

@@ -1,15 +1,15 @@
-//! A step that failed, with everything needed to understand it: where, why, and what is worst.
+//! Report of a failed step: position, cause, iterations and the worst residuals.
 
 #![allow(non_snake_case)]
 
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Event, Iteration};
-use pullback_manifold::system::{Kind, System, SystemError};
+use pullback_manifold::system::{Quantity, System, SystemError};
 use std::fmt;
 
-/// What a step advances.
+/// The parameter that a step advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Along {
+pub enum StepParameter {
     /// The load parameter of statics.
     Load,
     /// Time.
@@ -23,58 +23,58 @@ pub enum Cause {
     System(SystemError),
     /// The tangent is singular or the linear solver failed.
     Linear {
-        /// The solver's words.
+        /// The error of the solver.
         error: LinearError,
-        /// Names and entries of the mechanism found, largest first.
+        /// Components of the mechanism by name, largest first.
         mechanism: Vec<(String, f64)>,
     },
-    /// Corrections grow whatever the damping.
+    /// Corrections grow even when damped.
     Diverged,
-    /// A path turns too sharply for the step.
+    /// The path turns too sharply for the step.
     OffPath,
-    /// Not converged within the iterations allowed.
+    /// No convergence within the allowed iterations.
     TooManyIterations,
-    /// The estimate of the local error asks for steps below the smallest.
+    /// The local error needs steps below the smallest one.
     Inaccurate,
-    /// An event on the path lies within the step, but cannot be found in it.
+    /// The path passes an event within the step that cannot be located.
     Unlocated {
-        /// LoadKind, in words.
+        /// The event, in words.
         position: String,
     },
 }
 
-/// A step that failed: where, how far it came, and which coordinate was worst.
+/// Report of a failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedStep {
     /// Number of the step, from 1; 0 is the equilibrium at the start of statics.
     pub step: usize,
-    /// What the step advances.
-    pub along: Along,
+    /// The parameter that the step advances.
+    pub parameter: StepParameter,
     /// Its value at the last converged step.
     pub from: f64,
     /// Its value that was attempted.
     pub to: f64,
-    /// Why.
+    /// The cause.
     pub cause: Cause,
     /// Iterations of the last attempt.
     pub history: Vec<Iteration>,
-    /// Per kind: name of the coordinate with the largest residual, and that residual.
-    pub worst: Vec<(Kind, String, f64)>,
-    /// Failed attempts so far.
+    /// Per quantity: name of the coordinate with the largest residual, and that residual.
+    pub worst: Vec<(Quantity, String, f64)>,
+    /// Number of failed attempts so far.
     pub rejected: usize,
-    /// The smallest step allowed, where that is why it was not halved again; in statics.
+    /// The smallest allowed step, if it prevents another halving; in statics.
     pub min_step: Option<f64>,
     /// A kink or jump of a function of the load parameter within the step.
     pub kink: Option<f64>,
-    /// What the system itself has to say ([`System::doubts`]).
-    pub doubts: Vec<String>,
-    /// Evaluations and factorisations so far.
-    pub spent: Spent,
+    /// Warnings of the system ([`System::singularity_warnings`]).
+    pub singularity_warnings: Vec<String>,
+    /// Cost of the analysis so far.
+    pub cost: Cost,
 }
 
-/// What an analysis has spent.
+/// Cost of an analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
+pub struct Cost {
     /// Evaluations of the system.
     pub evaluations: usize,
     /// Factorisations.
@@ -95,7 +95,7 @@ pub(crate) enum Failure {
     Unlocated(Event),
 }
 
-/// What an iteration left behind when it failed.
+/// State of an iteration that failed.
 pub(crate) struct FailureContext<'a> {
     pub failure: Failure,
     pub r: &'a [f64],
@@ -104,15 +104,15 @@ pub(crate) struct FailureContext<'a> {
 }
 
 impl FailedStep {
-    /// Names what failed. `steps` and `rejected` are those before this attempt.
+    /// Reports a failure. `steps` and `rejected` count those before this attempt.
     pub(crate) fn new<Y: System + ?Sized>(
         system: &Y,
         context: FailureContext<'_>,
-        along: Along,
+        parameter: StepParameter,
         [from, to]: [f64; 2],
         steps: usize,
         rejected: usize,
-        spent: Spent,
+        cost: Cost,
     ) -> Self {
         let cause = match context.failure {
             Failure::System(error) => Cause::System(error),
@@ -136,38 +136,38 @@ impl FailedStep {
         };
         let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
         for (i, r) in context.r.iter().enumerate() {
-            let entry = &mut worst[system.kind(i).index()];
+            let entry = &mut worst[system.quantity(i).index()];
             if entry.is_none_or(|(_, largest)| r.abs() > largest) {
                 *entry = Some((i, r.abs()));
             }
         }
         Self {
             step: steps + 1,
-            along,
+            parameter,
             from,
             to,
             history: context.history.to_vec(),
-            worst: Kind::ALL
+            worst: Quantity::ALL
                 .into_iter()
-                .filter_map(|kind| {
-                    let (i, r) = worst[kind.index()].filter(|w| w.1 > 0.0)?;
-                    Some((kind, system.name(i), r))
+                .filter_map(|quantity| {
+                    let (i, r) = worst[quantity.index()].filter(|w| w.1 > 0.0)?;
+                    Some((quantity, system.name(i), r))
                 })
                 .collect(),
             rejected,
             min_step: None,
-            // A state that cannot be evaluated says why itself.
-            doubts: match cause {
+            // An evaluation error gives the reason itself.
+            singularity_warnings: match cause {
                 Cause::System(_) => Vec::new(),
-                _ => system.doubts(),
+                _ => system.singularity_warnings(),
             },
-            kink: match along {
-                Along::Load => (system.kinks().into_iter())
+            kink: match parameter {
+                StepParameter::Load => (system.kinks().into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
-                Along::Time => None,
+                StepParameter::Time => None,
             },
             cause,
-            spent,
+            cost,
         }
     }
 
@@ -185,11 +185,11 @@ impl FailedStep {
         }
     }
 
-    /// Where the step was, and how often it was tried.
+    /// Writes the position of the step and the number of attempts.
     fn heading(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parameter = match self.along {
-            Along::Load => "load parameter",
-            Along::Time => "time",
+        let parameter = match self.parameter {
+            StepParameter::Load => "load parameter",
+            StepParameter::Time => "time",
         };
         let [from, to] = [self.from, self.to].map(significant);
         if self.step == 0 {
@@ -220,7 +220,7 @@ impl FailedStep {
     }
 }
 
-/// The largest components of the null vector, by name.
+/// The largest components of the null vector, with names.
 pub(crate) fn mechanism<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<(String, f64)> {
     let Some(null) = null_vector(system.pattern(), values) else {
         return Vec::new();
@@ -266,24 +266,24 @@ impl fmt::Display for FailedStep {
                 for (name, entry) in mechanism {
                     write!(f, "\n    {name} ({entry:+.3})")?;
                 }
-                f.write_str(match self.along {
-                    Along::Load => {
+                f.write_str(match self.parameter {
+                    StepParameter::Load => {
                         "\n  support it, or follow the path with arc-length control if this is a limit point"
                     }
-                    Along::Time => "\n  give it mass or stiffness, or hold it",
+                    StepParameter::Time => "\n  give it mass or stiffness, or hold it",
                 })?;
                 write!(f, "\n  (the tangent cannot be solved with: {error})")?;
             }
-            Cause::Diverged => f.write_str(match self.along {
-                Along::Load if self.step == 0 => {
+            Cause::Diverged => f.write_str(match self.parameter {
+                StepParameter::Load if self.step == 0 => {
                     "Newton's corrections grow however they are damped; let these loads grow with \
                      the load parameter, or make them smaller"
                 }
-                Along::Load => {
+                StepParameter::Load => {
                     "Newton's corrections grow however they are damped; a limit point may lie ahead \
                      (try arc-length control), or the load is too large"
                 }
-                Along::Time => "Newton's corrections grow; take smaller steps",
+                StepParameter::Time => "Newton's corrections grow; take smaller steps",
             })?,
             Cause::OffPath => f.write_str(
                 "the path turns too sharply for steps of this size, branches or ends; with a larger \
@@ -319,14 +319,14 @@ impl fmt::Display for FailedStep {
                 significant(kink)
             )?;
         }
-        for doubt in &self.doubts {
-            write!(f, "\n  {doubt}")?;
+        for warning in &self.singularity_warnings {
+            write!(f, "\n  {warning}")?;
         }
-        for (kind, name, residual) in &self.worst {
+        for (quantity, name, residual) in &self.worst {
             write!(
                 f,
                 "\n  largest {} out of balance: {residual:.3e} at {name}",
-                kind.conjugate()
+                quantity.conjugate()
             )?;
         }
         if !self.history.is_empty() {
@@ -346,10 +346,10 @@ impl fmt::Display for FailedStep {
     }
 }
 
-/// A number for reading: seven significant digits at most, whatever its size.
+/// Formats a number for messages: at most seven significant digits.
 pub fn significant(x: f64) -> String {
     let rounded = format!("{x:.6e}").parse().unwrap_or(x);
-    // Debug writes the shortest digits, with an exponent where zeros would be many.
+    // Debug writes the shortest digits, with an exponent instead of many zeros.
     let text = format!("{:?}", rounded + 0.0);
     match text.strip_suffix(".0") {
         Some(whole) => whole.to_owned(),

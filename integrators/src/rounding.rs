@@ -1,11 +1,11 @@
-//! The scales of coordinates, and when a residual is nothing but rounding errors.
+//! Scales of coordinates, and detection of residuals that are rounding errors.
 
-use pullback_manifold::system::{Kind, System};
+use pullback_manifold::system::{Quantity, System};
 
-/// What residual per kind counts as balance. A kind that neither loads nor reactions measure is
-/// asked for down to rounding errors: the first residual says what is tiny, but a stiff spring out of
-/// position makes it as large as it likes. Gaps of multipliers have no spring in them: what the
-/// prediction leaves of one is a fair measure. Nothing is asked for below `least`.
+/// Largest residual per quantity in equilibrium. A quantity without loads and reactions must vanish
+/// to rounding errors: the first residual would be a reference, but a stiff spring that is out of
+/// balance makes it arbitrarily large. Gaps of multipliers contain no spring, so the gap after the
+/// prediction is a fair reference. The limit is never smaller than `least`.
 pub(crate) fn allowed(
     measures: [f64; 3],
     first: [f64; 3],
@@ -14,10 +14,10 @@ pub(crate) fn allowed(
 ) -> [f64; 3] {
     let allow = |k: usize| {
         let measure = match measures[k] > 0.0 {
-            false if k == Kind::Other.index() => first[k],
+            false if k == Quantity::Other.index() => first[k],
             _ => measures[k],
         };
-        // No digit of the first residual is left below its own rounding.
+        // The first residual has no digits below its own rounding.
         let rounding = f64::EPSILON * first[k];
         (relative * measure)
             .max(rounding)
@@ -30,22 +30,21 @@ pub(crate) fn allowed(
 /// Rounding errors of a sum in units of those of its largest term; element forces add some ten.
 const TERMS: f64 = 16.0;
 
-/// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual that
-/// they leave.
+/// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
 pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
     let scales = system.scales().coordinate;
     let scale = |i: usize| match system.is_multiplier(i) {
         true => 0.0,
-        false => 1.0 / scales[system.kind(i).index()],
+        false => 1.0 / scales[system.quantity(i).index()],
     };
     (0..system.pattern().dim()).map(scale).collect()
 }
 
-/// Whether every residual is below what the rounding of the coordinates makes of it,
-/// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
+/// Whether every residual is below the rounding errors of the coordinates, `|r_i| ≤ 16 ε Σ_j |S_ij|
+/// |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
-/// Multipliers count as the largest of them: they are solved for together, and one that vanishes has
-/// the rounding errors of the others. `sizes` and `floor` are room for a number per coordinate.
+/// All multipliers count as the largest: they are solved for together, and a vanishing one has the
+/// rounding errors of the others. `sizes` and `floor` are scratch, one number per coordinate.
 #[allow(non_snake_case)]
 pub(crate) fn is_rounding<Y: System + ?Sized>(
     system: &Y,
@@ -73,8 +72,8 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
         .all(|(i, (r, floor))| r.abs() <= TERMS * floor.max(least(i)))
 }
 
-/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|, coordinates counting as their
-/// scales at least: what the prediction leaves of a gap may by chance be far below, and at the origin
+/// The largest rounding error in the gaps of multipliers, ε Σ_j |S_ij| |q_j|, with coordinates not
+/// below their scales: the gap after the prediction may be far below by chance, and at the origin
 /// all of it is zero.
 #[allow(non_snake_case)]
 pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
@@ -84,16 +83,16 @@ pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
     let scales = system.scales().coordinate;
-    let least = |i: usize| scales[system.kind(i).index()];
+    let least = |i: usize| scales[system.quantity(i).index()];
     find_rounding(system, S, q, (0.0, &least), [&mut *sizes, &mut *floor]);
     let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
 
-/// What the rounding of the coordinates makes of each residual, ε Σ_j |S_ij| |q_j|, into `floor`;
-/// multipliers count as `multiplier`.
+/// Writes the rounding error of each residual, ε Σ_j |S_ij| |q_j|, to `floor`; multipliers count as
+/// `multiplier`.
 ///
-/// Coordinates count with their [`System::magnitude`] and with `least` of them at least: a small
+/// Coordinates count with their [`System::magnitude`], and at least with `least` of them: a small
 /// displacement is the difference of positions that are not small.
 #[allow(non_snake_case)]
 fn find_rounding<Y: System + ?Sized>(

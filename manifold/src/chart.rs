@@ -1,4 +1,4 @@
-//! Charts: coordinates of a configuration manifold, where they are valid, and how to change them.
+//! Charts: coordinates of a configuration manifold, their domain, and changes between them.
 //!
 //! Leaves: [`Euclidean`] space, the [`Circle`] with an unbounded angle, rotations by
 //! [`RotationVector`], and [`Product`]s such as [`Frame`], a position and an orientation.
@@ -13,11 +13,11 @@ use std::f64::consts::{PI, TAU};
 
 /// A chart of a manifold of dimension D.
 ///
-/// Coordinates and points determine each other within the chart; where it becomes bad,
-/// [`Chart::transition`] gives the map to a better one, with everything that velocities,
-/// accelerations and forces need ([`Map::kinematics`], [`Map::geometric_stiffness`]).
+/// Coordinates and points determine each other within the chart. Near its edge,
+/// [`Chart::transition`] gives the map to a better chart, which transforms velocities,
+/// accelerations and forces as well ([`Map::kinematics`], [`Map::geometric_stiffness`]).
 pub trait Chart<const D: usize> {
-    /// A point of the manifold, free of coordinates.
+    /// A point of the manifold, independent of coordinates.
     type Point;
 
     /// The change of chart.
@@ -26,7 +26,7 @@ pub trait Chart<const D: usize> {
     /// The point with coordinates q.
     fn point(&self, q: &SVector<f64, D>) -> Self::Point;
 
-    /// Coordinates of a point; where several are possible, those next to `near`.
+    /// Coordinates of a point; those closest to `near` if several are possible.
     fn coordinates(&self, point: &Self::Point, near: &SVector<f64, D>) -> SVector<f64, D>;
 
     /// Distance of q to the edge of the chart: positive inside, infinite for a global chart.
@@ -35,7 +35,7 @@ pub trait Chart<const D: usize> {
         f64::INFINITY
     }
 
-    /// The change of chart that is due at q, if another chart is better there.
+    /// The change of chart at q, if another chart is better there.
     fn transition(&self, q: &SVector<f64, D>) -> Option<Self::Transition> {
         let _ = q;
         None
@@ -91,7 +91,7 @@ impl Chart<1> for Circle {
 
 /// Rotations by the rotation vector Ψ = ψ e, an open ball of radius 2π (\[M04\] definition 14).
 ///
-/// A change of chart is due where ψ > π; it is the [`Complement`].
+/// The chart changes where ψ > π, by the [`Complement`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RotationVector;
 
@@ -122,7 +122,7 @@ impl Chart<3> for RotationVector {
 }
 
 /// The complement rotation vector Ψᶜ = Ψ − 2π Ψ/ψ, the same rotation in the other chart
-/// (\[M04\] definition 15, 4.1.1). It is its own inverse, and not defined at ψ = 0.
+/// (\[M04\] definition 15, 4.1.1). It is its own inverse, and undefined at ψ = 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Complement;
 
@@ -173,12 +173,12 @@ impl Map<3, 3> for Complement {
 
 /// The product of two charts (or of two maps): coordinates one after the other.
 ///
-/// A product of dimension D needs D = A + B, which is checked when it is compiled.
+/// A product of dimension D needs D = A + B; this is checked at compile time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Product<First, Second, const A: usize, const B: usize> {
-    /// Has the first A coordinates.
+    /// Chart of the first A coordinates.
     pub first: First,
-    /// Has the following B coordinates.
+    /// Chart of the next B coordinates.
     pub second: Second,
 }
 
@@ -251,7 +251,7 @@ where
     }
 }
 
-/// A map, or the identity where there is none.
+/// A map, or the identity if there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Either<M>(pub Option<M>);
 

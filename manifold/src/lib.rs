@@ -10,9 +10,9 @@
 //! | implicit constraint | [`implicit::Implicit`] | one generic function h(t, x), a map by [`implicit::Solved`] |
 //! | system | [`system::System`] | residual and combined tangent of an equation of motion |
 //!
-//! Everything else follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over
-//! the number types of [`jet`], [`pullback`] carries residuals and tangents through a map, and
-//! the crate `pullback-conformance` verifies whatever is written by slope.
+//! The rest follows: [`map::derived`] gives B, Ḃ, B̈ and K_σ(f) by exact differentiation over the
+//! number types of [`jet`], [`pullback`] transforms residuals and tangents by a map, and the crate
+//! `pullback-conformance` verifies every implementation by convergence slopes.
 //!
 //! # Conventions
 //! - Vectors are columns; matrices in slices are stored column by column.

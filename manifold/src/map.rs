@@ -26,7 +26,7 @@ pub use increment::Increment;
 pub use linear::Linear;
 
 use crate::scalar::Scalar;
-use crate::so3::Spins;
+use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::{SMatrix, SVector};
 
@@ -56,16 +56,16 @@ pub struct Kinematics<const D: usize, const N: usize> {
     pub B_ddot: SMatrix<f64, N, D>,
 }
 
-/// Coordinates of a map in a new chart of their own: what [`Map::rewrite`] hands back.
+/// Coordinates of a map in a new chart, the result of [`Map::reparametrize`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rewritten<const D: usize> {
+pub struct Reparametrized<const D: usize> {
     /// The new coordinates of the same configuration.
     pub q: SVector<f64, D>,
     /// Their velocities.
     pub v: SVector<f64, D>,
     /// Derivative of the new coordinates by the old ones, D×D.
     pub B: SMatrix<f64, D, D>,
-    /// Accelerations change by a ↦ B a + c; c holds what comes from velocities and time.
+    /// Accelerations transform by a ↦ B a + c; c collects the terms of velocity and time.
     pub c: SVector<f64, D>,
 }
 
@@ -74,117 +74,115 @@ pub type Motion<'a, const D: usize> = [&'a SVector<f64, D>; 2];
 
 /// A holonomic constraint x = φ(t, q) from D coordinates into N.
 ///
-/// Only [`Map::phi`] has to be written. The other methods follow from it by exact
-/// differentiation ([`derived`]); a map may replace any of them by a closed form, and
-/// [`crate::check::map`] then compares the two.
+/// Only [`Map::phi`] is required. The other methods follow from it by exact differentiation
+/// ([`derived`]); a map may override any of them by a closed form, which the conformance kit
+/// compares with φ.
 pub trait Map<const D: usize, const N: usize>: Send + Sync {
     /// The constraint itself, x = φ(t, q).
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, N>;
 
-    /// Distance of q to the edge of the domain on which φ is a chart; a point with a margin ≤ 0
-    /// is refused by whoever evaluates the map. Infinite by default.
+    /// Distance of q to the edge of the domain on which φ is a chart; points with a margin ≤ 0 are
+    /// rejected. Infinite by default.
     fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         let _ = (t, q);
         f64::INFINITY
     }
 
-    /// What lies at the edge where the margin ends, and what to do about it, for messages.
+    /// Description of the limit where the margin ends, with a remedy, for messages.
     fn edge(&self) -> &'static str {
         CHART_EDGE
     }
 
-    /// Changes the charts in which φ gives its values (the branch of a logarithm, the segment of a
-    /// curve) where another one is better at q. Called at converged states only: within a step φ
-    /// stays one smooth function. Nothing to do by default.
+    /// Changes the charts of the values of φ (branch of a logarithm, segment of a curve) if another
+    /// one is better at q. Called at converged states only: within a step φ is one smooth function.
+    /// Nothing by default.
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         let _ = (t, q);
         ChartChanges::default()
     }
 
-    /// Whether a frame that is attached to the map moves with a rigid motion of all frames that the map
-    /// reads: true for joints between bodies, and by default; false for what is tied to space.
+    /// Whether an attached frame follows a rigid motion of all frames that the map reads: true for
+    /// joints between bodies, and by default; false for maps tied to space.
     fn is_objective(&self) -> bool {
         true
     }
 
-    /// Changes the meaning of the coordinates q where other ones are better, and tells what they
-    /// are now: x, ẋ and ẍ stay what they were to the last digits. Called with every converged
-    /// state, and never between. Nothing to do by default; a map that does
-    /// it says so by [`Map::rewrites`].
-    fn rewrite(
+    /// Changes the coordinates q to better ones and returns their values; x, ẋ and ẍ stay the same
+    /// to rounding. Called at every converged state, and never between. Nothing by default; a map
+    /// that overrides it also overrides [`Map::reparametrizes`].
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let _ = (t, q, v);
         None
     }
 
-    /// Whether [`Map::rewrite`] may ever change q: nobody else can use these coordinates then.
-    fn rewrites(&self) -> bool {
+    /// Whether [`Map::reparametrize`] may change q: no other map or element may then use these
+    /// coordinates.
+    fn reparametrizes(&self) -> bool {
         false
     }
 
-    /// Which spins the rates of the last three coordinates θ are at present, if they are any: Ω and
-    /// Ω̇ then stand where velocities and accelerations stand. The model takes them to θ̇ and θ̈
-    /// before it asks the map ([`so3::Spin`](crate::so3::Spin)); none by default.
-    fn spins(&self) -> Option<Spins> {
+    /// Kind of angular velocity that replaces the rates of the last three coordinates θ at present,
+    /// if any: Ω and Ω̇ are then stored as velocities and accelerations. The model converts them to
+    /// θ̇ and θ̈ before it evaluates the map ([`so3::Spin`](crate::so3::Spin)). None by default.
+    fn velocity_kind(&self) -> Option<VelocityKind> {
         None
     }
 
-    /// See [`Parametrization::memory`]; nothing by default.
-    fn memory(&self) -> Vec<f64> {
+    /// See [`Parametrization::save`]; nothing by default.
+    fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// See [`Parametrization::recall`].
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        memory.is_empty()
+    /// See [`Parametrization::restore`].
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        saved.is_empty()
     }
 
-    /// Why q is outside of the domain, in words that follow "joint at node a: "; nothing by
-    /// default.
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+    /// Why q is outside the domain, to follow "joint at node a: "; none by default.
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
         let _ = (t, q);
         None
     }
 
-    /// What there is to say about the map as it is now (its independent coordinates, redundant
-    /// equations), for reports; nothing by default.
-    fn note(&self) -> Option<String> {
+    /// Describes the present state of the map (independent coordinates, redundant equations) for
+    /// reports; none by default.
+    fn describe(&self) -> Option<String> {
         None
     }
 
-    /// By what time the first change to another segment ([`Map::segment`]) is overdue at the end of a
-    /// step of size h between two states (q, q̇), negative before that, and that segment. An integrator
-    /// ends a step there. `None` where no change lies ahead, and by default.
-    fn overdue(&self, h: f64, from: Motion<'_, D>, to: Motion<'_, D>) -> Option<(f64, usize)> {
+    /// Amount by which a step of size h between two states (q, q̇) overshot the first change of
+    /// segment ([`Map::segment`]), in units of time, negative before it; and the new segment.
+    /// Integrators end a step there. `None` if there is no change ahead, and by default.
+    fn overshoot(&self, h: f64, from: Motion<'_, D>, to: Motion<'_, D>) -> Option<(f64, usize)> {
         let _ = (h, from, to);
         None
     }
 
-    /// The next [`Map::change_charts`] goes on to this segment, which [`Map::overdue`] gave.
+    /// Makes the next [`Map::change_charts`] enter this segment, a result of [`Map::overshoot`].
     fn enter(&mut self, segment: usize) {
         let _ = segment;
     }
 
-    /// Which of several sets of parents φ reads at present, for a map that travels along a chain of
-    /// elements; 0 for every other map.
+    /// Index of the set of parents that φ reads at present, for a map along a chain of elements; 0
+    /// for every other map.
     fn segment(&self) -> usize {
         0
     }
 
-    /// Where φ is pieced together from several formulas (the cubics of a spline), keeps to the one
-    /// that holds at (t, q), beyond the ends of its piece too; or, for `None`, to none again. The
-    /// conformance kit asks for it: derivatives are compared with differences of one smooth function.
-    /// Nothing to do by default, for a φ that is smooth.
+    /// Freezes a piecewise φ (the cubics of a spline) to the piece that holds at (t, q), also
+    /// beyond its ends; `None` releases it. Used by the conformance kit to compare derivatives with
+    /// differences of one smooth function. Nothing by default, for a smooth φ.
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {
         let _ = at;
     }
 
-    /// The largest residual at φ(t, q) of the equations behind the map, each over its size; none for
-    /// a map that is a formula.
+    /// Largest residual at φ(t, q) of the equations behind the map, each relative to its size;
+    /// `None` for an explicit map.
     fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
         let _ = (t, q);
         None
@@ -216,7 +214,7 @@ pub trait Map<const D: usize, const N: usize>: Send + Sync {
         derived::geometric_stiffness(self, t, q, f)
     }
 
-    /// The same map behind the object-safe [`Parametrization`].
+    /// This map as a [`Parametrization`] trait object.
     fn boxed(self) -> Box<dyn Parametrization>
     where
         Self: Sized + Clone + 'static,

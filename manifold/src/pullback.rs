@@ -1,5 +1,5 @@
-//! The pull-back of a residual and its tangents through a map: written once, for any element and
-//! any map (\[M04\] (180), (183)).
+//! The pull-back of a residual and its tangents by a map, for any element and any map (\[M04\]
+//! (180), (183)).
 //!
 //! ```text
 //! r_mr = Bᵀ r
@@ -34,8 +34,7 @@ pub struct Slot<'a> {
     pub B_dot: &'a [f64],
     /// B̈ (n×d), empty where M is absent.
     pub B_ddot: &'a [f64],
-    /// K_σ(r) of the slot's own residual (d×d); empty when no tangent is asked for, or when it is
-    /// added elsewhere.
+    /// K_σ(r) of the slot's own residual (d×d); empty without a tangent, or if it is added elsewhere.
     pub K_sigma: &'a [f64],
 }
 

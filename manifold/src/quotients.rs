@@ -1,4 +1,4 @@
-//! Small-angle quotients: the only position of the project where sin ψ/ψ and its relatives are formed.
+//! Small-angle quotients: the only module that forms sin ψ/ψ and its relatives.
 //!
 //! With z = ψ² and D = (1/ψ) d/dψ = 2 d/dz, every coefficient of the rotation vector chart belongs
 //! to one of three families of entire functions of z,

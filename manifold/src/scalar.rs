@@ -1,4 +1,4 @@
-//! The number type of maps and energies: one trait, over which a constraint is written once.
+//! The number type of maps and energies: a constraint is written once, over this trait.
 
 use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign};
 use num_traits::{One, Zero};
@@ -6,10 +6,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Highest total order of differentiation any [`Scalar`] may carry.
 ///
-/// B̈ = D_q ẍ is of order three (two in time, one in q), and so is the exact tangent of an
-/// equation of motion that comes from a kinetic energy. The fourth is for the author of a map or an
-/// energy, who may differentiate once inside it: the normal of a cam
-/// ([`Grad`](crate::jet::Grad), docs/adding_a_joint.md).
+/// B̈ = D_q ẍ is of order three (two in time, one in q), like the exact tangent of an equation of
+/// motion from a kinetic energy. The fourth order lets a map or an energy differentiate once inside
+/// itself, for the normal of a cam ([`Grad`](crate::jet::Grad), docs/adding_a_joint.md).
 pub const MAX_ORDER: usize = 4;
 
 /// A real number, or a real number with exact forward derivatives.
@@ -48,7 +47,7 @@ pub trait Scalar:
 
     /// The chain rule: f(self), given `f`, f′, f″, f‴, f⁗ at `self.re()`.
     ///
-    /// Entries beyond [`Scalar::ORDER`] are never read, so they may be left at zero.
+    /// Entries beyond [`Scalar::ORDER`] are never read and may be zero.
     #[must_use]
     fn compose(self, f: [f64; MAX_ORDER + 1]) -> Self;
 

@@ -1,4 +1,4 @@
-//! Sparse matrices of dense blocks with a pattern that is found once.
+//! Sparse matrices of dense blocks with a fixed pattern.
 //!
 //! A matrix is partitioned into blocks of consecutive unknowns (the free degrees of freedom of
 //! one node, one joint coordinate, ...). The pattern lists which block pairs are nonzero; the
@@ -74,9 +74,9 @@ impl BlockPattern {
         }
     }
 
-    /// The same pattern with a typical size of each unknown, in its unit: of a length one of the
-    /// model, of an angle one radian. Zero stands for a Lagrange multiplier, whose size
-    /// follows from the values of a matrix. Without this all are one.
+    /// The same pattern with a typical size of each unknown in its unit: a length of the model, one
+    /// radian. Zero marks a Lagrange multiplier, whose size follows from the values of a matrix.
+    /// All sizes are one by default.
     #[must_use]
     pub fn with_units(self, unit: impl FnMut(usize) -> f64) -> Self {
         let units = (0..self.dim()).map(unit).collect();

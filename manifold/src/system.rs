@@ -1,17 +1,17 @@
-//! What an integrator solves: a second-order equation of motion in chart coordinates.
+//! The interface between models and integrators: a second-order equation of motion in charts.
 //!
 //! ```text
 //! r(t, q, q̇, q̈) = f_ext − f_int − f_acc = 0,      K = −∂r/∂q,  C = −∂r/∂q̇,  M = −∂r/∂q̈
 //! ```
 //!
-//! Integrators see only [`System`]; they never know what a beam is.
+//! Integrators see only [`System`], never the elements behind it.
 
 #![allow(non_snake_case)]
 
 use crate::sparse::BlockPattern;
 
-/// Time and state at which a system is evaluated. In statics t is the load parameter, and
-/// velocities and accelerations are empty.
+/// Time and state at which a system is evaluated. In statics, t is the load parameter, and v and a
+/// are empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
     /// Time, or load parameter.
@@ -25,8 +25,8 @@ pub struct Point<'a> {
 }
 
 impl Point<'_> {
-    /// Whether this is statics: without velocities and accelerations. Systems have at least one
-    /// unknown, so that a motion always has some.
+    /// Whether this is a static point, without velocities and accelerations. A system has at least
+    /// one unknown, so a state of motion is never empty.
     pub fn is_static(&self) -> bool {
         self.v.is_empty()
     }
@@ -57,19 +57,19 @@ impl Weights {
         M: 1.0,
     };
 
-    /// Whether only the stiffness is asked for.
+    /// Whether only the stiffness K is needed.
     pub fn is_static(&self) -> bool {
         self.C == 0.0 && self.M == 0.0
     }
 }
 
-/// Where an evaluation goes; everything is overwritten.
+/// Output of an evaluation; all of it is overwritten.
 pub struct Evaluation<'a> {
     /// Residual covector r.
     pub r: &'a mut [f64],
     /// Combined tangent cK·K + cC·C + cM·M, values in the system's [`BlockPattern`].
     pub S: Option<(Weights, &'a mut [f64])>,
-    /// Partial derivative ∂r/∂t at fixed q, in statics only: with t as the load parameter.
+    /// Partial derivative ∂r/∂t at fixed q, where t is the load parameter; statics only.
     pub r_t: Option<&'a mut [f64]>,
 }
 
@@ -93,19 +93,19 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// What [`System::change_charts`] did.
+/// Result of [`System::change_charts`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ChartChanges {
-    /// Number of charts of coordinates that changed.
+    /// Number of coordinate charts that changed.
     pub charts: usize,
-    /// Whether residuals may have changed too, by as much as the discretisation depends on charts.
+    /// Whether the residual may have changed as well, by the chart dependence of the discretisation.
     pub residual: bool,
 }
 
-/// What a coordinate measures; its conjugate residual is then a force, a moment, or neither.
-/// Convergence tests and norms keep the kinds apart.
+/// Physical quantity of a coordinate. Its conjugate residual is a force, a moment or neither; norms
+/// and convergence tests treat them separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum Quantity {
     /// A length; the residual is a force.
     Length,
     /// An angle or rotation vector component; the residual is a moment.
@@ -114,11 +114,11 @@ pub enum Kind {
     Other,
 }
 
-impl Kind {
-    /// All kinds, in the order of their indices.
+impl Quantity {
+    /// All quantities, in the order of their indices.
     pub const ALL: [Self; 3] = [Self::Length, Self::Angle, Self::Other];
 
-    /// Index in [`Kind::ALL`].
+    /// Index in [`Quantity::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }
@@ -133,24 +133,24 @@ impl Kind {
     }
 }
 
-/// Typical magnitudes per [`Kind`] (index [`Kind::index`]) that make norms and tests scale-aware.
+/// Typical magnitudes per [`Quantity`] (by [`Quantity::index`]), for scale-aware norms and tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Magnitude of applied and reaction forces, moments, others at the last evaluation.
     pub force: [f64; 3],
     /// Typical size of coordinates: a length of the model, one radian, one.
     pub coordinate: [f64; 3],
-    /// Shortest and longest lever over which forces and moments are compared; zero and infinite
-    /// where there is none.
+    /// Shortest and longest lever by which forces and moments are compared; zero and infinity if
+    /// there is none.
     pub levers: [f64; 2],
 }
 
 impl Scales {
-    /// What residuals per [`Kind`] are measured by.
+    /// Reference magnitudes of the residuals per [`Quantity`].
     ///
-    /// A force is worth a moment over the shortest lever, a moment is worth a force over the longest
-    /// one: a pure moment has no force to be relative to, and a part that is far away or much larger
-    /// makes no test coarser.
+    /// A force counts as a moment over the shortest lever, a moment as a force over the longest. A
+    /// pure moment has no force as a reference, and a distant or much larger part must not make a
+    /// test coarser.
     pub fn measures(&self) -> [f64; 3] {
         let ([force, moment, other], [shortest, longest]) = (self.force, self.levers);
         let worth_a_force = force.max(moment / longest);
@@ -168,8 +168,8 @@ impl Default for Scales {
     }
 }
 
-/// Energies and powers of a system at a point, with which a run in time can be audited:
-/// d/dt (kinetic + stored) = supplied − dissipated.
+/// Energies and powers of a system at a point. They balance: d/dt (kinetic + stored) = supplied −
+/// dissipated.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
@@ -177,19 +177,19 @@ pub struct Energies {
     pub kinetic: f64,
     /// Energy stored in elements (strain energy), loads excluded.
     pub stored: f64,
-    /// Power of all loads, supports and driven coordinates on the system.
+    /// Power of all loads, supports and prescribed coordinates.
     pub supplied: f64,
     /// Power lost in damping, ≥ 0.
     pub dissipated: f64,
-    /// Potential of the loads that have one and do not depend on time. What they supply is part of
-    /// `supplied` all the same.
+    /// Potential of the loads that have one and do not depend on time. Their power is also part of
+    /// `supplied`.
     pub potential: f64,
-    /// That part of `supplied`: −d/dt of `potential`.
+    /// Power of these loads, −d/dt of `potential`; part of `supplied`.
     pub drawn: f64,
 }
 
 impl Energies {
-    /// Kinetic energy, stored energy and potential: what stays where nothing else works.
+    /// Kinetic energy, stored energy and potential: constant if nothing else does work.
     pub fn total(&self) -> f64 {
         self.kinetic + self.stored + self.potential
     }
@@ -200,45 +200,44 @@ impl Energies {
     }
 }
 
-/// A motion of the whole as a rigid body: the velocity of the point at the origin, and the angular
-/// velocity, global components.
+/// A rigid motion of the whole system: velocity of the point at the origin and angular velocity,
+/// global components.
 pub type RigidRates = [f64; 6];
 
-/// A rigid motion of the whole along which the momentum changes at a constant rate.
+/// A rigid motion of the whole system along which the momentum changes at a constant rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Symmetry {
     /// The motion.
     pub motion: RigidRates,
-    /// Power of constant forces along it, and so the rate of the momentum; zero where it is kept.
+    /// Power of the constant forces along it, the rate of the momentum; zero if it is conserved.
     pub force: f64,
 }
 
-/// What coordinates leave when a step is too large for their chart; smaller ones help, if there are
-/// any.
+/// Default limit of a chart in messages: the step was too large.
 pub const CHART_EDGE: &str = "the domain of its chart (it moved or turned too far at once)";
 
-/// Why a system cannot be evaluated at a point. An integrator takes it as a failed trial step.
+/// Error of an evaluation. An integrator treats it as a failed trial step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SystemError {
-    /// Coordinates have left the domain of their chart or map.
+    /// The coordinates are outside the domain of a chart or map.
     #[error("{what} left {edge}{}", if *edge == CHART_EDGE { ": take smaller steps" } else { "" })]
     OutsideChart {
-        /// What it left, and what to do about it where it is not [`CHART_EDGE`].
+        /// The limit that was exceeded, with a remedy unless it is [`CHART_EDGE`].
         edge: &'static str,
         /// The node or joint.
         what: String,
         /// Distance to the edge of validity, ≤ 0.
         margin: f64,
     },
-    /// Coordinates ask for what the equations behind a map do not allow.
+    /// The implicit equations of a map have no solution at these coordinates.
     #[error("{what}: {why}")]
     Unsolved {
         /// The joint.
         what: String,
-        /// Why, and what to do about it.
+        /// The reason and the remedy.
         why: String,
     },
-    /// A residual or tangent came out infinite or not a number.
+    /// A residual or tangent is infinite or not a number.
     #[error(
         "{what} gives a value that is not finite: a function of a joint, an element or a load has no \
          value or derivative there (`check` names it)"
@@ -247,35 +246,35 @@ pub enum SystemError {
         /// The element, load or node.
         what: String,
     },
-    /// The caller asks for what a point does not hold, or hands over a slice of another length.
+    /// The point lacks what was requested, or a slice has the wrong length.
     #[error("{what}: expected {expected}, got {found}")]
     Request {
         /// The slice or value.
         what: &'static str,
-        /// What it has to be.
+        /// The expected value.
         expected: String,
-        /// What it is.
+        /// The value found.
         found: String,
     },
 }
 
-/// A second-order system in chart coordinates, as integrators see it.
+/// A second-order system in chart coordinates.
 ///
-/// Required: the pattern and the evaluation. Everything else has a default that is right for a
-/// small system on one global chart, a pendulum of thirty lines, say.
+/// Only the pattern and the evaluation are required. The defaults of the other methods suit a small
+/// system on one global chart, such as a pendulum.
 pub trait System {
-    /// Block pattern of all tangents; its dimension is the number of coordinates. Never changes.
+    /// Block pattern of all tangents, constant; its dimension is the number of coordinates.
     fn pattern(&self) -> &BlockPattern;
 
     /// Fills `out` at the given point.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside the domain of a chart or gives non-finite values, when
-    /// C or M is asked for at a static point, and when a slice has a wrong length.
+    /// [`SystemError`] if the point is outside the domain of a chart or gives non-finite values, if
+    /// C or M is requested at a static point, and if a slice has the wrong length.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
 
-    /// As [`System::evaluate`], in a Newton iteration that came from the state `previous`: the
-    /// tangent may use this to be a better guide, at a difference of the second order in the step.
+    /// [`System::evaluate`] in a Newton iteration that started from the state `previous`. The
+    /// tangent may use `previous` to converge better; it then differs by second order in the step.
     /// Ignored by default.
     ///
     /// # Errors
@@ -290,12 +289,11 @@ pub trait System {
         self.evaluate(at, out)
     }
 
-    /// As [`System::evaluate`], for accelerations (and multipliers) that fit a state: the rows of
-    /// multipliers hold the second time derivatives −ḧ of their equations in place of −h, and the
-    /// matrix of M alone is [M h_xᵀ; h_x 0]. Springs much stiffer than a step of size `h` resolves
-    /// may do the same by their inertia p h², which leaves out vibrations that the step cannot show;
-    /// `h` is zero where impulses are asked for. For a system without such things that is the
-    /// evaluation itself, and the default.
+    /// [`System::evaluate`] for consistent accelerations and multipliers: rows of multipliers hold
+    /// the second time derivatives −ḧ of their equations instead of −h, and the matrix of M alone
+    /// is [M h_xᵀ; h_x 0]. Springs that are too stiff for a step of size `h` may add their inertia
+    /// p h², which removes vibrations the step cannot resolve; `h` is zero for impulses.
+    /// [`System::evaluate`] by default.
     ///
     /// # Errors
     /// As [`System::evaluate`].
@@ -309,15 +307,15 @@ pub trait System {
         self.evaluate(at, out)
     }
 
-    /// Whether coordinate `i` is a Lagrange multiplier: an unknown without mass whose row of the
-    /// residual is an equation of the coordinates. Its velocity and acceleration mean nothing, and
-    /// its momentum is the rate ḣ of the equation. None is by default.
+    /// Whether coordinate `i` is a Lagrange multiplier: an unknown without mass whose residual row
+    /// is an equation of the coordinates. Its velocity and acceleration have no meaning, and its
+    /// momentum is the rate ḣ of the equation. False by default.
     fn is_multiplier(&self, i: usize) -> bool {
         let _ = i;
         false
     }
 
-    /// Changes charts where that is due, after a converged step at time `t`.
+    /// Changes charts where needed, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of
     /// acceleration-like vectors (ä ↦ B a + Ḃ v) in place.
@@ -332,47 +330,44 @@ pub trait System {
         ChartChanges::default()
     }
 
-    /// By what time the first change of the system's maps is overdue at the end of a step between two
-    /// points in motion, negative before that. A change that leaves values as they are, but not their
-    /// derivatives, costs a step that crosses it its order: the step is made to end there.
-    /// `None` where none lies ahead, and by default.
-    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+    /// Amount by which the step overshot the first change of segment, in units of time; negative before
+    /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
+    /// so integrators end a step there. `None` if there is no change ahead, and by default.
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         let _ = (from, to);
         None
     }
 
-    /// The next [`System::change_charts`] makes the changes that are overdue by the time `since` at
-    /// least ([`System::overdue`]).
-    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+    /// Makes the next [`System::change_charts`] enter all segments whose [`System::overshoot`] is
+    /// at least `since`.
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         let _ = (from, to, since);
     }
 
-    /// A run starts from `q` at time `t`, or goes on from there after a step that failed: a system
-    /// that remembers more of its way than its coordinates takes what belongs to this state.
-    /// Nothing by default.
+    /// Starts a run at `q` and time `t`, or restarts it after a failed step: a system with more
+    /// state than its coordinates restores the state that belongs to them. Nothing by default.
     fn start(&mut self, t: f64, q: &[f64]) {
         let _ = (t, q);
     }
 
-    /// What makes steps from the last converged state fail though the system can be evaluated there, in
-    /// words for the report of a failure: a mechanism close to a singular configuration, say.
-    fn doubts(&self) -> Vec<String> {
+    /// Warnings about nearby singular configurations, for the report of a failed step.
+    fn singularity_warnings(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Times at which a prescribed function has a kink: a derivative jumps there, so that a time
-    /// step may end there but not cross it. In any order, possibly repeated; none by default.
+    /// Times at which a derivative of a prescribed function jumps; a time step may end there but
+    /// not cross them. In any order, possibly repeated; none by default.
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Values that are set from outside while a run goes on. Where one has changed between two steps
-    /// accelerations jump, as behind a kink. None by default.
+    /// Values set from outside during a run. If one changes between two steps, accelerations jump,
+    /// as at a kink. None by default.
     fn inputs(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Energies and powers at a point in motion; `None` for a system that does not know them.
+    /// Energies and powers at a point in motion; `None` if the system does not provide them.
     ///
     /// # Errors
     /// As [`System::evaluate`].
@@ -381,10 +376,10 @@ pub trait System {
         Ok(None)
     }
 
-    /// The generalised momentum p = ∂T/∂q̇ at a point in motion, into `p`; false (and `p`
-    /// untouched) for a system whose momentum does not depend on t at fixed q and q̇.
+    /// Writes the generalised momentum p = ∂T/∂q̇ at a point in motion to `p`; false, with `p`
+    /// unchanged, if it does not depend on t at fixed q and q̇.
     ///
-    /// Where a driven velocity jumps, p does not: the free velocities take the impulse.
+    /// When a prescribed velocity jumps, p is continuous: the free velocities take the impulse.
     ///
     /// # Errors
     /// As [`System::evaluate`].
@@ -393,12 +388,12 @@ pub trait System {
         Ok(false)
     }
 
-    /// The momentum that the last change of charts has to keep, into `p`, where it has handed a map
-    /// over whose values stay and whose operator jumps from B₋ to B₊: that before the change, or at a
-    /// point behind it. False where it has not.
+    /// Writes the momentum to conserve across the last change of segment to `p`, before the change
+    /// or at a point after it; false if no segment changed. The values of the map are continuous
+    /// there, its operator jumps from B₋ to B₊.
     ///
-    /// It is ½ (B₊ + B₋)ᵀ M ẋ: what is handed over goes on as along a curve that the corner stands for,
-    /// however the whole moves, while B₋ᵀ M ẋ₋ = B₊ᵀ M ẋ₊ depends on who looks.
+    /// This is ½ (B₊ + B₋)ᵀ M ẋ: the motion continues as along a curve that the corner
+    /// approximates, in every moving frame, while B₋ᵀ M ẋ₋ = B₊ᵀ M ẋ₊ depends on the observer.
     ///
     /// # Errors
     /// As [`System::evaluate`].
@@ -407,31 +402,30 @@ pub trait System {
         Ok(false)
     }
 
-    /// Symmetries of the system: a basis of those motions of the whole as a rigid body (velocity of
-    /// the origin, angular velocity) along which steady loads have a constant power and neither other
-    /// forces nor constraints do work between two times, looked for around the state q, q̇. None by
-    /// default.
+    /// Symmetries of the system around the state q, q̇: a basis of the rigid motions (velocity of
+    /// the origin, angular velocity) along which steady loads have constant power and no other
+    /// force or constraint does work between the two times. None by default.
     fn symmetries(&mut self, span: [f64; 2], q: &[f64], v: &[f64]) -> Vec<Symmetry> {
         let _ = (span, q, v);
         Vec::new()
     }
 
-    /// The rates of all coordinates in a rigid motion that [`System::symmetries`] has found, or in a
-    /// sum of such, at q.
+    /// Rates of all coordinates at q in a rigid motion from [`System::symmetries`], or in a sum of
+    /// these.
     fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         let _ = (q, motion);
         rates.fill(0.0);
     }
 
-    /// Whether the tangents are symmetric (conservative loads).
+    /// Whether the tangents are symmetric, as with conservative loads.
     fn is_symmetric(&self) -> bool {
         false
     }
 
-    /// What coordinate `i` measures.
-    fn kind(&self, i: usize) -> Kind {
+    /// Physical quantity of coordinate `i`.
+    fn quantity(&self, i: usize) -> Quantity {
         let _ = i;
-        Kind::Other
+        Quantity::Other
     }
 
     /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
@@ -439,10 +433,10 @@ pub trait System {
         format!("coordinate {i}")
     }
 
-    /// Size of the numbers that coordinate `i` is added to, such as a position in space: the rounding
-    /// errors of the sum are theirs. The scale of its kind by default.
+    /// Size of the numbers that coordinate `i` is added to, such as a position in space; it
+    /// determines the rounding errors. The scale of its quantity by default.
     fn magnitude(&self, i: usize) -> f64 {
-        self.scales().coordinate[self.kind(i).index()]
+        self.scales().coordinate[self.quantity(i).index()]
     }
 
     /// Magnitudes found at the last evaluation.

@@ -259,7 +259,7 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
     let report = match registry.load(model) {
         Ok(mut job) => {
             if job.model.mapped_frames().next().is_some() {
-                notes = job.model.notes().join("\n") + "\n";
+                notes = job.model.descriptions().join("\n") + "\n";
                 notes = format!("{}{}\n\n", notes.trim_start(), job.model.mobility());
             }
             crate::check::job(&mut job, seed)

@@ -86,7 +86,7 @@ pub(super) fn satisfy(
     }
     let failed = |error| locate(source, file, error);
     let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
-    (model.satisfy_places(0.0, &mut start.q, &held, placed)).map_err(failed)?;
+    (model.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
     let (left, _) = tried(model, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
     if let (Some(first), true) = (rates.first(), most > 0.0 && left > LEFT) {

@@ -355,7 +355,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
         ModelError::Apart { joint, .. }
         | ModelError::LooseLoop { joint, .. }
-        | ModelError::OwnMaster { joint, .. }
+        | ModelError::OwnParent { joint, .. }
         | ModelError::Rigid { joint, .. }
         | ModelError::Unclosed { joint, .. } => joint.clone(),
         ModelError::FarStart { coordinate, .. } => coordinate.clone(),

@@ -213,7 +213,7 @@ impl Checkpoint {
     /// [`ResumeError::Damaged`] where they are not those of this model.
     pub(crate) fn restore(&self, model: &mut Model, directory: &Path) -> Result<(), ResumeError> {
         model.set_element_charts(&self.element_charts);
-        if model.recall_maps(&self.maps) {
+        if model.restore_maps(&self.maps) {
             return Ok(());
         }
         Err(ResumeError::Damaged {

@@ -391,7 +391,7 @@ impl<'a> Recorder<'a> {
         let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
         let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
         checkpoint.element_charts = model.element_charts();
-        checkpoint.maps = model.map_memories();
+        checkpoint.maps = model.save_maps();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
@@ -408,7 +408,9 @@ impl<'a> Recorder<'a> {
 /// The answers of a model at the state that a motion has reached.
 fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
-    let audit = model.audit(point(progress)).map_err(RecordError::Audit)?;
+    let audit = model
+        .energies_and_momentum(point(progress))
+        .map_err(RecordError::Audit)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
     Ok(Answers::of(model, t).moving(Some(audit), defect))
 }

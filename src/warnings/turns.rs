@@ -3,7 +3,7 @@
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::State;
 use pullback_integrators::significant;
-use pullback_manifold::system::{Kind, System};
+use pullback_manifold::system::{Quantity, System};
 use serde::{Deserialize, Serialize};
 
 /// Change of a rate in a step, times the step, from which on steps do not resolve what moves, in radians: a
@@ -31,7 +31,7 @@ impl Turns {
     /// Begins at a state.
     pub(crate) fn new(model: &Model, state: &State) -> Self {
         let mut angles = model.single_unknowns();
-        angles.retain(|&i| model.kind(i) == Kind::Angle);
+        angles.retain(|&i| model.quantity(i) == Quantity::Angle);
         let last = angles.iter().map(|&i| state.v[i]).collect();
         Self { angles, last }
     }

@@ -5,7 +5,7 @@ use crate::report::Report;
 use crate::sample::Random;
 use nalgebra::SVector;
 use pullback_manifold::implicit::{Equations, Implicit, Solved};
-use pullback_manifold::map::{Map, Rewritten, derived};
+use pullback_manifold::map::{Map, Reparametrized, derived};
 
 /// Residual of the equations, over the size of their derivatives and coordinates.
 const RESIDUAL: f64 = 1e-12;
@@ -73,7 +73,7 @@ where
 
 /// A change of the coordinates of a map at (q, q̇).
 type Change<'a, M, const D: usize> =
-    dyn Fn(&mut M, &SVector<f64, D>, &SVector<f64, D>) -> Option<Rewritten<D>> + 'a;
+    dyn Fn(&mut M, &SVector<f64, D>, &SVector<f64, D>) -> Option<Reparametrized<D>> + 'a;
 
 /// Checks the laws of a change of coordinates of any map at time `t` and `q`: x, ẋ, ẍ and forces
 /// are the same before and after `change`, the map is one afterwards, and `back`, if it is given,

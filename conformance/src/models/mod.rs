@@ -55,7 +55,7 @@ impl Default for Options {
 ///   d(T + U)/dt is the power supplied less the power lost.
 ///
 /// Sizes are those of each component: lengths of elements, their stiffness, their own frequencies.
-/// Maps that change the meaning of their coordinates ([`Map::rewrites`]) do so once, at the end: what
+/// Maps that change the meaning of their coordinates ([`Map::reparametrizes`]) do so once, at the end: what
 /// coordinates the model has then is for its next change of charts to say.
 ///
 /// Maps that are pieced together from several formulas keep to the one that holds at each state, beyond
@@ -68,7 +68,7 @@ impl Default for Options {
 /// A model that cannot be evaluated at `options.q` gives a report of one failure that says why.
 ///
 /// [`Map::freeze_piece`]: pullback_manifold::map::Map::freeze_piece
-/// [`Map::rewrites`]: pullback_manifold::map::Map::rewrites
+/// [`Map::reparametrizes`]: pullback_manifold::map::Map::reparametrizes
 pub fn model(model: &mut Model, options: &Options) -> Report {
     // Random states satisfy nothing that multipliers hold.
     model.watch_equations(false);
@@ -93,7 +93,7 @@ fn all(model: &mut Model, options: &Options) -> Report {
         plan.push((format!("random {}", k + 1), size));
     }
     let mut seen: Vec<(String, Vec<State>)> = Vec::new();
-    let (at_start, memories) = ((options.t, q.as_slice()), model.map_memories());
+    let (at_start, memories) = ((options.t, q.as_slice()), model.save_maps());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
         model.freeze_pieces(None);
@@ -116,7 +116,7 @@ fn all(model: &mut Model, options: &Options) -> Report {
         report.extend(system_at("model", &layout, model, &states));
         transport::laws(&mut report, model, &layout, &states[1], &mut random);
         joint::laws(&mut report, model, &units, &states[1], &mut random);
-        if k + 1 == plan.len() && view::rewrites(model) {
+        if k + 1 == plan.len() && view::reparametrizes(model) {
             last = Some(states[1].clone());
         }
         let each = 0..model.elements().len();

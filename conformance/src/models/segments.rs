@@ -154,7 +154,7 @@ pub(super) fn changes(model: &Model, n: u32, t: f64) -> Vec<[Side; 2]> {
             let q = here.state.x.as_slice();
             let mut from = q.to_vec();
             from[j] -= sign * NUDGE;
-            let ahead = map.overdue(NUDGE, [&from, &v], [q, &v]);
+            let ahead = map.overshoot(NUDGE, [&from, &v], [q, &v]);
             let Some((late, segment)) = ahead.filter(|(late, _)| late.is_finite()) else {
                 continue;
             };

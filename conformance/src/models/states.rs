@@ -9,7 +9,7 @@ use pullback_elements::model::Model;
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3::{log_quaternion, quaternion};
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -98,9 +98,9 @@ pub(super) fn beside(
     let seed = random.clone();
     let mut factor = 1.0;
     loop {
-        let same_model = model.recall_maps(memories);
+        let same_model = model.restore_maps(memories);
         debug_assert!(same_model, "memories of another model");
-        let regular = model.doubts().is_empty();
+        let regular = model.singularity_warnings().is_empty();
         *random = seed.clone();
         let x = moved(model, q, size.times(factor), units, random);
         let mut state = State::statics(t, DVector::from_vec(x));
@@ -110,7 +110,9 @@ pub(super) fn beside(
             model.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
         });
         match settled {
-            Ok(()) if factor == 0.0 || !regular || model.doubts().is_empty() => return Ok(state),
+            Ok(()) if factor == 0.0 || !regular || model.singularity_warnings().is_empty() => {
+                return Ok(state);
+            }
             Err(error) if factor == 0.0 => return Err(error),
             _ => factor = if factor > 1e-3 { 0.5 * factor } else { 0.0 },
         }
@@ -128,14 +130,14 @@ fn moved(model: &Model, q: &[f64], size: Size, units: &[f64], random: &mut Rando
         let position = model.nodes()[node].position();
         let frame = is_frame(&model.nodes()[node]);
         x[u] += match (kind, frame) {
-            (Kind::Length, true) => {
+            (Quantity::Length, true) => {
                 displacement.at(&position)[k % 3] + own * size.noise * units[node]
             }
             // Displacements of joints.
-            (Kind::Length, false) => own * (size.noise + size.displacement) * units[node],
-            (Kind::Angle, true) => own * size.noise,
-            (Kind::Angle, false) => own * size.rotation,
-            (Kind::Other, _) => own * size.rotation,
+            (Quantity::Length, false) => own * (size.noise + size.displacement) * units[node],
+            (Quantity::Angle, true) => own * size.noise,
+            (Quantity::Angle, false) => own * size.rotation,
+            (Quantity::Other, _) => own * size.rotation,
         };
     }
     for rotation_of in model.free_rotations() {

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::states::switch;
-use super::view::{Rotation, Snapshot, prescribed_rate, rewrites, silent_power, snapshot};
+use super::view::{Rotation, Snapshot, prescribed_rate, reparametrizes, silent_power, snapshot};
 use crate::elements::EXACT;
 use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, system_sizes};
 use nalgebra::Vector3;
@@ -116,7 +116,7 @@ fn transport(
 
     // And back, by what a run does after every step.
     let mut back = other.clone();
-    if rewrites(model) {
+    if reparametrizes(model) {
         switch(model, chosen, &mut back)?;
     } else {
         let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);

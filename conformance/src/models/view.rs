@@ -6,7 +6,7 @@ use nalgebra::{DVector, Vector3};
 use pullback_elements::element::{Element, Motion, Response};
 use pullback_elements::model::{Model, Node, NodeForm};
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
 use std::ops::Range;
 
 /// One component, with its coordinates.
@@ -187,9 +187,9 @@ pub(super) fn layout(model: &Model, units: &[f64]) -> Layout {
 pub(super) fn prescribed_rate(model: &Model) -> f64 {
     let [_, v, a] = model.configuration();
     let own = model.nodes().iter().filter(|n| n.map().is_none());
-    let coordinates = own.flat_map(|node| node.range().zip(node.kinds()));
-    let rate = |(c, kind): (usize, &Kind)| {
-        let unit = if *kind == Kind::Length {
+    let coordinates = own.flat_map(|node| node.range().zip(node.quantities()));
+    let rate = |(c, kind): (usize, &Quantity)| {
+        let unit = if *kind == Quantity::Length {
             model.length()
         } else {
             1.0
@@ -201,10 +201,10 @@ pub(super) fn prescribed_rate(model: &Model) -> f64 {
 }
 
 /// For each unknown: its node, which coordinate of the node it is, and what it measures.
-pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Kind)> {
+pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Quantity)> {
     let nodes = model.nodes().iter().enumerate();
     let coordinates = nodes.flat_map(|(n, node)| {
-        let own = node.range().zip(node.kinds()).enumerate();
+        let own = node.range().zip(node.quantities()).enumerate();
         own.map(move |(k, (c, &kind))| (c, (n, k, kind)))
     });
     let free = coordinates.filter(|(c, _)| model.unknown_of(*c).is_some());
@@ -212,8 +212,8 @@ pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Kind)> {
 }
 
 /// Whether a map may give coordinates another meaning.
-pub(super) fn rewrites(model: &Model) -> bool {
-    maps(model).any(|(_, map, _)| map.rewrites())
+pub(super) fn reparametrizes(model: &Model) -> bool {
+    maps(model).any(|(_, map, _)| map.reparametrizes())
 }
 
 /// What a model answers that does not depend on the charts of its nodes, and the residual.
@@ -279,22 +279,26 @@ pub(super) fn silent_power(model: &Model, t: f64) -> f64 {
 }
 
 /// The coordinates of a node in groups: which, what they are called, what they measure.
-fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Kind)> {
+fn groups_of(node: &Node) -> Vec<(Range<usize>, String, Quantity)> {
     let name = node.name();
     match node.form() {
         NodeForm::Frame => vec![
-            (0..3, format!("displacement of node {name}"), Kind::Length),
-            (3..6, format!("rotation of node {name}"), Kind::Angle),
+            (
+                0..3,
+                format!("displacement of node {name}"),
+                Quantity::Length,
+            ),
+            (3..6, format!("rotation of node {name}"), Quantity::Angle),
         ],
-        NodeForm::Rotation => vec![(0..3, name.to_owned(), Kind::Angle)],
-        _ => (node.kinds().iter().enumerate())
+        NodeForm::Rotation => vec![(0..3, name.to_owned(), Quantity::Angle)],
+        _ => (node.quantities().iter().enumerate())
             .map(|(k, &kind)| (k..k + 1, node.coordinate_name(k), kind))
             .collect(),
     }
 }
 
-fn group(node: &Node, range: Range<usize>, name: String, kind: Kind, length: f64) -> Group {
-    let measured = kind == Kind::Length;
+fn group(node: &Node, range: Range<usize>, name: String, kind: Quantity, length: f64) -> Group {
+    let measured = kind == Quantity::Length;
     Group {
         name,
         range,

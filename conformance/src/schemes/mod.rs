@@ -1,4 +1,4 @@
-//! The laws of a scheme: what it claims, measured on runs.
+//! The laws of a scheme: what it properties, measured on runs.
 //!
 //! | law | measured on |
 //! |---|---|
@@ -37,7 +37,7 @@ pub fn scheme(scheme: &Scheme) -> Report {
     cubic(&mut report, scheme);
     stability(&mut report, scheme);
     multipliers::orders(&mut report, scheme);
-    if scheme.claims().symmetric {
+    if scheme.properties().symmetric {
         reversal(&mut report, scheme);
     }
     report
@@ -191,7 +191,7 @@ fn outside([p1, p2, p3]: [f64; 3]) -> f64 {
 
 fn stability(report: &mut Report, scheme: &Scheme) {
     let law = "stability";
-    let limit = scheme.claims().limit;
+    let limit = scheme.properties().limit;
     let last = limit.map_or(1e6, |limit| limit * (1.0 - 1e-6));
     let (mut worst, mut position) = (0.0, 1e-3);
     for Omega in logarithmic(1e-3, last, 91) {

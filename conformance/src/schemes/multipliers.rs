@@ -6,7 +6,7 @@ use super::run;
 use crate::Report;
 use pullback_integrators::dynamics::{DynamicsError, Progress, Scheme, start};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Energies, Evaluation, Point, Quantity, System, SystemError};
 
 /// A mass on a circle that a multiplier holds it to, with a spring to the centre line y = 0, damping and
 /// a driving force, in Cartesian coordinates:
@@ -107,8 +107,12 @@ impl System for Circle {
         i == 2
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        if i == 2 { Kind::Other } else { Kind::Length }
+    fn quantity(&self, i: usize) -> Quantity {
+        if i == 2 {
+            Quantity::Other
+        } else {
+            Quantity::Length
+        }
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {

@@ -15,16 +15,16 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::Weights;
 
-/// Why a beam element cannot be made.
+/// Error of a beam element.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BeamError {
-    /// Two nodes stand at the same position.
+    /// Two nodes have the same position.
     #[error("its length is zero: nodes at {at:?} coincide")]
     ZeroLength {
-        /// Where.
+        /// The position.
         at: [f64; 3],
     },
-    /// The number of nodes does not exist.
+    /// Unsupported number of nodes.
     #[error("a beam element has two, three or four nodes, not {0}")]
     Nodes(usize),
     /// The given orientation is not a rotation, or not one along the beam.
@@ -40,18 +40,17 @@ pub enum BeamError {
     },
 }
 
-/// The tangents asked for, each with the weights of K, C and M in it: the parts, or their sum.
+/// The requested tangents, each with the weights of K, C and M in it: the parts, or their sum.
 pub type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
-/// Reissner's beam with NN nodes: d and Ψ interpolated alike, NN − 1 Gauss points for the
-/// internal force and its tangent (no shear or membrane locking).
+/// Reissner's beam with NN nodes: d and Ψ are interpolated with the same shape functions, NN − 1
+/// Gauss points for the internal force and its tangent (no shear or membrane locking).
 ///
-/// Coordinates are (d₁, Ψ₁, …) in global components; how rotations are interpolated between them is
-/// the choice of I, [`Total`] or [`Geodesic`](super::Geodesic).
+/// Coordinates are (d₁, Ψ₁, …) in global components; I is the interpolation of rotations, [`Total`]
+/// or [`Geodesic`](super::Geodesic).
 #[derive(Clone, Debug)]
 pub struct Beam<const NN: usize, I = Total<NN>> {
-    /// The first integration point, the only one of two nodes, stands in the element itself: an
-    /// assembly waits for every detour through memory.
+    /// The first integration point, the only one of two nodes, stored inline to avoid cache misses.
     first: GaussPoint<NN>,
     others: Vec<GaussPoint<NN>>,
     pub(super) rotations: I,
@@ -64,12 +63,11 @@ impl Beam<2> {
     /// A beam element through two, three or four reference positions (equidistant in the parameter)
     /// with the section's orientation as a function of ξ ∈ [−1, 1] (columns E₁, E₂, E₃).
     ///
-    /// E₁ is turned into the tangent of the interpolated reference line; E₂ stays in its plane
-    /// with it. Rotations are interpolated by total rotation vectors; another
-    /// [`Interpolation`] has its own [`Interpolation::beam`].
+    /// E₁ is rotated to the tangent of the interpolated reference line; E₂ stays in its plane with it.
+    /// Rotations are interpolated by total rotation vectors; see [`Interpolation::beam`] for others.
     ///
     /// # Errors
-    /// [`BeamError`] for coinciding nodes, an impossible orientation or number of nodes.
+    /// [`BeamError`] for coinciding nodes, an invalid orientation or number of nodes.
     pub fn along(
         positions: &[Vector3<f64>],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
@@ -83,14 +81,14 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
     /// See [`Beam::along`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Beam::along`].
     pub fn new(
         positions: &[Vector3<f64>; NN],
         frame: &dyn Fn(f64) -> Matrix3<f64>,
         section: &Section,
     ) -> Result<Self, BeamError> {
         let size = positions.iter().fold(0.0_f64, |s, p| s.max(p.amax()));
-        // The length at an integration point does not tell whether nodes coincide.
+        // The length at an integration point does not show whether nodes coincide.
         for (i, a) in positions.iter().enumerate() {
             let gap = |b: &Vector3<f64>| (a - b).norm();
             if let Some(b) = positions[..i].iter().find(|b| gap(b) <= 1e-12 * size) {
@@ -171,7 +169,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         line
     }
 
-    /// Adds residual and tangents; with a `previous` iterate, K_σ takes its stresses extrapolated.
+    /// Adds residual and tangents; with a `previous` iterate, K_σ uses extrapolated stresses.
     #[inline]
     fn add(
         &self,
@@ -195,7 +193,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         Ok(())
     }
 
-    /// Adds the forces of the strains in the coordinates in which these are interpolated.
+    /// Adds the forces of the strains in the interpolated coordinates.
     #[inline]
     fn strain(
         &self,
@@ -205,7 +203,7 @@ impl<const NN: usize, I: Rotations<NN>> Beam<NN, I> {
         r: &mut [f64],
         tangents: &mut Tangents<'_>,
     ) -> Result<(), ElementError> {
-        // Their tangents are added after the mirror: they are not symmetric.
+        // Their tangents are added after the mirror, as they are not symmetric.
         let mut viscous: [Option<Viscous>; 3] = [None, None, None];
         for (p, viscous) in self.points().zip(&mut viscous) {
             let line = Self::line(p, at.x);
@@ -366,7 +364,7 @@ impl<const NN: usize, I: Rotations<NN>> Combined for Beam<NN, I> {
     }
 }
 
-/// The residual and the parts K, C, M of the tangent that a response asks for.
+/// The residual and the parts K, C, M of the tangent that a response requests.
 fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
     let one = |K, C, M| Weights { K, C, M };
     let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));

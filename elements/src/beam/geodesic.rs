@@ -6,10 +6,10 @@
 //! z_i = R_rᵀ (x_i − x_r),   ϑ_i = log E_i,   R(ξ) = R_r exp(Σ N_i(ξ) ϑ_i)
 //! ```
 //!
-//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i ϑ_i:
-//! functions of relative quantities alone, hence invariant (Crisfield & Jelenić 1999). Their kernel
-//! runs in (z, ϑ); this file is the map from the nodes' coordinates to these, and its pull-back in
-//! closed form. With material variations δΘ = T δΨ,
+//! The strains Γ = Rᵀx′ − X′ and K are those of the line Σ N_i z_i with the rotation vector Σ N_i
+//! ϑ_i: functions of relative quantities alone, hence invariant (Crisfield & Jelenić 1999). Their
+//! kernel is evaluated in (z, ϑ); this file is the map from the nodes' coordinates to these, and
+//! its pull-back in closed form. With material variations δΘ = T δΨ,
 //!
 //! ```text
 //! δz_i = R_rᵀ (δd_i − δd_r) + z_i~ δΘ_r,     δϑ_i = T⁻¹(ϑ_i) δΘ_i − T⁻ᵀ(ϑ_i) δΘ_r
@@ -33,7 +33,7 @@ use pullback_manifold::system::Weights;
 /// The reference node is the first of two, the middle one of three, and the second of four.
 #[derive(Clone, Debug)]
 pub struct Geodesic<const NN: usize> {
-    /// Reference positions seen from the reference node.
+    /// Reference positions relative to the reference node.
     arms: [Vector3<f64>; NN],
     inertia: Option<NodalInertia<NN>>,
 }
@@ -42,7 +42,7 @@ impl<const NN: usize> Geodesic<NN> {
     /// The reference node.
     const R: usize = (NN - 1) / 2;
 
-    /// z and ϑ of node i; the two rotation vectors tell on which branch ϑ is.
+    /// z and ϑ of node i; the two rotation vectors determine the branch of ϑ.
     fn relative(&self, x: &[f64], i: usize, R_t: &Matrix3<f64>) -> Relative {
         let apart = self.arms[i] + three(x, 6 * i) - three(x, 6 * Self::R);
         Relative {
@@ -162,7 +162,7 @@ impl<const NN: usize> Rotations<NN> for Geodesic<NN> {
             }
             nodes[i] = Some(node);
         }
-        // Where both are at the edge, the relative rotation says more.
+        // If both are at the edge, the relative rotation is the better message.
         for i in 0..NN {
             let psi = three(at.x, 6 * i + 3).norm();
             if psi > EDGE {

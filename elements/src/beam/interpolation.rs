@@ -1,4 +1,4 @@
-//! What stands between the nodes of a beam: the interpolation of its rotations.
+//! Interpolation of rotations in a beam element.
 
 #![allow(non_snake_case)]
 
@@ -13,12 +13,12 @@ use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::so3;
 use std::fmt::Debug;
 
-/// Which interpolation of rotations a beam element has.
+/// Interpolation of rotations of a beam element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// The total rotation vector, Ψ(ξ) = Σ Nᵢ(ξ) Ψᵢ; \[M04\] chapter 3.
     ///
-    /// The fastest. Strains change with a rigid rotation, and with the chart, by as much as the mesh
+    /// The fastest. Strains depend on rigid rotations, and on the chart, to the order of the mesh
     /// error.
     #[default]
     Total,
@@ -26,16 +26,16 @@ pub enum Interpolation {
     /// between two nodes the geodesic R₁ exp(N₂ log(R₁ᵀ R₂)).
     ///
     /// Strains are invariant under rigid rotations and changes of chart (Crisfield & Jelenić 1999,
-    /// Proc. R. Soc. Lond. A 455). The nodes of an element may turn against each other by less than
-    /// one turn.
+    /// Proc. R. Soc. Lond. A 455). The nodes of an element may rotate by less than one turn
+    /// relative to each other.
     Geodesic,
 }
 
 impl Interpolation {
-    /// A beam element with this interpolation, otherwise as [`Beam::along`].
+    /// A beam element with this interpolation; see [`Beam::along`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Beam::along`].
     pub fn beam(
         self,
         positions: &[Vector3<f64>],
@@ -63,30 +63,29 @@ impl Interpolation {
     }
 }
 
-/// What the node coordinates (d, Ψ) are to the strains: a map x̂ = φ(x) to coordinates (d̂, Ψ̂) of the
-/// nodes in which position and rotation vector are interpolated by the shape functions.
+/// Interpolation of rotations: a map x̂ = φ(x) from the node coordinates (d, Ψ) to coordinates (d̂,
+/// Ψ̂) in which position and rotation vector are interpolated by the shape functions.
 ///
-/// Strains and their forces are one kernel in x̂ for all interpolations, pulled back through φ like
-/// any element through any map. The inertia is the interpolation's own.
+/// Strains and their forces are one kernel in x̂ for all interpolations, pulled back by φ. The
+/// inertia belongs to the interpolation.
 pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
-    /// The interpolation between nodes at these reference positions, with the points of inertia of
-    /// the element where it has mass.
+    /// The interpolation between nodes at these reference positions, with the inertia points of an
+    /// element with mass.
     fn new(positions: &[Vector3<f64>; NN], masses: Option<[MassPoint<NN>; NN]>) -> Self;
 
-    /// The nodes as the strains see them, at coordinates x and velocities v (6·NN each; v empty at
-    /// rest).
+    /// The nodes in interpolated coordinates, at coordinates x and velocities v (6·NN each; v empty
+    /// at rest).
     fn seen(&self, x: &[f64], v: &[f64]) -> Seen<NN>;
 
-    /// The section where the shape functions are `N`: its rotation R (3×3) and the operators Θ_Ψᵢ
-    /// (3×3) of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
+    /// The section with the shape functions `N`: its rotation R (3×3) and the operators Θ_Ψᵢ (3×3)
+    /// of δΘ = Σ Θ_Ψᵢ δΨᵢ, material.
     fn section(x: &[f64], N: &[f64; NN]) -> (Matrix3<f64>, [Matrix3<f64>; NN]);
 
-    /// Adds what `kernel` adds in x̂, pulled back: `kernel` is given the previous iterate, the motion,
-    /// the residual and the tangents there. It reads velocities, and adds to C, only when the beam is
-    /// `viscous`.
+    /// Adds the pull-back of `kernel`, a function in x̂ of the previous iterate, the motion, the
+    /// residual and the tangents. It reads velocities, and adds to C, only if the beam is `viscous`.
     ///
     /// # Errors
-    /// [`ElementError`] outside the domain of the interpolation; as the kernel.
+    /// [`ElementError`] outside the domain of the interpolation, and those of the kernel.
     fn pull_back<F>(
         &self,
         viscous: bool,
@@ -104,17 +103,17 @@ pub trait Rotations<const NN: usize>: Clone + Debug + Send + Sync + Sized {
             &mut Tangents<'_>,
         ) -> Result<(), ElementError>;
 
-    /// Adds −f_acc, the drag α p against the momenta p, and their tangents.
+    /// Adds −f_acc, the drag α p with the momenta p, and their tangents.
     fn inertia(&self, at: &Motion<'_>, alpha: f64, r: &mut [f64], tangents: &mut Tangents<'_>);
 
-    /// Kinetic energy, where there is a faster way to it than ½ ẋ·M ẋ.
+    /// Kinetic energy, if it can be computed faster than ½ ẋ·M ẋ.
     fn kinetic_energy(&self, at: &Motion<'_>) -> Option<f64> {
         let _ = at;
         None
     }
 }
 
-/// The nodes in the coordinates in which they are interpolated.
+/// The nodes in interpolated coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<const NN: usize> {
     /// Rotation R̂ to the fixed frame: sections are at R̂ R(Ψ̂).

@@ -22,7 +22,7 @@ pub struct MassPoint<const NN: usize> {
 }
 
 impl<const NN: usize> MassPoint<NN> {
-    /// The section's motion, interpolated like x and Ψ themselves.
+    /// Motion of the section, interpolated like x and Ψ.
     #[inline]
     fn motion(&self, at: &Motion<'_>) -> FrameMotion {
         let sum = |from: &[f64], first: usize| {
@@ -86,8 +86,8 @@ impl<const NN: usize> MassPoint<NN> {
                 for c in 0..6 {
                     let start = 6 * i + (6 * j + c) * n;
                     let out = &mut out[start..start + 6];
-                    // Without a first moment translations are coupled neither to rotations nor to
-                    // each other.
+                    // Without a first moment, translations are not coupled to rotations or to each
+                    // other.
                     let rows = match (coupled, c) {
                         (true, _) => 0..6,
                         (false, 0..3) => c..c + 1,
@@ -112,9 +112,9 @@ impl<const NN: usize> MassPoint<NN> {
     }
 }
 
-/// What each node of a beam element carries of its mass, ∫ Nᵢ Aρ (M), and of its first moment,
-/// ∫ Nᵢ S (M·L, components in the global frame of the reference configuration), by the element's own
-/// rule: a uniform acceleration g takes the forces and moments that the weight of these shares has.
+/// Share of each node of a beam element in its mass, ∫ Nᵢ Aρ (M), and in its first moment, ∫ Nᵢ S
+/// (M·L, components in the global frame of the reference configuration), by the element's own rule:
+/// a uniform acceleration g needs the forces and moments of the weight of these shares.
 ///
 /// # Errors
 /// As [`Beam::new`].

@@ -1,23 +1,23 @@
-//! Inertia of a beam by the spins of its nodes.
+//! Inertia of a beam by the angular velocities of its nodes.
 //!
-//! Velocities of the axis are interpolated by the shape functions, as positions are; so are the material
-//! angular velocities Ω_i = T(Ψ_i) Ψ̇_i and the velocities R_i (Ω_i × c) that a mass centre at c has
-//! from them. The kinetic energy is then
+//! Velocities of the axis are interpolated by the shape functions, like positions; so are the
+//! material angular velocities Ω_i = T(Ψ_i) Ψ̇_i and the velocities R_i (Ω_i × c) that they give to
+//! a mass centre at c. The kinetic energy is then
 //!
 //! ```text
 //! T = Σ_ij ½ m_ij ḋ_i·ḋ_j + ḋ_i·R_j (Ω_j × S_ij) + ½ Ω_i·J_ij Ω_j,   (m, S, J)_ij = ∫ N_i N_j (m, S, J)
 //! ```
 //!
-//! a function of the nodes' rotations and spins that no rigid rotation and no chart changes, exact
-//! where the element moves as a rigid straight body, and off by the interpolation error otherwise.
-//! Its equations of Lagrange conserve momenta and energy:
+//! a function of the nodes' rotations and angular velocities that is independent of rigid rotations
+//! and charts, exact if the element moves as a rigid straight body, and accurate to the
+//! interpolation error otherwise. Its Lagrange equations conserve momenta and energy:
 //!
 //! ```text
 //! f_acc,i = Σ_j m_ij d̈_j + R_j (A_j × S_ij + Ω_j × (Ω_j × S_ij)),
 //! T_iᵀ h_i,  h_i = Σ_j J_ij A_j + Ω_i × J_ij Ω_j + S_ij × R_iᵀ d̈_j
 //! ```
 //!
-//! which is (119) of \[M04\] for nodes with the same motion.
+//! which is (119) of \[M04\] if all nodes have the same motion.
 
 #![allow(non_snake_case)]
 
@@ -53,16 +53,16 @@ struct Spin {
     A: Vector3<f64>,
 }
 
-/// How Ω and A of a node change with (Ψ, Ψ̇, Ψ̈), with the weights of a tangent:
-/// δΩ = C₁ δΨ + T δΨ̇, δA = (C₅ + C₁(Ψ̈)) δΨ + C₄ δΨ̇ + T δΨ̈.
+/// Variation of Ω and A of a node with (Ψ, Ψ̇, Ψ̈), with the weights of a tangent: δΩ = C₁ δΨ + T δΨ̇,
+/// δA = (C₅ + C₁(Ψ̈)) δΨ + C₄ δΨ̇ + T δΨ̈.
 struct Variation {
     Omega: Matrix3<f64>,
     A: Matrix3<f64>,
 }
 
 impl Spin {
-    /// The motion of a node, accelerations increased by α times the velocities: inertia is linear in
-    /// accelerations, so that this adds the drag α M ẋ.
+    /// The motion of a node with accelerations increased by α times the velocities: inertia is
+    /// linear in accelerations, so this adds the drag α M ẋ.
     fn new(at: &Motion<'_>, node: usize, alpha: f64) -> Self {
         let first = 6 * node + 3;
         let (psi, psi_dot) = (three(at.x, first), three(at.v, first));
@@ -96,7 +96,7 @@ impl Spin {
         by
     }
 
-    /// A×S + Ω×(Ω×S), what the spin adds to the acceleration of the mass centre, times the mass.
+    /// A×S + Ω×(Ω×S), mass times the acceleration of the mass centre relative to the node.
     fn l(&self, S: &Vector3<f64>) -> Vector3<f64> {
         self.A.cross(S) + self.Omega.cross(&self.Omega.cross(S))
     }
@@ -140,7 +140,7 @@ impl<const NN: usize> NodalInertia<NN> {
             let by: [Variation; NN] = std::array::from_fn(|j| spins[j].variation(&w));
             for (i, [h, momentum]) in moments.iter().enumerate() {
                 self.tangent(i, &spins, &by, &w, out);
-                // What the node's own rotation and spin change besides.
+                // The terms of the node's own rotation and angular velocity.
                 let Spin {
                     psi,
                     quotients,

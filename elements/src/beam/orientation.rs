@@ -6,7 +6,7 @@ use super::element::BeamError;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 
-/// A given orientation with E₁ turned into the tangent X′ of unit length.
+/// A given orientation with E₁ rotated to the unit tangent X′.
 pub(crate) fn oriented(
     given: &Matrix3<f64>,
     X_prime: &Vector3<f64>,

@@ -22,7 +22,7 @@ pub(super) struct GaussPoint<const NN: usize> {
 
 impl<const NN: usize> GaussPoint<NN> {
     /// Adds the stiffness over (x′, Ψ′, Ψ) to the nodes: upper blocks only, the lower ones are
-    /// their mirror images.
+    /// mirrored.
     #[inline]
     pub(super) fn spread(&self, D: &Stiffness, weight: f64, K: &mut [f64]) {
         let n = 6 * NN;

@@ -1,4 +1,4 @@
-//! A node of a geodesic element as its reference node sees it, and the blocks of matrices over nodes.
+//! A node of a geodesic element relative to its reference node, and blocks of matrices over nodes.
 
 #![allow(non_snake_case)]
 
@@ -11,7 +11,7 @@ pub(super) fn three(x: &[f64], at: usize) -> Vector3<f64> {
     Vector3::new(x[at], x[at + 1], x[at + 2])
 }
 
-/// Adds a 3×3 block to an n×n matrix that stands column by column.
+/// Adds a 3×3 block to an n×n matrix, column by column.
 #[inline]
 pub(super) fn add_block(out: &mut [f64], n: usize, row: usize, column: usize, A: &Matrix3<f64>) {
     for c in 0..3 {
@@ -22,7 +22,7 @@ pub(super) fn add_block(out: &mut [f64], n: usize, row: usize, column: usize, A:
     }
 }
 
-/// A rotation vector and what follows from it.
+/// A rotation vector and its derived quantities.
 pub(super) struct Turn {
     pub psi: Vector3<f64>,
     pub quotients: Quotients,
@@ -66,7 +66,7 @@ impl Operator {
     }
 }
 
-/// A node as the reference node sees it.
+/// A node relative to the reference node.
 pub(super) struct Relative {
     pub z: Vector3<f64>,
     pub theta: Vector3<f64>,

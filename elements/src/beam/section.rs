@@ -26,11 +26,11 @@ pub struct Damping {
     /// Factor of the momentum per unit length: a force −α (Aρ ẋ, TᵀJΩ) against the absolute
     /// velocity, in 1/time.
     pub mass: f64,
-    /// Factor of the section's stiffness: stresses β C (Γ̇, K̇) of Kelvin and Voigt, in time.
+    /// Factor of the section's stiffness: Kelvin-Voigt stresses β C (Γ̇, K̇), in time.
     pub stiffness: f64,
 }
 
-/// Why a section cannot be made.
+/// Error of a section.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SectionError {
     /// A quantity that must be positive is not.
@@ -52,10 +52,10 @@ pub enum SectionError {
         /// Outer radius.
         outer: f64,
     },
-    /// An inertia that no distribution of mass has.
+    /// An inertia that no distribution of mass can have.
     #[error("{source}")]
     Inertia {
-        /// What is wrong with it.
+        /// The error of the inertia.
         source: InertiaError,
     },
     /// The 6×6 law is not symmetric.
@@ -88,7 +88,7 @@ pub struct Material {
     pub E: f64,
     /// Poisson's ratio.
     pub nu: f64,
-    /// Density (zero where inertia and weight do not matter).
+    /// Density (zero without inertia and weight).
     pub rho: f64,
 }
 
@@ -125,7 +125,7 @@ impl Section {
     /// A general symmetric section law; no mass.
     ///
     /// # Errors
-    /// [`SectionError`] when C is not symmetric (to 1e-12 of its largest diagonal pair) or not
+    /// [`SectionError`] if C is not symmetric (to 1e-12 of its largest diagonal pair) or not
     /// positive definite.
     pub fn new(C: Matrix6<f64>) -> Result<Self, SectionError> {
         let diagonal: [f64; 6] = std::array::from_fn(|i| C[(i, i)]);
@@ -162,7 +162,7 @@ impl Section {
     /// EI₂ belongs to bending about E₂ (fibres at a distance along E₃), GA₂ to shear along E₂.
     ///
     /// # Errors
-    /// [`SectionError::NotPositive`] naming the stiffness that is not positive.
+    /// [`SectionError::NotPositive`] with the name of the stiffness.
     pub fn diagonal(EA: f64, GA: [f64; 2], GJ: f64, EI: [f64; 2]) -> Result<Self, SectionError> {
         positive("axial stiffness EA", EA)?;
         positive("shear stiffness GA2", GA[0])?;
@@ -186,10 +186,10 @@ impl Section {
         self
     }
 
-    /// The same section with any inertia per length, also with a mass centre off the axis.
+    /// The same section with any inertia per length; the mass centre may be off the axis.
     ///
     /// # Errors
-    /// [`SectionError::Inertia`] for one that is impossible.
+    /// [`SectionError::Inertia`] for an impossible one.
     pub fn with_inertia(mut self, inertia: Inertia) -> Result<Self, SectionError> {
         self.inertia = inertia
             .checked()
@@ -290,7 +290,7 @@ impl Section {
 /// (Timoshenko & Goodier, Theory of Elasticity, art. 109).
 pub fn rectangle_torsion(width: f64, height: f64) -> f64 {
     let (a, b) = (width.max(height), width.min(height));
-    // Σ 1/n⁵ over odd n is 31 ζ(5)/32; what tanh leaves of 1 decays exponentially.
+    // Σ 1/n⁵ over odd n is 31 ζ(5)/32; 1 − tanh decays exponentially.
     const ODD: f64 = 31.0 / 32.0 * 1.036_927_755_143_37;
     let rest: f64 = (0..12)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! Strains, internal forces and tangent at one point of the centre line.
+//! Strains, internal forces and tangent at one point of the axis.
 
 #![allow(non_snake_case)]
 
@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::so3::{self, skew};
 
-/// Section law with components in the global frame of the reference configuration: rotated once
-/// by R₀, so that the kernel below never meets R₀ again.
+/// Section law with components in the global frame of the reference configuration: rotated once by
+/// R₀, which the kernel below does not need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
     pub GG: Matrix3<f64>,
@@ -36,8 +36,8 @@ pub(super) struct Line {
     pub psi_prime: Vector3<f64>,
 }
 
-/// Everything that follows from the strains at a point: components in the global frame of the
-/// reference configuration ("material" components before R₀ᵀ).
+/// Strains at a point and derived quantities: components in the global frame of the reference
+/// configuration ("material" components before R₀ᵀ).
 pub(super) struct Strained {
     R: Matrix3<f64>,
     T: Matrix3<f64>,
@@ -133,7 +133,7 @@ impl Strained {
             g,
             ..
         } = self;
-        // Columns of C B that belong to Ψ: A = (Rᵀx′)~ T, and C₁.
+        // Columns of C B for Ψ: A = (Rᵀx′)~ T, and C₁.
         let A = skew(g) * T;
         let NT = skew(N) * T;
         let stress_q = law.GG * A + law.GK * C1;

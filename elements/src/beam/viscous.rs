@@ -1,4 +1,4 @@
-//! Stiffness-proportional damping of Kelvin and Voigt: stresses β C (Γ̇, K̇).
+//! Stiffness-proportional Kelvin-Voigt damping: stresses β C (Γ̇, K̇).
 
 #![allow(non_snake_case)]
 
@@ -72,7 +72,7 @@ impl Viscous {
         self.rates.dot(&(self.C * self.rates))
     }
 
-    /// Adds C = Bᵀ βC B and to K the part Bᵀ βC Ḃ; K_σ has the viscous stresses already.
+    /// Adds C = Bᵀ βC B and to K the part Bᵀ βC Ḃ; K_σ includes the viscous stresses.
     pub(super) fn add_tangents<const NN: usize>(
         &self,
         N: &[f64; NN],
@@ -111,10 +111,10 @@ fn bending(line: &Line, rates: &Line) -> (Matrix3<f64>, Matrix3<f64>) {
     )
 }
 
-/// Adds a matrix over (x′, Ψ′, Ψ) to the nodes, which enter by N_i and N_i′.
+/// Adds a matrix over (x′, Ψ′, Ψ) to the nodes, with N_i and N_i′.
 fn spread<const NN: usize>(D: &SMatrix<f64, 9, 9>, N: &[f64; NN], dN: &[f64; NN], out: &mut [f64]) {
     let n = 6 * NN;
-    // Coordinate k of a node stands in x′ or Ψ′ (row k of D), its rotation also in Ψ.
+    // Coordinate k of a node enters x′ or Ψ′ (row k of D), its rotation also Ψ.
     let parts = |i: usize, k: usize| [(k, dN[i]), (k + 3, if k < 3 { 0.0 } else { N[i] })];
     for j in 0..NN {
         for c in 0..6 {

@@ -1,4 +1,4 @@
-//! Bodies: matter that moves with a frame node (\[M04\] chapter 3, without the integral).
+//! Bodies: mass attached to a frame node (\[M04\] chapter 3, without the integral).
 
 mod point_mass;
 mod rigid;
@@ -6,7 +6,7 @@ mod rigid;
 pub use point_mass::PointMass;
 pub use rigid::RigidBody;
 
-/// Why a body cannot be made.
+/// Error of a body.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BodyError {
     /// A number is infinite or not a number.
@@ -20,9 +20,9 @@ pub enum BodyError {
     /// The mass is negative, or that of a point mass is zero.
     #[error("the mass must be {required}, got {mass}")]
     Mass {
-        /// What it must be.
+        /// The requirement.
         required: &'static str,
-        /// What it is.
+        /// The value.
         mass: f64,
     },
     /// The inertia is not symmetric.
@@ -48,7 +48,7 @@ pub enum BodyError {
         /// Principal moments of inertia, increasing.
         principal: [f64; 3],
     },
-    /// No distribution of mass has this inertia.
+    /// No distribution of mass can have this inertia.
     #[error(
         "no body has the principal moments of inertia {principal:?}: the largest exceeds the sum \
          of the others"

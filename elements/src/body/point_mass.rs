@@ -1,4 +1,4 @@
-//! A mass at a node.
+//! A point mass at a node.
 
 #![allow(non_snake_case)]
 
@@ -10,7 +10,7 @@ use crate::time::TimeFunction;
 /// Mass m at the point of a frame node; dim 6.
 ///
 /// It has no rotational inertia: its rows of M for Ψ are zero, so the node's rotation must be held
-/// or carried by something else that resists it (a beam, a joint, a spring). Inertia force −m d̈.
+/// or resisted by something else (a beam, a joint, a spring). Inertia force −m d̈.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMass {
     m: f64,
@@ -20,7 +20,7 @@ impl PointMass {
     /// A mass (unit M).
     ///
     /// # Errors
-    /// [`BodyError`] unless it is positive and finite.
+    /// [`BodyError`] unless the mass is positive and finite.
     pub fn new(mass: f64) -> Result<Self, BodyError> {
         if !mass.is_finite() {
             return Err(BodyError::NotFinite {
@@ -43,7 +43,7 @@ impl PointMass {
         self.m
     }
 
-    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load for the
+    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load on the
     /// same node.
     #[must_use]
     pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> NodalLoad {

@@ -10,17 +10,17 @@ use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_manifold::system::Weights;
 
-/// How far a principal moment may fall below zero, relative to the largest: round-off.
+/// Tolerance of a negative principal moment, relative to the largest: round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// How far the largest principal moment may exceed the sum of the others, relative to itself: the
-/// inertia of a flat body written with six figures.
+/// Tolerance of the largest principal moment beyond the sum of the others, relative to itself: the
+/// inertia of a flat body written with six digits.
 const FLAT: f64 = 1e-5;
 
 /// A rigid body moving with a frame node; dim 6. \[M04\] (119), (147), (152) without the integral.
 ///
-/// The node need not be its centre of mass. Residual −f_acc of [`Inertia`], exact M, C
-/// (gyroscopic) and K (centrifugal, with the accelerations); no force in statics.
+/// The node need not be the centre of mass. Residual −f_acc of [`Inertia`], exact M, C (gyroscopic)
+/// and K (centrifugal, with the accelerations); no force in statics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
     inertia: Inertia,
@@ -35,9 +35,9 @@ impl RigidBody {
     ///
     /// # Errors
     /// [`BodyError`] for numbers that are not finite, a negative mass, an inertia that is not
-    /// symmetric (to 1e-12 of its largest entry), not positive semidefinite or that no body has
-    /// (the largest principal moment exceeds the sum of the others by more than 1e-5 of itself),
-    /// and for neither mass nor inertia.
+    /// symmetric (to 1e-12 of its largest entry), not positive semidefinite or impossible (the
+    /// largest principal moment exceeds the sum of the others by more than 1e-5 of itself), and for
+    /// neither mass nor inertia.
     pub fn new(mass: f64, inertia: Matrix3<f64>, center: Vector3<f64>) -> Result<Self, BodyError> {
         let finite = |quantity, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
             Some(&value) => Err(BodyError::NotFinite { quantity, value }),
@@ -55,7 +55,7 @@ impl RigidBody {
         check_inertia(&inertia)?;
         let symmetric = (inertia + inertia.transpose()) * 0.5;
         let inertia = Inertia::about_centre(mass, center, symmetric);
-        // The inertia about the node of a mass away from it does not make up for a missing mass.
+        // The inertia about a distant node does not replace a missing mass.
         if mass == 0.0 && symmetric == Matrix3::zeros() {
             return Err(BodyError::Massless);
         }
@@ -68,7 +68,7 @@ impl RigidBody {
         &self.inertia
     }
 
-    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load for the
+    /// Its weight in a field g (acceleration, global components) times `amplitude`: a load on the
     /// same node, the force m g at the centre of mass.
     #[must_use]
     pub fn weight(&self, g: [f64; 3], amplitude: Box<dyn TimeFunction>) -> EccentricForce {
@@ -115,7 +115,7 @@ fn triple(x: &[f64], first: usize) -> Vector3<f64> {
     Vector3::new(x[first], x[first + 1], x[first + 2])
 }
 
-/// Adds a 6×6 matrix to an entry that is asked for.
+/// Adds a 6×6 matrix to an entry, if requested.
 fn add(to: Option<&mut [f64]>, matrix: &Matrix6<f64>) {
     if let Some(to) = to {
         for (to, m) in to.iter_mut().zip(matrix.iter()) {

@@ -1,7 +1,7 @@
 //! Constraints h(t, x) = 0 that are enforced by forces, not by coordinates.
 //!
-//! The same equations that [`Closed`](pullback_manifold::implicit::Closed) or
-//! [`Solved`](pullback_manifold::implicit::Solved) make a map of can be left to the solver:
+//! The equations of a map ([`Closed`](pullback_manifold::implicit::Closed) or
+//! [`Solved`](pullback_manifold::implicit::Solved)) can also be enforced by the solver:
 //!
 //! | method | element | unknowns | what is exact |
 //! |---|---|---|---|
@@ -10,10 +10,10 @@
 //! | penalty | [`Penalty`] | X | nothing: h is of order 1/p |
 //!
 //! h is a [`Map`] from the coordinates of the element's nodes to its M residuals, written once;
-//! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are the derivatives that every map has. [`Scaled`] divides each equation
-//! by its size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length
-//! squared; the solvers equilibrate rows and columns of multipliers, so that neither the size of
-//! the step nor the unit of λ matters to conditioning (\[Bottasso2007\]).
+//! h_x, Σ λᵢ D²hᵢ, ḣ and ḧ are its derivatives as a map. [`Scaled`] divides each equation by its
+//! size, so that "closed to 10⁻¹²" means the same for a length, an angle and a length squared. The
+//! solvers equilibrate rows and columns of multipliers, so that neither the step size nor the unit
+//! of λ affects conditioning (\[Bottasso2007\]).
 
 #![allow(non_snake_case)]
 
@@ -28,12 +28,12 @@ use nalgebra::SVector;
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
 
-/// Most equations that one constraint may have.
+/// Largest number of equations of one constraint.
 pub const MAX_EQUATIONS: usize = 32;
 
-/// Residual, in the size of its equation, from which on the equation does not hold any more.
+/// Residual, relative to the size of its equation, beyond which the constraint counts as violated.
 const TORN: f64 = 0.1;
-/// What a constraint leaves whose residual is larger.
+/// Limit of a constraint in messages.
 const OPEN: &str = "the neighbourhood of its closed position: its gap would be more than a tenth of the size \
                     of the model, as its penalty is too small for these loads, or no closed position carries \
                     them";
@@ -46,13 +46,13 @@ pub struct Scaled<H, const M: usize> {
 }
 
 impl<H, const M: usize> Scaled<H, M> {
-    /// Equation i times `factors[i]`, in its inverse unit.
+    /// Multiplies equation i by `factors[i]`, in its inverse unit.
     pub fn new(h: H, factors: [f64; M]) -> Self {
         Self { h, factors }
     }
 
-    /// Each equation divided by the length of its gradient at time `t` and x, in coordinates divided
-    /// by their `sizes`; one that has no gradient there stays as it is.
+    /// Divides each equation by the length of its gradient at time `t` and x, in coordinates
+    /// divided by their `sizes`; equations without a gradient there are unchanged.
     pub fn at<const N: usize>(h: H, t: f64, x: &SVector<f64, N>, sizes: &SVector<f64, N>) -> Self
     where
         H: Map<N, M>,
@@ -79,8 +79,8 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
         h
     }
 
-    /// A residual that is not small beside the size of its equation closes nothing: a penalty has
-    /// equilibria there too, where a loop is torn open and its springs stand at a dead point.
+    /// The equations must hold approximately: a penalty has other equilibria, at which a loop is
+    /// torn open and its springs are at a dead point.
     fn margin(&self, t: f64, x: &SVector<f64, N>) -> f64 {
         TORN - self.phi(t, x).amax()
     }
@@ -94,7 +94,7 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Map<N, M> for Scaled<H, M> {
     }
 }
 
-/// Equations of an element at one motion, all orders of their derivatives in time.
+/// Equations of an element at one motion, with their derivatives in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levels {
     /// h (M).
@@ -107,14 +107,14 @@ pub struct Levels {
     pub J: Vec<f64>,
 }
 
-/// An element that enforces equations h(t, x) = 0 on the first N of its coordinates: what an
-/// initial state has to satisfy.
+/// An element that enforces equations h(t, x) = 0 on its first N coordinates; an initial state must
+/// satisfy them.
 pub trait Enforced: Send + Sync {
     /// (N, M): number of coordinates in the equations and number of equations.
     fn dims(&self) -> (usize, usize);
 
-    /// The equations at a motion of the element's coordinates; velocities and accelerations that
-    /// are not given are zero.
+    /// The equations at a motion of the element's coordinates; missing velocities and accelerations
+    /// are zero.
     fn levels(&self, at: &Motion<'_>) -> Levels;
 
     /// Writes h (M) alone.
@@ -126,17 +126,17 @@ pub trait Enforced: Send + Sync {
     /// Name of equation `i`, for messages.
     fn equation(&self, i: usize) -> String;
 
-    /// Stiffness of a penalty; none where the last M coordinates of the element are multipliers.
+    /// Stiffness of a penalty; `None` if the last M coordinates of the element are multipliers.
     fn penalty(&self) -> Option<f64>;
 
-    /// Leaves equations out that follow from others: bit i for equation i.
+    /// Omits equations that follow from others: bit i for equation i.
     fn leave_out(&mut self, equations: u32);
 
-    /// The equations that are left out.
+    /// The omitted equations.
     fn left_out(&self) -> u32;
 }
 
-/// Name of an equation: the one it was given, or its number.
+/// Name of an equation, or its number.
 fn equation(names: &[&str], i: usize) -> String {
     match names.get(i) {
         Some(name) => (*name).to_owned(),
@@ -162,7 +162,7 @@ fn rates<H: Map<N, M>, const N: usize, const M: usize>(h: &H, at: &Motion<'_>, o
     out.copy_from_slice(h.kinematics(at.t, &x, &v, &a).x_dot.as_slice());
 }
 
-/// The first N coordinates, velocities and accelerations of a motion; zero where there are none.
+/// The first N coordinates, velocities and accelerations of a motion; zero if missing.
 fn vectors<const N: usize>(at: &Motion<'_>) -> [SVector<f64, N>; 3] {
     [at.x, at.v, at.a].map(|x| SVector::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0)))
 }

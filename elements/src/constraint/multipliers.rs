@@ -13,15 +13,14 @@ use pullback_manifold::map::Map;
 /// r_x = −h_xᵀ λ        r_λ = −h        K = [Σ λᵢ D²hᵢ  h_xᵀ; h_x  0],  symmetric
 /// ```
 ///
-/// Coordinates are those of the nodes in the equations, N in all, and those of a node of multipliers
-/// (M, [`ModelBuilder::multipliers`](crate::model::ModelBuilder::multipliers)) behind them. Nothing
-/// is differentiated: the equations of motion have index 3, and take a scheme that damps infinite
-/// frequencies (\[ArnoldBruls2007\]): q, q̇ and λ are then of order 2.
-/// h_xᵀ λ are the forces that the constraint takes from its nodes, so λ has the unit of a force
-/// times that of x over that of h.
+/// Coordinates are those of the nodes in the equations, N in all, followed by those of a node of
+/// multipliers (M, [`ModelBuilder::multipliers`](crate::model::ModelBuilder::multipliers)). The
+/// equations of motion have index 3 and need a scheme with damping at infinite frequencies
+/// (\[ArnoldBruls2007\]): q, q̇ and λ are then of order 2. h_xᵀ λ are the constraint forces, so λ
+/// has the unit of a force times that of x over that of h.
 ///
-/// The power of equations that depend on time explicitly is not booked in an audit of energies.
-/// Of an equation that is left out ([`Enforced::leave_out`]) the multiplier is zero.
+/// The energy balance does not include the power of equations that depend on time explicitly.
+/// Omitted equations ([`Enforced::leave_out`]) have zero multipliers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers<H, const N: usize, const M: usize> {
     h: H,
@@ -30,7 +29,7 @@ pub struct Multipliers<H, const N: usize, const M: usize> {
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Multipliers<H, N, M> {
-    /// Of equations as they are: [`Scaled`](super::Scaled) gives them comparable sizes.
+    /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
     pub fn new(h: H) -> Self {
         const { assert!(M <= MAX_EQUATIONS, "too many equations") };
         Self {
@@ -40,13 +39,13 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Multipliers<H, N, M> {
         }
     }
 
-    /// Gives the equations names, for messages.
+    /// Names the equations, for messages.
     #[must_use]
     pub fn named(self, names: &'static [&'static str]) -> Self {
         Self { names, ..self }
     }
 
-    /// Whether equation i counts.
+    /// Whether equation i is in use.
     fn counts(&self, i: usize) -> bool {
         self.left_out & (1 << i) == 0
     }

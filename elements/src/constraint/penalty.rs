@@ -7,37 +7,37 @@ use crate::element::{Element, ElementError, Motion, Response};
 use nalgebra::SVector;
 use pullback_manifold::map::Map;
 
-/// How stiff a penalty is.
+/// Stiffness of a penalty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
     /// Stiffness p > 0, in units of energy for equations without unit.
     pub p: f64,
-    /// Time τ ≥ 0 of dampers in parallel: they take p τ ḣ.
+    /// Time constant τ ≥ 0 of parallel dampers, with the forces p τ ḣ.
     pub tau: f64,
 }
 
-/// Why a penalty cannot be made.
+/// Error of a penalty.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PenaltyError {
-    /// Stiffness that is none.
+    /// Invalid stiffness.
     #[error("a penalty must be positive and finite, got {0:?}")]
     Stiffness(f64),
-    /// Damping that drives.
+    /// Negative damping.
     #[error("the damping time of a penalty must be finite and zero or positive, got {0:?}")]
     Damping(f64),
 }
 
-/// The equations h(t, x) = 0 held by springs and dampers, U = ½ p hᵀh and D = ½ p τ ḣᵀḣ:
+/// The equations h(t, x) = 0 enforced by springs and dampers, U = ½ p hᵀh and D = ½ p τ ḣᵀḣ:
 ///
 /// ```text
 /// r = −h_xᵀ μ,   μ = p (h + τ ḣ)        C = p τ h_xᵀ h_x
 /// K = p h_xᵀ (h_x + τ (h_x)˙) + Σ μᵢ D²hᵢ
 /// ```
 ///
-/// The equations are violated by μ/p: errors are of order 1/p, and so are the periods squared of
-/// what vibrates on the springs, which a scheme without damping keeps. Redundant equations do no
-/// harm. Outside the domain of h nothing is evaluated: that of [`Scaled`](super::Scaled) equations ends
-/// where a loop is torn open.
+/// The equations are violated by μ/p: errors are of order 1/p, and so are the squared periods of
+/// vibrations on the springs, which a scheme without damping keeps. Redundant equations are
+/// allowed. Nothing is evaluated outside the domain of h; that of [`Scaled`](super::Scaled)
+/// equations ends where a loop is torn open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<H, const N: usize, const M: usize> {
     h: H,
@@ -46,7 +46,7 @@ pub struct Penalty<H, const N: usize, const M: usize> {
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
-    /// Of equations as they are: [`Scaled`](super::Scaled) gives them comparable sizes.
+    /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
     ///
     /// # Errors
     /// [`PenaltyError`].
@@ -66,7 +66,7 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Penalty<H, N, M> {
         })
     }
 
-    /// Gives the equations names, for messages.
+    /// Names the equations, for messages.
     #[must_use]
     pub fn named(self, names: &'static [&'static str]) -> Self {
         Self { names, ..self }
@@ -182,7 +182,7 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M>
         Some(self.stiffness.p)
     }
 
-    /// Springs in parallel share the load: nothing is left out.
+    /// Springs in parallel share the load: no equation is omitted.
     fn leave_out(&mut self, _: u32) {}
 
     fn left_out(&self) -> u32 {

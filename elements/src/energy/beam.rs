@@ -1,8 +1,8 @@
-//! A two-node beam by its energies, in any measure of strain.
+//! A two-node beam defined by its energies, with any measure of strain.
 
 #![allow(non_snake_case)]
 
-use super::{Energies, Sample, Sampled, Together, inside_chart, rate};
+use super::{Energies, Sample, Sampled, Sum, inside_chart, rate};
 use crate::beam::{BeamError, Damping, Section, oriented};
 use crate::element::ElementError;
 use crate::inertia::Inertia;
@@ -11,13 +11,13 @@ use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
-/// Strains of a cross-section: the one function that makes a beam theory.
+/// Strains of a cross-section: the function that defines a beam theory.
 pub trait StrainMeasure: Send + Sync {
-    /// The six strains (elongation, two shears; twist, two bendings per length) that are conjugate
-    /// to the resultants (N, M), from
+    /// The six strains (elongation, two shears; twist, two bendings per length) conjugate to the
+    /// resultants (N, M), from
     ///
     /// - g = R₀ᵀRᵀx′, the derivative of the position by the reference arc length in the section axes:
-    ///   (1, 0, 0) where nothing is strained;
+    ///   (1, 0, 0) in the unstrained state;
     /// - k = R₀ᵀTΨ′, the curvature in the section axes, 1/L.
     fn strains<S: Scalar>(&self, g: &Vector3<S>, k: &Vector3<S>) -> SVector<S, 6>;
 }
@@ -35,8 +35,8 @@ impl StrainMeasure for Reissner {
 /// The elongation of Green and Lagrange on the centre line, ½(x′·x′ − 1), with Reissner's shears and
 /// curvatures.
 ///
-/// A bar with ½EA of the square of this strain carries EA ½(λ² − 1) λ at the stretch λ, where
-/// Reissner's carries EA (λ − 1).
+/// With ½EA of the square of this strain a bar has the force EA ½(λ² − 1) λ at the stretch λ, with
+/// Reissner's EA (λ − 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GreenLagrange;
 
@@ -46,7 +46,7 @@ impl StrainMeasure for GreenLagrange {
     }
 }
 
-/// Strain energy ½ ε·Cε per length, and its viscous twin ½ β ε̇·Cε̇, in y = R₀ᵀ(x′, Ψ′, Ψ).
+/// Strain energy ½ ε·Cε per length, and its viscous counterpart ½ β ε̇·Cε̇, in y = R₀ᵀ(x′, Ψ′, Ψ).
 ///
 /// In these components R(Ψ) needs no R₀: R(R₀ᵀΨ) = R₀ᵀR(Ψ)R₀.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ impl<M: StrainMeasure> SectionEnergy<M> {
         self.measure.strains(&g, &so3::spun(&psi, &psi_prime, &c))
     }
 
-    /// ½ e·Ce, terms that are absent from C left out.
+    /// ½ e·Ce without the terms that are absent from C.
     fn quadratic<S: Scalar>(&self, e: &SVector<S, 6>) -> S {
         let mut sum = S::zero();
         for i in 0..6 {
@@ -101,8 +101,8 @@ impl<M: StrainMeasure> Energies<9> for SectionEnergy<M> {
     }
 }
 
-/// Kinetic energy ½ m ẋ·ẋ + ẋ·R(Ω×S) + ½ Ω·JΩ of a frame that carries mass, and its drag α T, in
-/// y = (x, Ψ); a rigid body, or a cross-section per length. \[M04\] (119).
+/// Kinetic energy ½ m ẋ·ẋ + ẋ·R(Ω×S) + ½ Ω·JΩ of a frame with mass, and its drag α T, in y = (x,
+/// Ψ); a rigid body, or a cross-section per length. \[M04\] (119).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameInertia {
     /// Mass, first and second moments, components as those of y.
@@ -144,12 +144,12 @@ impl Energies<6> for FrameInertia {
     }
 }
 
-/// A two-node beam by its energies: strains at one point, inertia at two.
-pub type StrainBeam<M> = Together<Sampled<SectionEnergy<M>, 9, 12>, Sampled<FrameInertia, 6, 12>>;
+/// A two-node beam by its energies, with one integration point for strains and two for inertia.
+pub type StrainBeam<M> = Sum<Sampled<SectionEnergy<M>, 9, 12>, Sampled<FrameInertia, 6, 12>>;
 
 /// A two-node beam between reference `positions` (global components, L) with the section's axes in
-/// the columns of `R0`, the first of which is turned into the beam's direction; coordinates
-/// (d₁, Ψ₁, d₂, Ψ₂), interpolated linearly.
+/// the columns of `R0`, the first of which is rotated to the beam's direction; coordinates (d₁, Ψ₁,
+/// d₂, Ψ₂), interpolated linearly.
 ///
 /// # Errors
 /// [`BeamError`] for coinciding nodes and an impossible orientation.
@@ -201,7 +201,7 @@ pub fn strain_beam<M: StrainMeasure + Copy>(
         Sample::new(inertia, 0.5 * length, SVector::zeros(), &A)
     });
     let massive = massive.into_iter().filter(|_| !section.inertia.is_zero());
-    Ok(Together(Sampled::new([strained]), Sampled::new(massive)))
+    Ok(Sum(Sampled::new([strained]), Sampled::new(massive)))
 }
 
 /// Writes Nᵢ R₀ᵀ for the triple of each node that starts at `first` in its six coordinates.

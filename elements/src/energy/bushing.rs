@@ -6,13 +6,13 @@ use nalgebra::{Matrix6, SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
-/// A bushing: springs and dampers between two frames, in what one moves seen from the other; dim 12.
+/// A bushing: springs and dampers between two frames, in the relative motion; dim 12.
 ///
 /// ```text
 /// y = (R₁ᵀ(x₂ − x₁) − u₀, log R₁ᵀR₂)        U = ½ y·K y,  D = ½ ẏ·D ẏ
 /// ```
 ///
-/// The same, derived by hand, is [`Bushing`](crate::spring::Bushing).
+/// [`Bushing`](crate::spring::Bushing) is the same, derived by hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticJoint {
     /// u₀ from the first node to the second in the reference configuration, global components, L.

@@ -1,4 +1,4 @@
-//! A mass in the gravity of another.
+//! Gravity of a point mass.
 
 use super::Energies;
 use crate::element::ElementError;
@@ -7,15 +7,15 @@ use pullback_manifold::scalar::Scalar;
 
 /// Newton's gravity of a fixed centre on a mass at a frame node; dim 6.
 ///
-/// Potential −μ m/‖x − c‖. It is the attraction alone, the mass itself is a
-/// [`PointMass`](crate::body::PointMass) of the same node. A uniform field is the weight of a body.
+/// Potential −μ m/‖x − c‖. Only the attraction: the mass itself is a
+/// [`PointMass`](crate::body::PointMass) at the same node. A uniform field is the weight of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity {
     /// The node's position in the reference configuration, global components, L.
     pub position: Vector3<f64>,
     /// The position c of the centre, L.
     pub center: Vector3<f64>,
-    /// The centre's strength μ, the constant of gravity times its mass, L³/T².
+    /// Strength μ of the centre, the constant of gravity times its mass, L³/T².
     pub mu: f64,
     /// The mass m at the node, M.
     pub mass: f64,

@@ -1,4 +1,4 @@
-//! Residual and tangents of energies in their own variables, by one run of each over jets.
+//! Residual and tangents of energies in their own variables, by one evaluation of each over jets.
 
 #![allow(non_snake_case)]
 
@@ -8,7 +8,7 @@ use pullback_manifold::jet::{Grad, Phase};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Weights;
 
-/// A number that moves along the motion.
+/// A number with its derivative along the motion.
 type Dual = Grad<f64, 1>;
 
 fn dual(value: f64, rate: f64) -> Dual {
@@ -27,7 +27,8 @@ pub(super) struct Local<const N: usize> {
 }
 
 impl<const N: usize> Local<N> {
-    /// At time, coordinates and, in motion, velocities and accelerations; tangents where `wanted`.
+    /// Evaluates at time, coordinates and, in motion, velocities and accelerations; with tangents
+    /// if `wanted`.
     #[inline]
     pub(super) fn new<E: Energies<N> + ?Sized>(
         e: &E,
@@ -50,7 +51,7 @@ impl<const N: usize> Local<N> {
         out
     }
 
-    /// Adds everything; H is N for tangents, 0 for the residual alone.
+    /// Adds all terms; H is N for tangents, 0 for the residual alone.
     #[inline]
     fn add<E: Energies<N> + ?Sized, const H: usize>(
         &mut self,

@@ -1,4 +1,4 @@
-//! Elements by their energies: one generic function each, nothing derived by hand.
+//! Elements defined by their energies: one generic function each, nothing derived by hand.
 //!
 //! ```text
 //! r = −∂U/∂x − d/dt ∂T/∂ẋ + ∂T/∂x − ∂D/∂ẋ                                  Lagrange's equations
@@ -13,13 +13,13 @@
 //! K = U_xx + Ṫ_vx − T_xx + D_vx
 //! ```
 //!
-//! so second derivatives, and third ones along one direction, are all there is to it:
+//! so second derivatives, and third ones along one direction, are sufficient:
 //! [`Phase`](pullback_manifold::jet::Phase).
 //!
-//! - [`Energies`] is what its author writes, [`ByEnergy`] the [`Element`];
-//! - [`Sampled`] adds up energies at integration points in interpolated variables, which is how a
-//!   finite element is written, and much faster than in the coordinates themselves;
-//! - [`Together`] adds two elements on the same nodes;
+//! - [`Energies`] is the trait to implement, [`ByEnergy`] the resulting [`Element`];
+//! - [`Sampled`] adds energies at integration points in interpolated variables, like a finite
+//!   element, and much faster than in the coordinates themselves;
+//! - [`Sum`] adds two elements on the same nodes;
 //! - [`StrainBeam`] is a beam in any strain measure; [`Reissner`]'s agrees with
 //!   [`Beam`](crate::beam::Beam), which is derived by hand.
 
@@ -31,7 +31,7 @@ mod field;
 mod local;
 mod sampled;
 mod spring;
-mod together;
+mod sum;
 
 pub use beam::{
     FrameInertia, GreenLagrange, Reissner, SectionEnergy, StrainBeam, StrainMeasure, strain_beam,
@@ -40,7 +40,7 @@ pub use bushing::ElasticJoint;
 pub use field::Gravity;
 pub use sampled::{Sample, Sampled};
 pub use spring::PolynomialSpring;
-pub use together::Together;
+pub use sum::Sum;
 
 use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response};
 use local::Local;
@@ -49,10 +49,10 @@ use pullback_manifold::jet::Grad;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::Weights;
 
-/// What an element of N coordinates x is, written once for every number type.
+/// Energies of an element with N coordinates x, generic over the number type.
 ///
-/// Whatever is not written is zero; say so by the constants and it costs nothing. Coordinates are
-/// those of the element's nodes one after the other, six for a frame node: (d, Ψ).
+/// Energies that are not implemented are zero; the constants then save their evaluation.
+/// Coordinates are those of the element's nodes in order, six for a frame node: (d, Ψ).
 ///
 /// ```
 /// use nalgebra::SVector;
@@ -78,10 +78,10 @@ use pullback_manifold::system::Weights;
 /// check::element(&Oscillator.into_element()).assert();
 /// ```
 pub trait Energies<const N: usize>: Send + Sync {
-    /// Whether [`Energies::kinetic`] is anything but zero; `false` saves its evaluation.
+    /// Whether [`Energies::kinetic`] is nonzero; `false` saves its evaluation.
     const KINETIC: bool = true;
 
-    /// Whether [`Energies::dissipation`] is anything but zero; `false` saves its evaluation.
+    /// Whether [`Energies::dissipation`] is nonzero; `false` saves its evaluation.
     const DISSIPATION: bool = true;
 
     /// Potential energy U(t, x), unit F L.
@@ -90,24 +90,24 @@ pub trait Energies<const N: usize>: Send + Sync {
         S::zero()
     }
 
-    /// Kinetic energy T(x, v), unit F L. At rest it must exert no force, so it may have no part that
-    /// does not depend on v (write that as a potential).
+    /// Kinetic energy T(x, v), unit F L. It must exert no force at rest, so a part that does not
+    /// depend on v belongs to the potential.
     fn kinetic<S: Scalar>(&self, x: &SVector<S, N>, v: &SVector<S, N>) -> S {
         let _ = (x, v);
         S::zero()
     }
 
     /// Dissipation D(x, v), Rayleigh's function, unit F L/T: the force is −∂D/∂v and the power lost
-    /// v·∂D/∂v ≥ 0, which is 2 D where D is quadratic in v. At rest the force must be zero.
+    /// v·∂D/∂v ≥ 0, which is 2 D if D is quadratic in v. At rest the force must be zero.
     fn dissipation<S: Scalar>(&self, x: &SVector<S, N>, v: &SVector<S, N>) -> S {
         let _ = (x, v);
         S::zero()
     }
 
-    /// Refuses coordinates at which the functions are not smooth; all are accepted by default.
+    /// Rejects coordinates at which the functions are not smooth; accepts all by default.
     ///
     /// # Errors
-    /// [`ElementError`], what is wrong with them.
+    /// [`ElementError`] with the reason.
     fn domain(&self, x: &SVector<f64, N>) -> Result<(), ElementError> {
         let _ = x;
         Ok(())
@@ -133,7 +133,7 @@ pub trait Energies<const N: usize>: Send + Sync {
         Vec::new()
     }
 
-    /// The element.
+    /// This element.
     fn into_element(self) -> ByEnergy<Self, N>
     where
         Self: Sized,
@@ -154,7 +154,7 @@ pub fn rate<S: Scalar, const N: usize, const M: usize>(
     f(&moving).map(|y| y.g[0])
 }
 
-/// For [`Energies::domain`]: refuses a rotation vector at the edge of its chart, ψ = 2π.
+/// For [`Energies::domain`]: rejects a rotation vector at the edge of its chart, ψ = 2π.
 ///
 /// # Errors
 /// [`ElementError::OutsideChart`].
@@ -167,11 +167,11 @@ pub fn inside_chart(Psi: &Vector3<f64>) -> Result<(), ElementError> {
     }
 }
 
-/// The element that follows from energies.
+/// The element defined by energies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByEnergy<E, const N: usize>(pub E);
 
-/// The tangents asked for, each with the weights of K, C and M in it.
+/// The requested tangents, each with the weights of K, C and M in it.
 type Tangents<'a> = [Option<(Weights, &'a mut [f64])>; 3];
 
 impl<E: Energies<N>, const N: usize> ByEnergy<E, N> {
@@ -198,12 +198,12 @@ impl<E: Energies<N>, const N: usize> ByEnergy<E, N> {
     }
 }
 
-/// The entries of a slice; those that are absent (in statics) are zero.
+/// The entries of a slice; zeros if it is empty (in statics).
 fn vector<const N: usize>(from: &[f64]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| from.get(i).copied().unwrap_or(0.0))
 }
 
-/// The parts K, C, M of the tangent that a response asks for.
+/// The parts K, C, M of the tangent that a response requests.
 fn parts<'a>(out: &'a mut Response<'_>) -> (&'a mut [f64], Tangents<'a>) {
     let one = |K, C, M| Weights { K, C, M };
     let K = out.K.as_deref_mut().map(|K| (one(1.0, 0.0, 0.0), K));

@@ -15,7 +15,7 @@ pub struct Sample<E, const D: usize, const N: usize> {
     energies: E,
     weight: f64,
     y0: SVector<f64, D>,
-    /// The entries of A that are not zero: row, column, value.
+    /// The nonzero entries of A: row, column, value.
     entries: Vec<(usize, usize, f64)>,
 }
 
@@ -82,8 +82,8 @@ impl<E, const D: usize, const N: usize> Sample<E, D, N> {
 /// E(x) = Σ w e(y),  y = y₀ + A x        r = Σ w Aᵀ r_y,   K, C, M = Σ w Aᵀ (K, C, M)_y A
 /// ```
 ///
-/// The jets run in the D variables of a point: strains at a point depend on less than the
-/// coordinates of all nodes, and jets cost with the square of their variables.
+/// The jets run over the D variables of a point: strains at a point depend on fewer variables than
+/// all nodes have, and the cost of jets is quadratic in them.
 #[derive(Clone, Debug)]
 pub struct Sampled<E, const D: usize, const N: usize> {
     points: Vec<Sample<E, D, N>>,

@@ -1,4 +1,4 @@
-//! A spring along a line whose force is a polynomial.
+//! An axial spring with a polynomial force.
 
 use super::Energies;
 use crate::element::ElementError;
@@ -15,7 +15,7 @@ use pullback_manifold::scalar::Scalar;
 pub struct PolynomialSpring<const P: usize> {
     /// Positions of the nodes in the reference configuration, global components, L.
     pub positions: [Vector3<f64>; 2],
-    /// Length l₀ without force, L.
+    /// Unstressed length l₀, L.
     pub rest_length: f64,
     /// Coefficients k₁ … k_P, F/Lⁿ.
     pub k: [f64; P],
@@ -56,7 +56,7 @@ impl<const P: usize> Energies<12> for PolynomialSpring<P> {
             self.between(x).norm(),
             (self.positions[1] - self.positions[0]).norm(),
         );
-        // Below this the direction is that of round-off.
+        // At smaller lengths the direction is only round-off.
         if length > 1e-12 * size {
             Ok(())
         } else {

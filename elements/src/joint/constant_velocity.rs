@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// R_s = R_m R(τ₀ + α a + β b) R(τ₀)ᵀ with a, b across the first shaft: parents (frame, tilt 1,
 /// tilt 2). τ₀ tilts the first shaft into the second one in the reference configuration.
@@ -53,7 +53,7 @@ impl Joint<2> for ConstantVelocity {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("tilt 1", Kind::Angle), ("tilt 2", Kind::Angle)]
+        [("tilt 1", Quantity::Angle), ("tilt 2", Quantity::Angle)]
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {

@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m u e, R_s = R_m R(φ e): parents (frame, displacement u, angle φ).
 ///
@@ -32,7 +32,10 @@ impl Joint<2> for Cylindrical {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("displacement", Kind::Length), ("angle", Kind::Angle)]
+        [
+            ("displacement", Quantity::Length),
+            ("angle", Quantity::Angle),
+        ]
     }
 }
 

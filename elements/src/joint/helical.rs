@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::f64::consts::TAU;
 
 /// d_s = d_m + R_m (p φ/2π) e, R_s = R_m R(φ e): parents (frame, angle φ).
@@ -35,7 +35,7 @@ impl Joint<1> for Helical {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Kind::Angle)]
+        [("angle", Quantity::Angle)]
     }
 }
 

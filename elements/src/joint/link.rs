@@ -99,7 +99,7 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         }
     }
 
-    pub(super) fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+    pub(super) fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         let rotation = self.pose(t, q).rotation;
         let norm = rotation.dot(&rotation).sqrt();
         (norm.is_finite() && !is_unit(&rotation)).then(|| {

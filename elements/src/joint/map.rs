@@ -110,8 +110,8 @@ where
         self.link.joint.edge()
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.link.trouble(t, q)
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.link.domain_error(t, q)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -182,8 +182,8 @@ where
         self.0.joint.edge()
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.trouble(t, q)
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.domain_error(t, q)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {

@@ -61,7 +61,7 @@ use axes::{PARALLEL, direction};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{Quaternion, log_quaternion, quaternion};
-use pullback_manifold::system::{CHART_EDGE, Kind};
+use pullback_manifold::system::{CHART_EDGE, Quantity};
 
 /// The pose of a child frame in its parent.
 ///
@@ -137,7 +137,7 @@ impl LogBranch {
 }
 
 /// A coordinate of a joint: what it is called, behind the joint's name, and what it measures.
-pub type JointCoordinate = (&'static str, Kind);
+pub type JointCoordinate = (&'static str, Quantity);
 
 /// A joint: the pose of its child in its parent, a function of D coordinates of its own and of time.
 ///

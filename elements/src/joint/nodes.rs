@@ -6,7 +6,7 @@ use crate::beam::Interpolation;
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::map::Map;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// The nodes that a joint makes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -176,7 +176,7 @@ pub fn slide_on(
     })?;
     let position = along.start().into();
     let joint = Slide::new(along, interpolation);
-    let arc_length = b.coordinates(format!("{name} arc_length"), &[Kind::Length])?;
+    let arc_length = b.coordinates(format!("{name} arc_length"), &[Quantity::Length])?;
     let segments: Vec<[NodeId; 3]> = chain.windows(2).map(|p| [p[0], p[1], arc_length]).collect();
     let segments: Vec<&[NodeId]> = segments.iter().map(|s| &s[..]).collect();
     let frame = b.mapped_node_along(name, position, joint.boxed(), &segments)?;

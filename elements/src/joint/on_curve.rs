@@ -4,7 +4,7 @@ use super::{Joint, JointCoordinate, JointNodes, Pose};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// A space curve, written once over any [`Scalar`].
 pub trait Curve: Send + Sync {
@@ -46,7 +46,7 @@ impl<C: Curve> Joint<1> for OnCurve<C> {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("parameter", Kind::Other)]
+        [("parameter", Quantity::Other)]
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 1>) -> f64 {

@@ -4,7 +4,7 @@ use super::{Joint, JointCoordinate, JointNodes, Pose};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// A surface, written once over any [`Scalar`].
 pub trait Surface: Send + Sync {
@@ -40,7 +40,10 @@ impl<F: Surface> Joint<2> for OnSurface<F> {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("parameter 1", Kind::Other), ("parameter 2", Kind::Other)]
+        [
+            ("parameter 1", Quantity::Other),
+            ("parameter 2", Quantity::Other),
+        ]
     }
 
     fn margin(&self, _t: f64, q: &SVector<f64, 2>) -> f64 {

@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m (u a + v b), R_s = R_m R(φ n): parents (frame, displacements u, v, angle φ).
 ///
@@ -41,9 +41,9 @@ impl Joint<3> for Planar {
 
     fn coordinates(&self) -> [JointCoordinate; 3] {
         [
-            ("displacement 1", Kind::Length),
-            ("displacement 2", Kind::Length),
-            ("angle", Kind::Angle),
+            ("displacement 1", Quantity::Length),
+            ("displacement 2", Quantity::Length),
+            ("angle", Quantity::Angle),
         ]
     }
 }

@@ -4,7 +4,7 @@ use super::{AxisError, Joint, JointCoordinate, JointNodes, Pose, direction};
 use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// d_s = d_m + R_m u e, R_s = R_m: parents (frame, displacement u).
 ///
@@ -29,7 +29,7 @@ impl Joint<1> for Prismatic {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("displacement", Kind::Length)]
+        [("displacement", Quantity::Length)]
     }
 }
 

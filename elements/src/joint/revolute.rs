@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// d_s = d_m, R_s = R_m R(φ e): parents (frame, angle φ); \[M04\] 4.1.4.
 ///
@@ -30,7 +30,7 @@ impl Joint<1> for Revolute {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Kind::Angle)]
+        [("angle", Quantity::Angle)]
     }
 }
 

@@ -54,7 +54,7 @@ impl Map<13, 6> for Slide {
 
     fn change_charts(&mut self, _t: f64, q: &SVector<f64, 13>) -> ChartChanges {
         let psi = [3, 9].map(|k| Vector3::new(q[k], q[k + 1], q[k + 2]));
-        let on = self.chain.hand_over(q[12]);
+        let on = self.chain.change_segments(q[12]);
         // Handed over, it has the nodes of another element than `q`.
         let residual = self.turn.choose((!on).then_some(psi)) || on;
         let charts = usize::from(residual);
@@ -65,7 +65,7 @@ impl Map<13, 6> for Slide {
         self.chain.line()
     }
 
-    fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+    fn overshoot(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
         let [from, to] = [from, to].map(|[q, v]| [q[12], v[12]]);
         self.chain.leaves(h, from, to)
     }
@@ -74,11 +74,11 @@ impl Map<13, 6> for Slide {
         self.chain.enter(segment as f64);
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn save(&self) -> Vec<f64> {
         vec![self.chain.line() as f64]
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        matches!(*memory, [line] if self.chain.enter(line))
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        matches!(*saved, [line] if self.chain.enter(line))
     }
 }

@@ -5,7 +5,7 @@ use crate::model::{ModelBuilder, ModelError, NodeId};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// R_s = R_m R(α e₁) R(β e₂): parents (frame, angle 1, angle 2).
 ///
@@ -39,7 +39,7 @@ impl Joint<2> for Universal {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("angle 1", Kind::Angle), ("angle 2", Kind::Angle)]
+        [("angle 1", Quantity::Angle), ("angle 2", Quantity::Angle)]
     }
 }
 

@@ -5,8 +5,8 @@
 use crate::element::{Element, ElementError, Motion, Response};
 use crate::time::TimeFunction;
 
-/// A force or moment conjugate to one scalar coordinate (a released joint angle or a slide), given
-/// as a function of time: a motor's torque; dim 1.
+/// A force or moment conjugate to one scalar coordinate (a joint angle or a slide), given as a
+/// function of time, such as the torque of a motor; dim 1.
 ///
 /// Residual F(t), energy −F x.
 #[derive(Debug)]
@@ -15,12 +15,12 @@ pub struct CoordinateForce {
 }
 
 impl CoordinateForce {
-    /// A force that is this function of time.
+    /// The force as a function of time.
     pub fn new(force: impl TimeFunction + 'static) -> Self {
         Self::boxed(Box::new(force))
     }
 
-    /// As [`CoordinateForce::new`], for a function that is boxed already.
+    /// As [`CoordinateForce::new`], for a boxed function.
     pub fn boxed(force: Box<dyn TimeFunction>) -> Self {
         Self { force }
     }

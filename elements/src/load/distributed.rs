@@ -9,13 +9,13 @@ use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 
-/// Most nodes of an element.
+/// Largest number of nodes of an element.
 const MOST: usize = 4;
 
 /// R and the Θ_Ψᵢ of δΘ = Σ Θ_Ψᵢ δΨᵢ of the section with shape functions N.
 type SectionAt = fn(x: &[f64], N: &[f64]) -> (Matrix3<f64>, [Matrix3<f64>; MOST]);
 
-/// A force per unit reference length on the nodes of a beam element, interpolated as the beam is.
+/// A force per unit reference length on a beam element, interpolated like the beam.
 ///
 /// Self-weight is the dead load Aρ g.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct LineLoad {
     /// Shape functions and weights at the integration points (one more than nodes).
     points: Vec<(Vec<f64>, f64)>,
     nodes: usize,
-    /// What each node carries of a load that keeps its direction: ∫ Nᵢ.
+    /// Share of each node in a dead load: ∫ Nᵢ.
     shares: Vec<f64>,
     follower: bool,
     section: SectionAt,
@@ -43,8 +43,8 @@ fn section<const NN: usize, I: Rotations<NN>>(
 }
 
 impl LineLoad {
-    /// The same load on an element with this interpolation of rotations: a follower load turns with
-    /// its cross-sections. Without it, [`Interpolation::Total`].
+    /// The same load on an element with this interpolation of rotations: a follower load rotates
+    /// with its cross-sections. [`Interpolation::Total`] by default.
     #[must_use]
     pub fn with_interpolation(mut self, interpolation: Interpolation) -> Self {
         self.section = match (interpolation, self.nodes) {
@@ -58,8 +58,8 @@ impl LineLoad {
         self
     }
 
-    /// `force` per length times `amplitude` on an element through `positions`; a follower load turns
-    /// with the cross-sections.
+    /// `force` per length times `amplitude` on an element through `positions`; a follower load
+    /// rotates with the cross-sections.
     ///
     /// # Errors
     /// [`BeamError::Nodes`] unless there are two, three or four positions.

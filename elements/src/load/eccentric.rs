@@ -1,4 +1,4 @@
-//! A force of fixed direction at a point beside the node: the weight of an eccentric mass.
+//! A dead force at a point beside the node, such as the weight of an eccentric mass.
 
 #![allow(non_snake_case)]
 
@@ -8,8 +8,7 @@ use nalgebra::Vector3;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3::{self, skew};
 
-/// A force n of fixed direction at the material offset e from a frame node; dim 6.
-/// \[M04\] (156)–(157).
+/// A force n of fixed direction at the material offset e from a frame node; dim 6. \[M04\] (156)–(157).
 ///
 /// Covector n for d and Tᵀ e~ Rᵀn for Ψ. It has the potential −n·(d + (R − I) e), zero in the
 /// reference configuration, so that its tangent is symmetric.
@@ -27,7 +26,7 @@ impl EccentricForce {
         Self::boxed(force, offset, Box::new(amplitude))
     }
 
-    /// As [`EccentricForce::new`], for an amplitude that is boxed already.
+    /// As [`EccentricForce::new`], for a boxed amplitude.
     pub fn boxed(force: [f64; 3], offset: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
         Self {
             n: force.into(),

@@ -8,17 +8,17 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;
 
-/// What a nodal load does when its node rotates.
+/// Kind of a nodal load: its behaviour when the node rotates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadKind {
-    /// Force f of fixed direction: covector f for d.
+    /// Dead force f: covector f for d.
     DeadForce,
-    /// Force R f that turns with the node; its tangent is −R f~ T, not symmetric.
+    /// Follower force R f; its tangent −R f~ T is not symmetric.
     FollowerForce,
-    /// Moment m of fixed direction: covector T m for Ψ; its tangent C₁(m,Ψ) is not symmetric, the
-    /// load has no potential.
+    /// Spatial moment m of fixed direction: covector T m for Ψ; its tangent C₁(m,Ψ) is not
+    /// symmetric, so it has no potential.
     SpatialMoment,
-    /// Moment R M that turns with the node: covector Tᵀ M, tangent C₂(M,Ψ).
+    /// Follower moment R M: covector Tᵀ M, tangent C₂(M,Ψ).
     FollowerMoment,
 }
 
@@ -37,7 +37,7 @@ impl NodalLoad {
         Self::boxed(which, vector, Box::new(amplitude))
     }
 
-    /// As [`NodalLoad::new`], for an amplitude that is boxed already.
+    /// As [`NodalLoad::new`], for a boxed amplitude.
     pub fn boxed(which: LoadKind, vector: [f64; 3], amplitude: Box<dyn TimeFunction>) -> Self {
         Self {
             which,

@@ -1,22 +1,22 @@
-//! Assembly. The pattern is found once, values go straight into place.
+//! Assembly into a pattern that is found once.
 
 #![allow(non_snake_case)]
 
 use super::Model;
 use super::element_charts::TOO_FAR;
 use super::runs::check_length;
-use super::scatter::{Group, Into};
+use super::scatter::{Group, ScatterTarget};
 use crate::element::ElementError;
 use crate::time::Input;
 use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
 use std::f64::consts::TAU;
 
-/// Most nodes one element may have.
+/// Largest number of nodes of an element.
 pub(super) const MAX_NODES: usize = 16;
 
 impl Model {
-    /// Coordinates (and velocities, accelerations where given) of all nodes at a point, into the
-    /// workspace: own nodes first, then the mapped ones.
+    /// Writes coordinates (and velocities, accelerations if given) of all nodes at a point to the
+    /// workspace: own nodes first, then mapped ones.
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         let statics = at.is_static();
         let w = &mut self.work;
@@ -28,17 +28,17 @@ impl Model {
             w.a.fill(0.0);
         }
         (w.stirred, w.moving) = (!statics, !statics);
-        self.expand_places(at.t, at.q)
+        self.expand_positions(at.t, at.q)
     }
 
-    /// Coordinates of all nodes. Those of prescribed and dependent ones come with their rates, which
-    /// make sense where those of the others are set.
-    pub(super) fn expand_places(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
+    /// Coordinates of all nodes. Prescribed and mapped ones get rates as well, which are valid only
+    /// if those of the others are set.
+    pub(super) fn expand_positions(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
         self.runs.scatter("coordinates q", q, &mut w.x)?;
         for p in &self.prescribed {
-            // In statics the velocity of a prescribed coordinate is its rate with the load
+            // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
             [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
@@ -53,7 +53,7 @@ impl Model {
                 &mut w.a[first..first + 3],
             );
         }
-        // A map may move by itself: rates of dependent nodes are read in any case.
+        // A map may depend on time: rates of mapped nodes are read in any case.
         w.moving |= !self.dependent.is_empty();
         if w.stirred {
             self.take_spins();
@@ -89,8 +89,8 @@ impl Model {
         Ok(())
     }
 
-    /// Adds all elements (but for dead loads, unless rates are wanted): residuals to the nodes,
-    /// tangents into `S`.
+    /// Adds all elements (without dead loads, unless rates are requested): residuals to the nodes,
+    /// tangents to `S`.
     pub(super) fn add_elements(
         &mut self,
         t: f64,
@@ -123,8 +123,8 @@ impl Model {
             local
                 .evaluate(e, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
-            if let Some(h) = w.accelerations_asked {
-                local.ask_accelerations(e, t, h);
+            if let Some(h) = w.acceleration_step {
+                local.raise_to_accelerations(e, t, h);
             }
             if e.load {
                 local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
@@ -156,22 +156,22 @@ impl Model {
             };
             if !e.mapped {
                 local.combine(e, *weights, [statics, rates]);
-                self.placement.scatter(e, &self.spans, &local.S, values);
+                self.scatter_map.scatter(e, &self.spans, &local.S, values);
                 continue;
             }
             let (tangents, work) = local.tangents(e, statics);
             let group = Group {
                 nodes: &e.nodes,
-                first_place: e.first_place,
+                first_position: e.first_position,
                 tangents,
                 weights: *weights,
             };
-            let mut into = Into {
+            let mut into = ScatterTarget {
                 values,
                 panels: &mut w.panels,
                 work,
             };
-            self.placement
+            self.scatter_map
                 .scatter_group(&self.nodes, &w.operators, &group, &mut into);
         }
         Ok(())
@@ -181,11 +181,11 @@ impl Model {
         let w = &mut self.work;
         let force = &mut w.scales.force;
         for p in &self.prescribed {
-            let kind = self.kinds[p.coordinate].index();
+            let quantity = self.quantities[p.coordinate].index();
             let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
-            force[kind] = force[kind].max(passed_on.abs());
+            force[quantity] = force[quantity].max(passed_on.abs());
         }
-        // Parts that nobody loads or holds measure what is out of balance by what they exert on each
+        // Parts without loads and supports are measured by the forces that they exert on each
         // other.
         for (force, exerted) in force.iter_mut().zip(w.exerted.force) {
             if *force == 0.0 {
@@ -229,7 +229,7 @@ impl Model {
             w.direct[c] = w.r[c];
         }
         if let Some((_, values)) = &mut S {
-            self.placement.clear_unwritten(values);
+            self.scatter_map.clear_unwritten(values);
             self.work.panels.fill(0.0);
             self.chain_operators(!statics);
         }

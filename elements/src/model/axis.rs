@@ -4,16 +4,16 @@
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// A curve in space with an orientation of the cross-section: the reference shape of a line of
-/// beam elements.
+/// A curve in space with an orientation of the cross-section: the reference shape of a line of beam
+/// elements.
 pub trait Axis {
     /// Position and orientation at u ∈ [0, 1]. The columns of the matrix are E₁ (tangent), E₂, E₃ in
     /// global components.
     fn at(&self, u: f64) -> (Vector3<f64>, Matrix3<f64>);
 }
 
-/// Frame whose first axis is along `tangent` and whose second lies in the plane of the tangent and
-/// `second`, on its side.
+/// Frame whose first axis is along `tangent` and whose second axis lies in the half-plane of the
+/// tangent and `second`.
 ///
 /// Without a usable `second` axis (`None`, or parallel to the tangent within 1e-6), E₃ is chosen
 /// as close as possible to e3, or to e2 for a beam along e3.
@@ -57,8 +57,8 @@ impl Axis for Straight {
     }
 }
 
-/// A circular arc: it starts at `from`, and turns by `angle` about the directed line through
-/// `center` along `axis`.
+/// A circular arc: starts at `from` and rotates by `angle` about the directed line through `center`
+/// along `axis`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     /// Start.
@@ -67,7 +67,7 @@ pub struct Arc {
     pub center: Vector3<f64>,
     /// Direction of the axis of rotation.
     pub axis: Unit<Vector3<f64>>,
-    /// Angle turned, in radians; positive about `axis` by the right-hand rule.
+    /// Angle of the arc, in radians; positive about `axis` by the right-hand rule.
     pub angle: f64,
     /// Direction of E₂ at the start (only its part normal to the tangent counts).
     pub second: Option<Vector3<f64>>,

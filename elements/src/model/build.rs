@@ -1,11 +1,11 @@
-//! The end of building: one check of the whole, the numbering, the pattern.
+//! Validation, numbering and pattern of a model.
 
-use super::ancestry::{self, Alternatives};
 use super::builder::{ModelBuilder, NodeId};
 use super::connections::check_connections;
+use super::dependency_graph::{self, Alternatives};
 use super::formulation;
 use super::loops;
-use super::placement::Placement;
+use super::scatter_map::ScatterMap;
 use super::start;
 use super::workspace::Workspace;
 use super::{
@@ -13,15 +13,15 @@ use super::{
 };
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::HashSet;
 
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
     ///
     /// # Errors
-    /// [`ModelError`] naming what is wrong. Whether the supports suffice is asked by statics
-    /// ([`Model::check_supports`]): a free structure is a fine model for dynamics.
+    /// [`ModelError`] with the cause. Statics also checks that the supports suffice
+    /// ([`Model::check_supports`]); a free structure is valid in dynamics.
     pub fn build(mut self) -> Result<Model, ModelError> {
         let extent = extent(&self.nodes);
         let length = if extent > 0.0 { extent } else { 1.0 };
@@ -34,14 +34,15 @@ impl ModelBuilder {
         preferred.extend(self.starts.keys().map(|&(n, _)| n));
         let used = self.elements.iter().flat_map(|e| e.nodes.iter());
         preferred.extend(used.map(|&n| NodeId(n)));
-        let wishes = loops::Wishes {
+        let preferences = loops::StartPreferences {
             starts: &self.starts,
             preferred,
         };
         let held = loops::Held(&self.prescribed);
-        let mut reports = loops::close(&mut self.nodes, &self.closings, &held, &wishes, length)?;
-        let positions = loops::positions(&self.nodes, &enforced, &held, &wishes, length);
-        self.keep_one_free(&reports)?;
+        let nodes = &mut self.nodes;
+        let mut reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
+        let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
+        self.add_dummy_dof(&reports)?;
         reports.extend(forces);
         let Self {
             mut nodes,
@@ -59,12 +60,12 @@ impl ModelBuilder {
             node.first = total;
             total += node.dim;
         }
-        let dependent = ancestry::order(&nodes);
+        let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let operators = ancestry::arrange(&mut nodes, &dependent, &alternatives);
+        let operators = dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
-        check_rewritten(&nodes, &elements, &prescribed)?;
+        check_reparametrized(&nodes, &elements, &prescribed)?;
 
         // Numbering: block by block, away from the supports.
         let mut free: Vec<bool> = nodes
@@ -77,41 +78,41 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut placement = Placement::new(nodes.len(), total);
+        let mut scatter_map = ScatterMap::new(nodes.len(), total);
         for n in outward(&nodes, &elements, &prescribed) {
             let node = &nodes[n];
             let mut size = 0;
             for c in node.range().filter(|&c| free[c]) {
                 unknowns[c] = coordinates.len() as u32;
                 coordinates.push(c);
-                placement.rows[c] = size;
+                scatter_map.rows[c] = size;
                 size += 1;
             }
             if size > 0 {
-                placement.blocks[n] = sizes.len() as u32;
+                scatter_map.blocks[n] = sizes.len() as u32;
                 sizes.push(size as usize);
             }
         }
 
-        // The pattern has room for whatever an element may come to depend on; a joint without
-        // elements behind it carries no force. Elements at one body all have the same set.
+        // The pattern has room for all nodes that an element may depend on; a joint without
+        // elements carries no force. Elements on one body all have the same set.
         let mut sets = HashSet::new();
         for e in &elements {
             sets.extend(alternatives.of(&e.nodes));
         }
-        let block = |n: &u32| Some(placement.blocks[*n as usize]).filter(|&b| b != NONE);
+        let block = |n: &u32| Some(scatter_map.blocks[*n as usize]).filter(|&b| b != NONE);
         let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
-        let kinds: Vec<Kind> = nodes.iter().flat_map(|n| n.kinds.clone()).collect();
+        let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
         let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
         let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
-        let unit = |i: usize| match (multipliers[coordinates[i]], kinds[coordinates[i]]) {
+        let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
             (true, _) => 0.0,
-            (_, Kind::Length) => length,
+            (_, Quantity::Length) => length,
             _ => 1.0,
         };
         let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
-        let panels = placement.arrange(&nodes, &dependent, &elements, &alternatives);
-        placement.locate(&nodes, &dependent, &mut elements, &pattern);
+        let panels = scatter_map.arrange(&nodes, &dependent, &elements, &alternatives);
+        scatter_map.locate(&nodes, &dependent, &mut elements, &pattern);
 
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let turned = |n: &usize| {
@@ -119,14 +120,14 @@ impl ModelBuilder {
             nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
         };
         let prescribed_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
-        let magnitude = |node: &Node, kind: Kind| match kind {
-            Kind::Length if node.is_frame() => node.position.norm(),
-            Kind::Length => length,
-            Kind::Angle | Kind::Other => 1.0,
+        let magnitude = |node: &Node, quantity: Quantity| match quantity {
+            Quantity::Length if node.is_frame() => node.position.norm(),
+            Quantity::Length => length,
+            Quantity::Angle | Quantity::Other => 1.0,
         };
         let sizes = |node: &Node| -> Vec<f64> {
-            let kinds = node.kinds.iter();
-            kinds.map(|kind| magnitude(node, *kind)).collect()
+            let quantities = node.quantities.iter();
+            quantities.map(|k| magnitude(node, *k)).collect()
         };
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
@@ -139,7 +140,7 @@ impl ModelBuilder {
         let spans = nodes.iter().map(span).collect();
         let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
         let enforced = (0..elements.len()).filter(is_enforced).collect();
-        let spinning = match formulation.spins() {
+        let spin_frames = match formulation.velocity_kind() {
             Some(_) => formulation::turning(&nodes).collect(),
             None => Vec::new(),
         };
@@ -147,7 +148,7 @@ impl ModelBuilder {
             nodes,
             spans,
             dependent,
-            spinning,
+            spin_frames,
             reports,
             elements,
             enforced,
@@ -161,12 +162,12 @@ impl ModelBuilder {
             runs: Runs::new(&coordinates),
             coordinates,
             unknowns,
-            kinds,
+            quantities,
             multipliers,
             magnitudes,
             length,
             pattern,
-            placement,
+            scatter_map,
             work,
         };
         let zero = vec![0.0; model.coordinates.len()];
@@ -181,8 +182,8 @@ impl ModelBuilder {
     }
 }
 
-/// Shortest and longest lever of the model: the least distance between nodes of an element or a
-/// joint that stand apart, and the extent of the whole; zero and infinite where there is none.
+/// Shortest and longest lever of the model: the least distance between different node positions of
+/// an element or a joint, and the extent of the whole; zero and infinity if there is none.
 fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     if extent == 0.0 {
         return [0.0, f64::INFINITY];
@@ -215,7 +216,7 @@ fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
     [if shortest.is_finite() { shortest } else { 0.0 }, extent]
 }
 
-/// Diagonal of the box around all frames; zero where they stand at one position.
+/// Diagonal of the box around all frames; zero if all have the same position.
 fn extent(nodes: &[Node]) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64| {
         let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.position);
@@ -229,8 +230,8 @@ fn extent(nodes: &[Node]) -> f64 {
 /// All nodes by their distance from the supports, counted in elements.
 ///
 /// Elimination takes the last first: from free ends towards supports every partial structure is
-/// held by what is still to come, and pivots keep their size. The other way round the last pivot
-/// of a cantilever would be its tip stiffness, small by the cube of the number of elements.
+/// held by the rest, and pivots keep their size. In the opposite order the last pivot of a
+/// cantilever would be its tip stiffness, small by the cube of the number of elements.
 fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Vec<usize> {
     let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
@@ -286,8 +287,8 @@ fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed])
     order
 }
 
-/// Coordinates that a map may give another meaning must be free, own ones that nobody else uses.
-fn check_rewritten(
+/// Checks that reparametrized coordinates are free, and used by no other map or element.
+fn check_reparametrized(
     nodes: &[Node],
     elements: &[ElementEntry],
     prescribed: &[Prescribed],
@@ -296,10 +297,11 @@ fn check_rewritten(
         let Source::Mapped(d) = &node.source else {
             continue;
         };
-        // Masters behind the first are parameters, which stay what they are.
-        for &m in d.parents().iter().take(1).filter(|_| d.map.rewrites()) {
+        // Parents after the first are parameters, which are not reparametrized.
+        let first = d.parents().iter().take(1);
+        for &m in first.filter(|_| d.map.reparametrizes()) {
             let parent = &nodes[m as usize];
-            // Made for the frame by the model itself.
+            // Created for the frame by the model itself.
             if parent.form == NodeForm::Increment {
                 continue;
             }
@@ -323,7 +325,7 @@ fn check_rewritten(
             } else {
                 continue;
             };
-            return Err(ModelError::Rewritten {
+            return Err(ModelError::Reparametrized {
                 node: node.name.clone(),
                 coordinates: parent.name.clone(),
                 user,
@@ -354,7 +356,7 @@ fn resolve_prescribed(
         }
         let coordinate = node.coordinate_name(dof);
         if matches!(node.source, Source::Mapped(_)) {
-            return Err(refuse_slave(nodes, id.0, coordinate));
+            return Err(refuse_mapped(nodes, id.0, coordinate));
         }
         if !taken.insert(node.first + dof) {
             return Err(ModelError::PrescribedTwice { coordinate });
@@ -367,18 +369,18 @@ fn resolve_prescribed(
     Ok(out)
 }
 
-/// Says what can be prescribed instead of a coordinate that follows from others: those that it follows
-/// from in the end.
-fn refuse_slave(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
+/// Error for a prescribed coordinate that follows from others; it names those that can be
+/// prescribed instead.
+fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
     let (mut waiting, mut own) = (vec![dependent], Vec::new());
     while let Some(n) = waiting.pop() {
         let node = &nodes[n as usize];
         match &node.source {
-            Source::Mapped(d) if d.map.rewrites() => {
+            Source::Mapped(d) if d.map.reparametrizes() => {
                 let solved = node.name.clone();
                 return ModelError::PrescribedSolved { coordinate, solved };
             }
-            // The first of them first.
+            // In the order of the parents.
             Source::Mapped(d) => waiting.extend(d.parents().iter().rev()),
             Source::Own if own.contains(&node.name.as_str()) => {}
             Source::Own => own.push(&node.name),

@@ -1,32 +1,32 @@
-//! Building a model: nodes, elements, supports; then one check of the whole and the numbering.
+//! Building a model: nodes, elements, supports.
 
 use super::assembly::MAX_NODES;
-use super::dependence::Dependence;
 use super::formulation::Formulation;
 use super::loops::Closing;
+use super::mapped_node::MappedNode;
 use super::{ElementEntry, ModelError, Node, NodeForm, NodeList, Source};
 use crate::element::Element;
 use crate::time::{Constant, Input, TimeFunction};
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
 
-/// What the coordinates of a frame node measure.
-pub(super) const FRAME_KINDS: [Kind; FRAME] = {
-    use Kind::{Angle, Length};
+/// Quantities of the coordinates of a frame node.
+pub(super) const FRAME_QUANTITIES: [Quantity; FRAME] = {
+    use Quantity::{Angle, Length};
     [Length, Length, Length, Angle, Angle, Angle]
 };
 
-/// A node of the builder that made it.
+/// A node of a model builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub(crate) u32);
 
-/// An element of the builder that made it.
+/// An element of a model builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ElementId(pub(crate) u32);
 
@@ -55,7 +55,7 @@ impl Dof {
     /// The three rotations.
     pub const ROTATIONS: [Self; 3] = [Self::RX, Self::RY, Self::RZ];
 
-    /// Position among the six coordinates.
+    /// Index among the six coordinates.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -71,7 +71,7 @@ pub(super) const DOF_NAMES: [&str; FRAME] = [
     "rotation about e3",
 ];
 
-/// Collects a model and checks it when [`ModelBuilder::build`] is called.
+/// Builder of a model; [`ModelBuilder::build`] validates it.
 #[derive(Default)]
 pub struct ModelBuilder {
     pub(super) nodes: Vec<Node>,
@@ -79,11 +79,11 @@ pub struct ModelBuilder {
     pub(super) elements: Vec<ElementEntry>,
     pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
     pub(super) closings: Vec<Closing>,
-    /// Where coordinates of loops should start.
+    /// Desired initial values of coordinates in loops.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
-    /// Coordinates that loops rather leave free.
+    /// Coordinates that loops should leave free.
     pub(super) preferred: HashSet<NodeId>,
-    /// Coordinates that follow another one through gears, and their ratios to it.
+    /// Coordinates that follow another one by gears, and their ratios to it.
     gears: HashMap<NodeId, (NodeId, f64)>,
     pub(super) formulation: Formulation,
     pub(super) inputs: Vec<Input>,
@@ -108,50 +108,50 @@ impl ModelBuilder {
             name.into(),
             position,
             NodeForm::Frame,
-            &FRAME_KINDS,
+            &FRAME_QUANTITIES,
             Source::Own,
         )
     }
 
-    /// Adds coordinates that are no frame: those a joint releases, say.
+    /// Adds scalar coordinates, such as those of a joint.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`].
     pub fn coordinates(
         &mut self,
         name: impl Into<String>,
-        kinds: &[Kind],
+        quantities: &[Quantity],
     ) -> Result<NodeId, ModelError> {
         self.add_node(
             name.into(),
             [0.0; 3],
             NodeForm::Coordinates,
-            kinds,
+            quantities,
             Source::Own,
         )
     }
 
-    /// Adds a rotation vector of its own: the three coordinates that a spherical joint releases.
-    /// It changes its chart like that of a frame.
+    /// Adds a rotation vector, such as the three coordinates of a spherical joint. Its chart
+    /// changes like that of a frame.
     ///
     /// # Errors
     /// [`ModelError::DuplicateNode`].
     pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
-        let kinds = [Kind::Angle; 3];
+        let quantities = [Quantity::Angle; 3];
         self.add_node(
             name.into(),
             [0.0; 3],
             NodeForm::Rotation,
-            &kinds,
+            &quantities,
             Source::Own,
         )
     }
 
-    /// Adds a frame node whose six coordinates follow from those of `parents` through a map.
+    /// Adds a frame node whose six coordinates are a map of those of `parents`.
     ///
     /// # Errors
-    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] when
-    /// the map does not take the parents' coordinates to six; [`ModelError::ForeignNode`].
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] if
+    /// the map is not from the parents' coordinates to six; [`ModelError::ForeignNode`].
     pub fn mapped_node(
         &mut self,
         name: impl Into<String>,
@@ -162,8 +162,8 @@ impl ModelBuilder {
         self.mapped_node_along(name, position, map, &[parents])
     }
 
-    /// As [`ModelBuilder::mapped_node`], for a map that travels along several sets of parents
-    /// ([`Map::segment`](pullback_manifold::map::Map::segment) tells which one it reads).
+    /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
+    /// ([`Map::segment`](pullback_manifold::map::Map::segment) is the one in use).
     ///
     /// # Errors
     /// As [`ModelBuilder::mapped_node`].
@@ -174,27 +174,27 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Frame, &FRAME_KINDS[..]);
+        let form = (NodeForm::Frame, &FRAME_QUANTITIES[..]);
         self.add_mapped(name.into(), position, form, map, segments)
     }
 
-    /// Adds coordinates that are no frame and follow from those of `parents` through a map: those of
-    /// a loop that is closed by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint,
-    /// one of them ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a
-    /// gear. Joints and elements take them as they take any coordinates.
+    /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed
+    /// by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint, one of them
+    /// ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a gear. Joints
+    /// and elements use them like any coordinates.
     ///
     /// # Errors
-    /// As [`ModelBuilder::mapped_node`]. A map that changes the meaning of its own coordinates
-    /// ([`Map::rewrites`](pullback_manifold::map::Map::rewrites)) must be the only one that uses
-    /// them: [`ModelError::Rewritten`] when the model is built.
+    /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
+    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be their only
+    /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
     pub fn mapped_coordinates(
         &mut self,
         name: impl Into<String>,
-        kinds: &[Kind],
+        quantities: &[Quantity],
         map: Box<dyn Parametrization>,
         parents: &[NodeId],
     ) -> Result<NodeId, ModelError> {
-        let form = (NodeForm::Coordinates, kinds);
+        let form = (NodeForm::Coordinates, quantities);
         self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
     }
 
@@ -202,7 +202,7 @@ impl ModelBuilder {
         &mut self,
         name: String,
         position: [f64; 3],
-        (form, kinds): (NodeForm, &[Kind]),
+        (form, quantities): (NodeForm, &[Quantity]),
         map: Box<dyn Parametrization>,
         segments: &[&[NodeId]],
     ) -> Result<NodeId, ModelError> {
@@ -217,20 +217,20 @@ impl ModelBuilder {
                 });
             }
             let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
-            if d != found || n != kinds.len() {
+            if d != found || n != quantities.len() {
                 return Err(ModelError::JointDimension {
                     node: name,
                     parents: self.names_of(parents),
                     map: (d, n),
                     found,
-                    dim: kinds.len(),
+                    dim: quantities.len(),
                 });
             }
         }
         let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
         let segments = segments.iter().map(numbers).collect();
-        let source = Source::Mapped(Box::new(Dependence::new(map, segments, d)));
-        self.add_node(name, position, form, kinds, source)
+        let source = Source::Mapped(Box::new(MappedNode::new(map, segments, d)));
+        self.add_node(name, position, form, quantities, source)
     }
 
     pub(super) fn add_node(
@@ -238,7 +238,7 @@ impl ModelBuilder {
         name: String,
         position: [f64; 3],
         form: NodeForm,
-        kinds: &[Kind],
+        quantities: &[Quantity],
         source: Source,
     ) -> Result<NodeId, ModelError> {
         if position.iter().any(|x| !x.is_finite()) {
@@ -254,15 +254,15 @@ impl ModelBuilder {
         };
         self.nodes.push(Node {
             position: position.into(),
-            ..Node::new(name, form, kinds, source)
+            ..Node::new(name, form, quantities, source)
         });
         Ok(id)
     }
 
-    /// The node of a name.
+    /// Node with a name.
     ///
     /// # Errors
-    /// [`ModelError::UnknownNode`], which lists the names there are.
+    /// [`ModelError::UnknownNode`], with a list of all names.
     pub fn find(&self, name: &str) -> Result<NodeId, ModelError> {
         self.names.get(name).copied().ok_or_else(|| {
             let mut known: Vec<&str> = self.nodes.iter().map(|n| n.name.as_str()).collect();
@@ -285,17 +285,17 @@ impl ModelBuilder {
         self.nodes[node.0 as usize].position
     }
 
-    /// Number of coordinates of a node: six of a frame.
+    /// Number of coordinates of a node, six for a frame.
     pub fn dim(&self, node: NodeId) -> usize {
         self.nodes[node.0 as usize].dim
     }
 
-    /// Whether a node has coordinates of its own, and follows no others.
+    /// Whether a node has coordinates of its own and is not mapped.
     pub(crate) fn is_own(&self, node: NodeId) -> bool {
         self.nodes[node.0 as usize].is_own()
     }
 
-    /// The coordinate that a coordinate follows through gears in the end, and its ratio to that.
+    /// The coordinate at the end of a chain of gears, and the ratio to it.
     pub(crate) fn behind_gears(&self, mut node: NodeId) -> (NodeId, f64) {
         let mut ratio = 1.0;
         while let Some(&(leader, r)) = self.gears.get(&node) {
@@ -304,7 +304,7 @@ impl ModelBuilder {
         (node, ratio)
     }
 
-    /// Lets a coordinate follow an earlier one through a map: a gear of this ratio.
+    /// Makes a coordinate follow an earlier one by a gear of this ratio.
     pub(crate) fn follow(
         &mut self,
         leader: NodeId,
@@ -313,8 +313,8 @@ impl ModelBuilder {
         map: Box<dyn Parametrization>,
     ) {
         self.gears.insert(follower, (leader, ratio));
-        let dependence = Dependence::new(map, vec![vec![leader.0]], 1);
-        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(map, vec![vec![leader.0]], 1);
+        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(mapped));
     }
 
     pub(super) fn check_own(
@@ -337,7 +337,7 @@ impl ModelBuilder {
     /// Adds an element or a load on nodes.
     ///
     /// # Errors
-    /// [`ModelError::Dimension`] when the nodes do not have the coordinates that it expects.
+    /// [`ModelError::Dimension`] if the nodes do not have the coordinates of the element.
     pub fn element(
         &mut self,
         name: impl Into<String>,
@@ -347,7 +347,7 @@ impl ModelBuilder {
         self.boxed_element(name.into(), Box::new(element), nodes)
     }
 
-    /// As [`ModelBuilder::element`], for an element that is boxed already.
+    /// As [`ModelBuilder::element`], for a boxed element.
     ///
     /// # Errors
     /// As [`ModelBuilder::element`].
@@ -392,19 +392,19 @@ impl ModelBuilder {
             loose: None,
             mapped: false,
             held: false,
-            first_place: 0,
+            first_position: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }
 
-    /// Holds coordinates of a node at zero.
+    /// Fixes coordinates of a node at zero.
     pub fn support(&mut self, node: NodeId, dofs: &[Dof]) {
         for &dof in dofs {
             self.prescribe(node, dof, Constant(0.0));
         }
     }
 
-    /// A value for loads and prescribed coordinates that is set from outside while a run goes on.
+    /// Adds a value for loads and prescribed coordinates that is set from outside during a run.
     pub fn input(&mut self, value: f64) -> Input {
         let input = Input::new(value);
         self.inputs.push(input.clone());
@@ -417,12 +417,12 @@ impl ModelBuilder {
         self.prescribe_boxed(node, dof, Box::new(function));
     }
 
-    /// As [`ModelBuilder::prescribe`], for a function that is boxed already.
+    /// As [`ModelBuilder::prescribe`], for a boxed function.
     pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
         self.prescribe_coordinate(node, dof.index(), function);
     }
 
-    /// Prescribes coordinate `k` of any node: the angle of a revolute joint, say.
+    /// Prescribes coordinate `k` of any node, such as the angle of a revolute joint.
     pub fn prescribe_coordinate(
         &mut self,
         node: NodeId,

@@ -1,7 +1,7 @@
-//! Which chart each node and each element uses, decided at converged states only.
+//! Charts of nodes and elements, changed at converged states only.
 
-use super::dependence::Dependence;
 use super::gather::collect;
+use super::mapped_node::MappedNode;
 use super::slots::fold;
 use super::{Model, Node, NodeForm, Source, among};
 use nalgebra::Vector3;
@@ -10,9 +10,9 @@ use pullback_manifold::map::Map;
 use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::TAU;
 
-/// The coordinates of a map that may change their meaning.
+/// Coordinates of a map that reparametrizes them.
 #[derive(Default)]
-pub(super) struct Rewriting {
+pub(super) struct Reparametrization {
     node: u32,
     q: Vec<f64>,
     v: Vec<f64>,
@@ -20,36 +20,35 @@ pub(super) struct Rewriting {
 }
 
 impl Model {
-    /// What the maps that nodes follow through remember of their way, map by map: the coordinates
-    /// that a closed loop has chosen, and from where it is solved; and which equations of multipliers are
-    /// left out, where that is so.
-    pub fn map_memories(&self) -> Vec<Vec<f64>> {
-        let memory = |&n: &u32| match &self.nodes[n as usize].source {
-            Source::Mapped(d) => d.map.memory(),
+    /// State of the maps between nodes, map by map: the independent coordinates of a closed loop and the
+    /// point from which it is solved. Last, the multiplier equations that are left out, if any.
+    pub fn save_maps(&self) -> Vec<Vec<f64>> {
+        let state = |&n: &u32| match &self.nodes[n as usize].source {
+            Source::Mapped(d) => d.map.save(),
             Source::Own => Vec::new(),
         };
-        let choice = (!self.chosen_at.is_empty()).then(|| self.choice_memory());
-        self.dependent.iter().map(memory).chain(choice).collect()
+        let choice = (!self.chosen_at.is_empty()).then(|| self.save_choice());
+        self.dependent.iter().map(state).chain(choice).collect()
     }
 
-    /// Goes on from what [`Model::map_memories`] gave for the same model; false where it is not of
-    /// this model.
+    /// Restores the state from [`Model::save_maps`] of the same model; false if it belongs to another
+    /// model.
     #[must_use]
-    pub fn recall_maps(&mut self, memories: &[Vec<f64>]) -> bool {
-        let (maps, choice) = memories.split_at(memories.len().min(self.dependent.len()));
+    pub fn restore_maps(&mut self, saved: &[Vec<f64>]) -> bool {
+        let (maps, choice) = saved.split_at(saved.len().min(self.dependent.len()));
         let same = maps.len() == self.dependent.len()
             && choice.len() == usize::from(!self.chosen_at.is_empty())
-            && choice.iter().all(|memory| self.recall_choice(memory));
-        same && (self.dependent.iter().zip(maps)).all(|(&n, memory)| {
+            && choice.iter().all(|choice| self.restore_choice(choice));
+        same && (self.dependent.iter().zip(maps)).all(|(&n, saved)| {
             match &mut self.nodes[n as usize].source {
-                Source::Mapped(d) => d.map.recall(memory),
+                Source::Mapped(d) => d.map.restore(saved),
                 Source::Own => false,
             }
         })
     }
 
-    /// Changes the charts of nodes where that is due ([`RotationVector`]: ψ > π), then lets the
-    /// elements choose theirs.
+    /// Changes the charts of nodes where needed ([`RotationVector`]: ψ > π), then those of the
+    /// elements.
     pub(super) fn update_charts(
         &mut self,
         t: f64,
@@ -57,7 +56,7 @@ impl Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
-        // Where a map cannot be evaluated, the next evaluation says so.
+        // If a map cannot be evaluated, the next evaluation reports it.
         if !self.look_before(t, q) {
             return ChartChanges::default();
         }
@@ -101,12 +100,12 @@ impl Model {
                 put(v, &first);
             }
         }
-        changed += self.rewrite_coordinates(t, q, v, accelerations);
-        self.work.handed_over = false;
+        changed += self.reparametrize_coordinates(t, q, v, accelerations);
+        self.work.segments_changed = false;
         if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
             self.keep_momentum(Point { t, q, v, a });
         }
-        // Where a map cannot be evaluated, the next evaluation says so.
+        // If a map cannot be evaluated, the next evaluation reports it.
         let Ok(maps) = self.update_maps(t, q) else {
             return ChartChanges {
                 charts: changed,
@@ -121,51 +120,50 @@ impl Model {
         }
     }
 
-    /// Lets maps choose other coordinates of their own for the same x, ẋ, ẍ. These are free
-    /// coordinates of one own node, the first parent, which nobody else uses: seen to when the
-    /// model is built.
-    fn rewrite_coordinates(
+    /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of one
+    /// own node, the first parent, and have no other user, which is checked when the model is built.
+    fn reparametrize_coordinates(
         &mut self,
         t: f64,
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) -> usize {
-        let mut changed = self.rewrite_increments(t, q, v, accelerations);
+        let mut changed = self.reparametrize_increments(t, q, v, accelerations);
         let mut next = 0;
         if !self
             .dependent
             .iter()
-            .any(|&n| rewriting(&self.nodes, n).is_some())
+            .any(|&n| reparametrizing(&self.nodes, n).is_some())
         {
             return changed;
         }
-        while self.collect_rewriting(t, q, v, accelerations) {
-            let mut all = std::mem::take(&mut self.work.rewriting);
+        while self.collect_reparametrizations(t, q, v, accelerations) {
+            let mut all = std::mem::take(&mut self.work.reparametrizations);
             let later = all[next..].iter_mut().enumerate();
-            let rewritten = later.into_iter().find_map(|(k, c)| {
+            let reparametrized = later.into_iter().find_map(|(k, c)| {
                 let Source::Mapped(d) = &mut self.nodes[c.node as usize].source else {
                     return None;
                 };
                 let a = &mut c.a[..accelerations.len()];
-                d.map.rewrite(t, &mut c.q, &mut c.v, a).then_some(k)
+                d.map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
             });
-            if let Some(k) = rewritten {
+            if let Some(k) = reparametrized {
                 self.write_back(&all[next + k], q, v, accelerations);
                 changed += 1;
                 next += k + 1;
             }
-            self.work.rewriting = all;
-            // The next ones may depend on coordinates that have just changed.
-            if rewritten.is_none() {
+            self.work.reparametrizations = all;
+            // The next ones may depend on the coordinates that have just changed.
+            if reparametrized.is_none() {
                 break;
             }
         }
         changed
     }
 
-    /// The same for the rotations of frames by increments, each of which reads its own unknowns only.
-    fn rewrite_increments(
+    /// The same for rotations by increments, each of which reads its own unknowns only.
+    fn reparametrize_increments(
         &mut self,
         t: f64,
         q: &mut [f64],
@@ -185,13 +183,13 @@ impl Model {
             let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
             let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
             let x_ddot = &mut buffers[..accelerations.len()];
-            if !d.map.rewrite(t, x, x_dot, x_ddot) {
+            if !d.map.reparametrize(t, x, x_dot, x_ddot) {
                 continue;
             }
             changed += 1;
             let range = self.spans[d.parents()[0] as usize].range();
             for (i, c) in range.enumerate() {
-                // A held displacement stays what it is.
+                // A held displacement does not change.
                 let u = self.unknowns[c];
                 if u == super::NONE {
                     continue;
@@ -209,10 +207,10 @@ impl Model {
         changed
     }
 
-    /// The new coordinates of a map, into the state.
+    /// Writes the new coordinates of a map to the state.
     fn write_back(
         &self,
-        new: &Rewriting,
+        new: &Reparametrization,
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
@@ -233,10 +231,10 @@ impl Model {
         }
     }
 
-    /// Coordinates, velocities and all accelerations of the parents of all maps that may change
-    /// their meaning, into the workspace; false where the point is outside a chart, which the next
-    /// evaluation says.
-    fn collect_rewriting(
+    /// Writes coordinates, velocities and all accelerations of the parents of all maps that may
+    /// reparametrize them to the workspace; false if the point is outside a chart, which the next
+    /// evaluation reports.
+    fn collect_reparametrizations(
         &mut self,
         t: f64,
         q: &[f64],
@@ -255,13 +253,13 @@ impl Model {
             let w = &mut self.work;
             let mut count = 0;
             for &node in &self.dependent {
-                let Some(d) = rewriting(&self.nodes, node) else {
+                let Some(d) = reparametrizing(&self.nodes, node) else {
                     continue;
                 };
-                if w.rewriting.len() <= count {
-                    w.rewriting.push(Rewriting::default());
+                if w.reparametrizations.len() <= count {
+                    w.reparametrizations.push(Reparametrization::default());
                 }
-                let to = &mut w.rewriting[count];
+                let to = &mut w.reparametrizations[count];
                 count += 1;
                 if to.a.len() <= k {
                     to.a.push(Vec::new());
@@ -278,9 +276,9 @@ impl Model {
         true
     }
 
-    /// The unknowns of a node's rotation if its chart can be changed: the node is no joint's
-    /// dependent, something of the rotation is free, and what is prescribed is and stays zero. (A
-    /// component that is driven means another constraint in the other chart.)
+    /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
+    /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
+    /// would be another constraint in the other chart.)
     pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
         let node = &self.nodes[node];
         let first = node.rotation().filter(|_| node.is_own())?;
@@ -296,7 +294,8 @@ impl Model {
         still.then_some(unknowns)
     }
 
-    /// Whole turns off the rotations that are driven, by the time alone; how many have changed.
+    /// Subtracts whole turns from prescribed rotations, as a function of time alone; returns the
+    /// number of changes.
     pub(super) fn fold_prescribed_rotations(&mut self, t: f64) -> usize {
         let mut changed = 0;
         for (node, turns) in &mut self.prescribed_rotations {
@@ -316,8 +315,8 @@ impl Model {
     }
 }
 
-/// A rotation vector and its rate, and a second rate in place, after a change of chart: a step may
-/// have turned it by more than one turn, and then whole turns are taken off.
+/// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may
+/// have rotated it by more than one turn, so whole turns are subtracted.
 fn settled(
     transition: &Complement,
     psi: &Vector3<f64>,
@@ -336,7 +335,7 @@ fn settled(
     [k.x, k.x_dot]
 }
 
-/// Whether a node is a frame by increments.
+/// Whether the rotation of a frame is by increments.
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
         Source::Mapped(d) => {
@@ -347,11 +346,11 @@ fn by_increments(nodes: &[Node], node: &Node) -> bool {
     }
 }
 
-/// The dependence of a node whose map may choose other coordinates, increments apart.
-fn rewriting(nodes: &[Node], n: u32) -> Option<&Dependence> {
+/// The map of a node if it may reparametrize its coordinates, increments excepted.
+fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
     let node = &nodes[n as usize];
     match &node.source {
-        Source::Mapped(d) if d.map.rewrites() && !by_increments(nodes, node) => Some(d),
+        Source::Mapped(d) if d.map.reparametrizes() && !by_increments(nodes, node) => Some(d),
         _ => None,
     }
 }

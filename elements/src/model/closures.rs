@@ -1,35 +1,34 @@
-//! Loops that are closed by forces instead of a map: multipliers or a penalty between two frames.
+//! Loops that are closed by multipliers or a penalty between two frames.
 
 use super::builder::{ModelBuilder, NodeId};
 use super::loops::{Closing, Coincide, EQUATIONS, Report};
 use super::{ModelError, NodeForm, Source};
 use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 use crate::element::Element;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
-/// How two frames are made one.
+/// Method of closing a loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Closure {
-    /// By a map: coordinates of joints along the loop follow from independent ones.
+    /// A map: coordinates of joints along the loop follow from independent ones.
     #[default]
     Map,
-    /// By Lagrange multipliers of the same six equations, unknowns of the model: index 3, for
-    /// schemes that damp infinite frequencies.
+    /// Lagrange multipliers of the same six equations, as unknowns of the model: index 3, for
+    /// schemes with damping at infinite frequencies.
     Multipliers,
-    /// By springs and dampers: `p` is the stiffness (force over length) against the gap; against the
-    /// turn it is p L², L the size of the model.
+    /// Springs and dampers: `p` is the stiffness (force over length) against the gap; against the
+    /// relative rotation it is p L², L the size of the model.
     Penalty(Stiffness),
 }
 
 impl ModelBuilder {
-    /// As [`ModelBuilder::close`], by a method of choice.
+    /// As [`ModelBuilder::close`], with another method.
     ///
-    /// Multipliers and penalties act between the two frames as they are: a child that is free stays
-    /// so, and the loop may lead over bodies that fly freely. What both methods enforce are the
-    /// equations of the map: what the child sees of the gap over the size of the model, and twice the
-    /// vector part of the quaternion between the frames. An analysis of such a model starts from
-    /// [`Model::initial`](super::Model::initial), or from what
-    /// [`Model::satisfy`](super::Model::satisfy) makes of another start.
+    /// Multipliers and penalties act between the two frames: a free child stays free, and the loop may
+    /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
+    /// child's axes over the size of the model, and twice the vector part of the quaternion between the
+    /// frames. An analysis of such a model starts from [`Model::initial`](super::Model::initial), or
+    /// from another start after [`Model::satisfy`](super::Model::satisfy).
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
@@ -58,7 +57,7 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds `count` multipliers: unknowns without mass, for
+    /// Adds `count` multipliers, unknowns without mass, for
     /// [`Multipliers`](crate::constraint::Multipliers).
     ///
     /// # Errors
@@ -68,19 +67,19 @@ impl ModelBuilder {
         name: impl Into<String>,
         count: usize,
     ) -> Result<NodeId, ModelError> {
-        let kinds = vec![Kind::Other; count];
+        let quantities = vec![Quantity::Other; count];
         let position = [0.0; 3];
         self.add_node(
             name.into(),
             position,
             NodeForm::Multipliers,
-            &kinds,
+            &quantities,
             Source::Own,
         )
     }
 
-    /// Adds the elements of all closings that no map makes, in a model of this size; what there is
-    /// to say about each, and these closings.
+    /// Adds the elements of all closures by multipliers or penalties, in a model of this size;
+    /// returns the report on each, and these closures.
     pub(super) fn enforce_closings(
         &mut self,
         length: f64,

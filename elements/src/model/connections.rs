@@ -1,12 +1,12 @@
-//! Whether every node of a model is connected to something.
+//! Check that every node of a model is connected to something.
 
 use super::loops::Closing;
 use super::{ElementEntry, ModelError, Node, Prescribed, Source};
 use std::collections::HashSet;
 
-/// Every own node must meet an element that is not a load, directly or through a joint; a mapped
-/// node, which has no coordinates of its own, may stand alone: a position to look at. One that is held
-/// or driven as a whole needs no more than a joint, or a loop that ends there.
+/// Every own node must have an element that is not a load, directly or through a joint; a mapped
+/// node, which has no coordinates of its own, may be unused, as a point for output. A node that is
+/// held or prescribed as a whole only needs a joint, or a loop that ends there.
 pub(super) fn check_connections(
     nodes: &[Node],
     dependent: &[u32],
@@ -20,7 +20,7 @@ pub(super) fn check_connections(
             connected[n as usize] |= !e.element.is_load();
         }
     }
-    // The last link of a chain first.
+    // From the end of a chain to its beginning.
     for n in dependent.iter().rev().map(|&n| n as usize) {
         if let Source::Mapped(d) = &nodes[n].source
             && connected[n]

@@ -1,10 +1,10 @@
-//! In which common chart each element sees its nodes, followed from state to state.
+//! The common chart of the nodes of each element, followed from state to state.
 //!
 //! A rotation is two unit quaternions, ±; a rotation vector is one of them. An element needs to
 //! know which of its nodes' vectors belong together: nodes at 3.1 e and −3.1 e are almost the same
-//! rotation, or almost two turns apart. The nodes' way tells: within a step vectors move
-//! continuously, and a change of chart at the end of it leaves the rotation as it is and changes
-//! the sign of the quaternion, or does not.
+//! rotation, or almost two turns apart. The history of the nodes decides: within a step vectors
+//! move continuously, and a change of chart at its end keeps the rotation and may change the sign
+//! of the quaternion.
 
 use super::{ElementEntry, Model, NodeForm};
 use nalgebra::Vector3;
@@ -12,25 +12,25 @@ use pullback_manifold::so3;
 use pullback_manifold::system::Point;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Gain in angle (rad) that makes an element move to the other chart: hysteresis, so that an
-/// element on the border does not change to and fro.
+/// Gain in angle (rad) that makes an element change its chart (hysteresis): an element on the
+/// border does not oscillate.
 const HYSTERESIS: f64 = 1e-6;
 
-/// What an element leaves whose nodes turn too far against each other.
+/// Limit of the relative rotation of nodes, in messages.
 pub(super) const TOO_FAR: &str = "the range of relative rotation of its nodes, less than one turn: \
                                   take more elements, or a revolute joint for what turns freely";
 
-/// Difference of rotation vectors (rad) below which a state is one that was accepted, give or take
-/// round-off: by continuity the elements' charts there are right here.
+/// Difference of rotation vectors (rad), beyond round-off, below which a state is an accepted one:
+/// by continuity the elements' charts are valid there.
 const SAME: f64 = 1e-6;
 
-/// A state that was accepted.
+/// An accepted state.
 #[derive(Clone, Debug, Default)]
 struct Accepted {
     t: f64,
-    /// Rotation vectors of all nodes, zero for those that have none.
+    /// Rotation vectors of all nodes, zero for those without one.
     psi: Vec<Vector3<f64>>,
-    /// Which nodes the elements took through the complement map.
+    /// Nodes that the elements evaluate through the complement map.
     switched: Vec<u32>,
 }
 
@@ -46,45 +46,44 @@ impl Accepted {
     }
 }
 
-/// What is remembered for the choice of the elements' charts.
+/// State for the choice of the elements' charts.
 #[derive(Debug, Default)]
 pub(super) struct ElementCharts {
-    /// Rotation vectors of all nodes at the end of a step, before charts change, and after that.
+    /// Rotation vectors of all nodes at the end of a step, before and after changes of chart.
     before: Vec<Vector3<f64>>,
     after: Vec<Vector3<f64>>,
-    /// The state accepted last, and the one before it at another time.
+    /// The last accepted state, and the one before it at another time.
     now: Accepted,
     previous: Accepted,
-    /// Whether the elements' charts were given for the state that comes next.
+    /// Whether the elements' charts were set for the next state.
     given: bool,
-    /// Whether elements have not yet gone on in the charts chosen for them.
+    /// Whether elements have not yet entered the charts chosen for them.
     chosen: bool,
-    /// How far beyond half a turn charts change, in radians.
+    /// Angle beyond half a turn at which charts change, in radians.
     late: f64,
 }
 
 impl Model {
-    /// Keeps the charts of free rotations, and those in which elements see their frames, until a rotation
-    /// vector is `angle` long (radians; taken to the nearest of π, where charts change unless
-    /// this is called, to 7π/4: at 2π they end). What is found without such a delay tells, beside it, what
-    /// changes of chart do to a motion.
+    /// Keeps the charts of free rotations, and those of elements, until a rotation vector is
+    /// `angle` long (radians; limited to the range from π, the default, to 7π/4: charts end at 2π).
+    /// A comparison shows the effect of changes of chart on a motion.
     pub fn keep_charts_until(&mut self, angle: f64) {
         self.work.element_charts.late = angle.clamp(PI, 1.75 * PI) - PI;
     }
 
-    /// Whether a rotation vector is so long that its chart changes.
+    /// Whether the chart of a rotation vector must change.
     pub(super) fn is_beyond(&self, psi: &Vector3<f64>) -> bool {
         psi.norm() > PI + self.work.element_charts.late
     }
 
-    /// Which of its nodes each element takes through the complement map (bit k for node k): what
-    /// a model remembers of its way besides the coordinates.
+    /// Nodes that each element evaluates through the complement map (bit k for node k): state of a
+    /// model besides the coordinates.
     pub fn element_charts(&self) -> Vec<u32> {
         self.elements.iter().map(|e| e.wanted).collect()
     }
 
-    /// Goes on from what [`Model::element_charts`] gave for the same model; entries beyond its
-    /// elements are ignored.
+    /// Restores the state from [`Model::element_charts`] of the same model; surplus entries are
+    /// ignored.
     pub fn set_element_charts(&mut self, charts: &[u32]) {
         for (e, &switched) in self.elements.iter_mut().zip(charts) {
             (e.switched, e.wanted) = (switched, switched);
@@ -93,9 +92,9 @@ impl Model {
         self.work.element_charts.given = true;
     }
 
-    /// A run, or a step in the place of one that failed, starts here. The elements' charts are
-    /// those that were given, or those at this state when it was accepted, or else the ones in
-    /// which neighbours agree: nodes then turn less than half a turn against each other.
+    /// Starts a run, or restarts after a failed step. The elements' charts are those that were set,
+    /// or those of this state when it was accepted, or else those in which neighbours agree: nodes
+    /// are then less than half a turn apart.
     pub(super) fn start_element_charts(&mut self, t: f64, q: &[f64]) {
         let at = Point {
             t,
@@ -104,7 +103,7 @@ impl Model {
             a: &[],
         };
         self.fold_prescribed_rotations(t);
-        // A joint outside its domain is named when the model is next evaluated.
+        // A joint outside its domain is reported by the next evaluation.
         if self.expand(at).is_err() {
             return;
         }
@@ -136,8 +135,8 @@ impl Model {
         now.switched(&self.elements);
     }
 
-    /// Notes all rotation vectors at the end of a step, before charts change. Returns whether that
-    /// can be done.
+    /// Records all rotation vectors at the end of a step, before charts change; false if that is
+    /// not possible.
     pub(super) fn look_before(&mut self, t: f64, q: &[f64]) -> bool {
         let at = Point {
             t,
@@ -152,16 +151,16 @@ impl Model {
         fine
     }
 
-    /// Each element evaluates its nodes in one common chart: the one in which the largest
-    /// rotation angle is smallest. Nodes that are stored in the other chart go through the
-    /// complement map. The choice does not depend on how the nodes are stored, and follows them
-    /// continuously. Returns whether an element goes on in another.
+    /// Each element evaluates its nodes in one common chart: the one with the smallest largest
+    /// rotation angle. Nodes stored in the other chart are mapped by the complement. The choice
+    /// does not depend on how the nodes are stored, and follows them continuously. Returns whether
+    /// an element changes its chart.
     ///
-    /// An element whose interpolation depends on its chart is out of balance in another one: the
-    /// state that was accepted is asked for its forces in the charts in which it was balanced, and
-    /// the choice is entered when the next state is evaluated ([`Model::enter_element_charts`]).
+    /// An element whose interpolation depends on its chart is out of balance in another one: forces
+    /// at the accepted state are evaluated in the charts in which it was balanced, and the new
+    /// charts are entered at the next state ([`Model::enter_element_charts`]).
     ///
-    /// The configuration is the one last expanded.
+    /// The configuration is the last one expanded.
     pub(super) fn follow_element_charts(&mut self, t: f64) -> bool {
         self.enter_element_charts();
         self.gather_rotations(|s| &mut s.after);
@@ -173,10 +172,10 @@ impl Model {
             late,
             ..
         } = &mut self.work.element_charts;
-        // Where one angle is by so much beyond π, the other is by as much below.
+        // If one angle is beyond π by this much, the other is below by as much.
         let gain = 2.0 * *late + HYSTERESIS;
         let (mut changed, mut stored) = (false, false);
-        // A single frame has no neighbour to agree with.
+        // A single frame has no neighbours.
         let several = |e: &&mut ElementEntry| e.frames.count_ones() > 1;
         for e in self.elements.iter_mut().filter(several) {
             let mut nodes = e.nodes.iter().map(|&n| n as usize);
@@ -213,7 +212,7 @@ impl Model {
         changed
     }
 
-    /// The elements go on in the charts that were chosen for them.
+    /// Makes the elements enter their new charts.
     pub(super) fn enter_element_charts(&mut self) {
         if std::mem::take(&mut self.work.element_charts.chosen) {
             self.elements.iter_mut().for_each(|e| e.switched = e.wanted);
@@ -232,8 +231,7 @@ impl Model {
     }
 }
 
-/// The element's frames: their bit and their rotation vector. A single one has no neighbour to
-/// agree with.
+/// The element's frames: their bit and their rotation vector. A single one has no neighbours.
 fn frames<'a>(
     e: &'a ElementEntry,
     psi: &'a [Vector3<f64>],
@@ -243,7 +241,7 @@ fn frames<'a>(
         .map(|(k, &n)| (1 << k, &psi[n as usize]))
 }
 
-/// The nodes whose quaternions are on the other side of the first one's.
+/// The nodes whose quaternions have a negative product with the first one.
 fn opposite(e: &ElementEntry, psi: &[Vector3<f64>]) -> u32 {
     let mut quaternions = frames(e, psi).map(|(bit, psi)| (bit, so3::quaternion(psi)));
     let Some((_, first)) = quaternions.next() else {
@@ -253,13 +251,13 @@ fn opposite(e: &ElementEntry, psi: &[Vector3<f64>]) -> u32 {
     quaternions.map(other).sum()
 }
 
-/// The choice by the nodes' rotations alone.
+/// The choice by the present rotations alone.
 fn agreement(e: &ElementEntry, psi: &[Vector3<f64>]) -> u32 {
     best(e, opposite(e, psi), psi, [true; 2], HYSTERESIS)
 }
 
-/// These nodes switched or all the others, whichever gives the smaller largest angle, among those
-/// that are `possible`; smaller by `gain`.
+/// These nodes switched or all the others, the one with the smaller largest angle by `gain`, among
+/// those that are `possible`.
 fn best(
     e: &ElementEntry,
     switched: u32,
@@ -288,11 +286,11 @@ fn best(
     }
 }
 
-/// Whether the vectors of a step, in the chart the element had during it, can be taken on with
-/// nodes seen as they were, and with all nodes seen the other way.
+/// Whether the vectors of a step, in the element's chart during it, can be continued with the nodes
+/// as they are, and with all nodes switched.
 ///
-/// Vectors a turn or more apart are too far from each other. A chart takes the same number of whole
-/// turns off all of them, m, an even or an odd one, and leaves each within one: |ψ − 2πm| < 2π.
+/// Vectors a turn or more apart are too far from each other. A chart subtracts the same number of
+/// whole turns from all of them, m, even or odd, and leaves each within one: |ψ − 2πm| < 2π.
 fn possible(e: &ElementEntry, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bool; 2] {
     let seen = |bit: u32, psi: &Vector3<f64>| match e.switched & bit {
         0 => *psi,
@@ -320,7 +318,7 @@ fn possible(e: &ElementEntry, last: &[Vector3<f64>], before: &[Vector3<f64>]) ->
     out
 }
 
-/// The nodes whose quaternion changed its sign, at the same configuration.
+/// The nodes whose quaternion changed sign at the same configuration.
 fn flipped(e: &ElementEntry, before: &[Vector3<f64>], after: &[Vector3<f64>]) -> u32 {
     let pairs = frames(e, before).zip(frames(e, after));
     let flips = pairs

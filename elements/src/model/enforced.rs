@@ -1,34 +1,33 @@
-//! What elements enforce on a model ([`Enforced`](crate::constraint::Enforced)): a start that
-//! satisfies it.
+//! Equations that elements enforce on a model ([`Enforced`](crate::constraint::Enforced)).
 
 #![allow(non_snake_case)]
 
+use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
-use super::local::Local;
 use super::{ElementEntry, Model, NodeForm, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, Point, SystemError};
+use pullback_manifold::system::{Point, Quantity, SystemError};
 
-/// Residual of an equation that followed from others at which it does so no more.
+/// Residual of an omitted equation beyond which it does not follow from the others.
 const LOOSE: f64 = 1e-8;
-/// What an equation leaves that has been left out.
+/// Limit of an omitted equation, in messages.
 const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
                         singular position; start in another one";
 
-/// The same where it depends on what is driven.
+/// The same if it depends on a prescribed motion.
 const OVERDRIVEN: &str = "zero, as what is driven asks for what the linkage does not allow: drive no \
                           more than is free";
 
-/// All equations that elements enforce, with their derivatives by the unknowns.
+/// All enforced equations, with their derivatives by the unknowns.
 pub(super) struct Equations {
     pub(super) h: DVector<f64>,
     pub(super) h_dot: DVector<f64>,
-    /// Derivatives, a row for each equation, a column for each unknown over its size.
+    /// Derivatives: a row per equation, a column per scaled unknown.
     pub(super) J: DMatrix<f64>,
-    /// The same by what is driven.
+    /// The same by the prescribed coordinates.
     pub(super) driven: DMatrix<f64>,
-    /// Element of each equation, and its number there.
+    /// Element of each equation, and its index there.
     pub(super) of: Vec<(usize, usize)>,
 }
 
@@ -38,21 +37,20 @@ impl Model {
         !self.enforced.is_empty()
     }
 
-    /// Whether multipliers are among the unknowns, which makes the equations of motion
+    /// Whether multipliers are among the unknowns: the equations of motion are then
     /// differential-algebraic ones of index 3.
     pub fn has_multipliers(&self) -> bool {
         self.nodes.iter().any(|n| n.form == NodeForm::Multipliers)
     }
 
-    /// The coordinates from which an analysis starts where nothing else is said: zero, the model as
-    /// it is drawn, but for loops that multipliers or penalties close, which are assembled.
+    /// The default initial coordinates: zero, the model as drawn, but with loops closed by
+    /// multipliers or penalties assembled.
     pub fn initial(&self) -> &[f64] {
         &self.initial
     }
 
-    /// The largest residual |h| of the equations with which loops close, each over its size, in the
-    /// configuration last set: those behind implicit maps, of multipliers and of penalties. None for
-    /// a model without such equations.
+    /// Largest residual |h| of the loop equations relative to their sizes, in the configuration
+    /// last set: of implicit maps, multipliers and penalties. `None` for a model without them.
     pub fn violation(&mut self) -> Option<f64> {
         let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
         let mut worst = None;
@@ -91,13 +89,13 @@ impl Model {
 
     /// Typical size of a coordinate.
     fn size(&self, coordinate: usize) -> f64 {
-        match self.kinds[coordinate] {
-            Kind::Length => self.length,
+        match self.quantities[coordinate] {
+            Quantity::Length => self.length,
             _ => 1.0,
         }
     }
 
-    /// The coordinates that are driven.
+    /// The prescribed coordinates.
     pub(super) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
         let driven = self
             .prescribed
@@ -160,7 +158,7 @@ impl Model {
         })
     }
 
-    /// At a converged state: whether the equations that are left out still follow from the others.
+    /// Checks at a converged state whether the omitted equations still follow from the others.
     pub(super) fn watch_left_out(&mut self, t: f64) {
         if self.unwatched {
             return;
@@ -187,7 +185,7 @@ impl Model {
         }
     }
 
-    /// Refuses to go on where an equation that was left out is violated.
+    /// Fails if an omitted equation is violated.
     pub(super) fn check_left_out(&self) -> Result<(), SystemError> {
         for &k in &self.enforced {
             let e = &self.elements[k];
@@ -205,8 +203,8 @@ impl Model {
         Ok(())
     }
 
-    /// What there is to say about the equations that an element enforces.
-    pub(super) fn left_out_note(&self, k: u32) -> String {
+    /// Report on the equations that an element enforces.
+    pub(super) fn describe_left_out(&self, k: u32) -> String {
         let e = &self.elements[k as usize];
         let left_out = e.element.enforced().map_or(0, |e| e.left_out());
         let bits = (0..MAX_EQUATIONS).filter(|i| left_out & (1 << i) != 0);
@@ -219,11 +217,10 @@ impl Model {
     }
 }
 
-impl Local {
-    /// Puts the equations that an element enforces at the level of accelerations, after an evaluation
-    /// in motion: for multipliers rows −ḧ, and h_x as if it were mass; for a penalty p the same by
-    /// an inertia p h².
-    pub(super) fn ask_accelerations(&mut self, e: &ElementEntry, t: f64, h: f64) {
+impl ElementWorkspace {
+    /// Converts the equations of an element to the level of accelerations, after an evaluation in
+    /// motion: for multipliers rows −ḧ, with h_x as mass; for a penalty p an inertia p h².
+    pub(super) fn raise_to_accelerations(&mut self, e: &ElementEntry, t: f64, h: f64) {
         let Some(enforced) = e.element.enforced() else {
             return;
         };
@@ -254,7 +251,7 @@ impl Local {
 }
 
 impl ElementEntry {
-    /// Name of one of the equations that the element enforces.
+    /// Name of an enforced equation.
     pub(super) fn equation(&self, i: usize) -> String {
         let enforced = self.element.enforced();
         enforced.map_or_else(String::new, |e| e.equation(i))

@@ -1,4 +1,4 @@
-//! What can be wrong with a model, each with the name of the thing and what to do.
+//! Errors of models, with names and remedies.
 
 use crate::beam::{BeamError, SectionError};
 use crate::constraint::PenaltyError;
@@ -7,7 +7,7 @@ use crate::time::TimeFunctionError;
 use pullback_manifold::implicit::ImplicitError;
 use pullback_manifold::system::SystemError;
 
-/// Why a model cannot be built.
+/// Error of a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum ModelError {
@@ -102,7 +102,7 @@ pub enum ModelError {
          better: {user} cannot use them. Use {node} itself (or a coordinate picked from it), or \
          choose the coordinates once and for all (`Choice::Fixed`)"
     )]
-    Rewritten {
+    Reparametrized {
         node: String,
         coordinates: String,
         user: String,
@@ -137,7 +137,7 @@ pub enum ModelError {
         "joint {joint}: its child {child} is the frame that it is attached to; a joint goes from one frame \
          to another one"
     )]
-    OwnMaster { joint: String, child: String },
+    OwnParent { joint: String, child: String },
     #[error(
         "joint {joint} and its child {child} are {gap:.3e} apart and turned by {turn:.3e}, and no \
          joint between them can move: draw both as one, or release something along the loop"

@@ -1,26 +1,25 @@
-//! Formulations of rotations: which vector the unknowns of a frame are, and what their rates are.
+//! Formulations of rotations: the rotational unknowns of a frame, and their rates.
 
 #![allow(non_snake_case)]
 
 use super::builder::{ModelBuilder, NodeId};
-use super::dependence::Dependence;
+use super::mapped_node::MappedNode;
 use super::workspace::Workspace;
 use super::{Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
-use pullback_manifold::so3::{Quaternion, Spin, Spins};
+use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// How the rotations of frames are unknowns of a motion.
+/// Rotational unknowns of frames in a motion.
 ///
-/// It holds for rotations that are free as a whole: those of frames with coordinates of their own, and
-/// those that spherical joints release. Rotations that are driven or held in part, or are unknowns of
-/// a loop, stay total, and angles are angles. Positions, velocities,
-/// forces and energies of a state are the same in all of them: only what a time
-/// integration scheme adds up is different.
+/// Applies to rotations that are free as a whole: those of frames with their own coordinates, and
+/// of spherical joints. Rotations that are partly prescribed, or unknowns of a loop, stay total,
+/// and angles are angles. Positions, velocities, forces and energies of a state are the same in all
+/// formulations: only the sums of a time integration scheme differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Formulation {
     /// Total Lagrangian: the rotation vector Ψ from the reference orientation and its time
@@ -30,45 +29,45 @@ pub enum Formulation {
     /// Updated Lagrangian: the material rotation vector θ since the last step, R = Rₙ R(θ), and its
     /// time derivatives (Cardona & Géradin 1988, \[M04\] 3.3).
     Updated,
-    /// Lie group: θ for the rotation, but the material angular velocity Ω and its rate Ω̇ for its
-    /// rates (Brüls, Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo &
+    /// Lie group: the rotation by θ, its rates by the material angular velocity Ω and its rate Ω̇
+    /// (Brüls, Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo &
     /// Vu-Quoc 1988).
     LieGroup,
-    /// Spatial spins: the angular velocities ω and their rates ω̇ of the two ends of a step, vectors of
-    /// the tangent spaces at Rₙ and at Rₙ₊₁, are added in the fixed frame as they stand, and so is
-    /// the spatial rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. Nothing is transported
-    /// from one space to the other, which \[M04\] 3.3 calls inconsistent with the manifold.
+    /// Spatial spins: the angular velocities ω and their rates ω̇ at both ends of a step, vectors of
+    /// the tangent spaces at Rₙ and at Rₙ₊₁, are added in the fixed frame, and so is the spatial
+    /// rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. There is no transport between the two
+    /// spaces, which \[M04\] 3.3 calls inconsistent with the manifold.
     SpatialSpins,
-    /// Mixed spins: as the spatial ones, but with the material rates Ω̇ of the two ends in the components
-    /// of the body, ωₙ₊₁ = ωₙ + h Rₙ[(1−γ) Ω̇ₙ + γ Ω̇ₙ₊₁]. Components of two frames are added
-    /// without transport, which costs every scheme an order; it is there to show that.
+    /// Mixed spins: spatial ones with the material rates Ω̇ of both ends in body components, ωₙ₊₁ =
+    /// ωₙ + h Rₙ[(1−γ) Ω̇ₙ + γ Ω̇ₙ₊₁]. Components in two frames are added without transport, which
+    /// costs every scheme an order; for demonstration.
     MixedSpins,
 }
 
 impl Formulation {
-    /// The spins that stand for rates, if any do.
-    pub(super) fn spins(self) -> Option<Spins> {
+    /// The angular velocities that replace rates, if any.
+    pub(super) fn velocity_kind(self) -> Option<VelocityKind> {
         match self {
             Self::Total | Self::Updated => None,
-            Self::LieGroup => Some(Spins::Material),
-            Self::SpatialSpins => Some(Spins::Spatial),
-            Self::MixedSpins => Some(Spins::Mixed),
+            Self::LieGroup => Some(VelocityKind::Material),
+            Self::SpatialSpins => Some(VelocityKind::Spatial),
+            Self::MixedSpins => Some(VelocityKind::Mixed),
         }
     }
 }
 
 impl ModelBuilder {
-    /// Chooses the formulation of rotations; [`Formulation::Total`] unless said otherwise.
+    /// Selects the formulation of rotations; [`Formulation::Total`] by default.
     ///
-    /// Coordinates, velocities and accelerations at the start of a run are those of the total
+    /// Initial coordinates, velocities and accelerations of a run are those of the total
     /// formulation in all of them (rotation vectors from the reference orientation, ψ < π): the
-    /// first converged state centres the charts, and takes them along.
+    /// first converged state centres the charts, and transforms them.
     pub fn formulate(&mut self, formulation: Formulation) {
         self.formulation = formulation;
     }
 }
 
-/// Puts the increments behind the frames.
+/// Adds the increments behind the frames.
 pub(super) fn apply(
     formulation: Formulation,
     nodes: &mut Vec<Node>,
@@ -77,12 +76,13 @@ pub(super) fn apply(
     if formulation == Formulation::Total {
         return;
     }
-    let map = (formulation.spins()).map_or_else(Increment::default, Increment::spinning);
+    let map =
+        (formulation.velocity_kind()).map_or_else(Increment::default, Increment::with_velocities);
     let turns =
         |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
     let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
     for (n, k, _) in &*prescribed {
-        // A rotation of which something is held stays as it is.
+        // A rotation with a held component stays total.
         let held = |n: &Node| *k >= n.dim.saturating_sub(3);
         if nodes.get(n.0 as usize).is_some_and(held) {
             turning[n.0 as usize] = false;
@@ -97,10 +97,15 @@ pub(super) fn apply(
         } else {
             Map::<3, 3>::boxed(map)
         };
-        let dependence = Dependence::new(boxed, vec![vec![own]], node.dim);
-        let (name, kinds) = (node.name.clone(), node.kinds.clone());
-        nodes.push(Node::new(name, NodeForm::Increment, &kinds, Source::Own));
-        nodes[n].source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(boxed, vec![vec![own]], node.dim);
+        let (name, quantities) = (node.name.clone(), node.quantities.clone());
+        nodes.push(Node::new(
+            name,
+            NodeForm::Increment,
+            &quantities,
+            Source::Own,
+        ));
+        nodes[n].source = Source::Mapped(Box::new(mapped));
         carriers.insert(NodeId(n as u32), NodeId(own));
     }
     for (n, ..) in prescribed {
@@ -123,16 +128,15 @@ pub(super) fn turning(nodes: &[Node]) -> impl Iterator<Item = u32> + '_ {
 }
 
 impl Model {
-    /// The node whose coordinates are the unknowns of a node: the increments behind a frame, or the
-    /// node itself.
+    /// The node with the unknowns of a node: the increments behind a frame, or the node itself.
     pub(super) fn carrier<'a>(&'a self, node: &'a Node) -> &'a Node {
         behind(&self.nodes, node).map_or(node, |own| &self.nodes[own])
     }
 
-    /// Rₙ of a frame by increments, 1 for every other node.
+    /// Rₙ of a frame by increments, the identity for all others.
     pub(super) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
         match (&node.source, behind(&self.nodes, node)) {
-            (Source::Mapped(d), Some(_)) => match d.map.memory()[..] {
+            (Source::Mapped(d), Some(_)) => match d.map.save()[..] {
                 [w, x, y, z, ..] => {
                     let v = Vector3::new(x, y, z);
                     Quaternion { w, v }.rotation()
@@ -148,43 +152,45 @@ impl Model {
         turning(&self.nodes).count()
     }
 
-    /// How often residual or tangent have been assembled since the model was made: once per evaluation,
-    /// three times for a tangent where rates are spins.
+    /// Number of assemblies of residual or tangent so far: one per evaluation, three for a tangent
+    /// if rates are angular velocities.
     pub fn assemblies(&self) -> usize {
         self.work.assemblies
     }
 
-    /// Whether rates of any coordinates are spins at present.
-    pub(super) fn spins(&self) -> bool {
-        self.spinning.iter().any(|&n| self.spun(n).is_some())
+    /// Whether any rates are angular velocities at present.
+    pub(super) fn has_spins(&self) -> bool {
+        self.spin_frames
+            .iter()
+            .any(|&n| self.spin_coordinates(n).is_some())
     }
 
-    /// The coordinates θ behind a frame whose rates are spins at present, the frame's increments, and
-    /// which spins they are.
-    fn spun(&self, n: u32) -> Option<(Range<usize>, u32, Spins)> {
+    /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
+    /// increments, and the kind of velocity.
+    fn spin_coordinates(&self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
         };
         let own = d.parents()[0];
         let end = self.spans[own as usize].range().end;
-        Some((end - 3..end, own, d.map.spins()?))
+        Some((end - 3..end, own, d.map.velocity_kind()?))
     }
 
-    /// Takes spins to the rates of their rotation vectors, in the workspace.
+    /// Converts angular velocities to the rates of their rotation vectors, in the workspace.
     pub(super) fn take_spins(&mut self) {
-        for k in 0..self.spinning.len() {
-            let Some((range, _, spins)) = self.spun(self.spinning[k]) else {
+        for k in 0..self.spin_frames.len() {
+            let Some((range, _, kind)) = self.spin_coordinates(self.spin_frames[k]) else {
                 continue;
             };
             let w = &mut self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
-            let rates = Spin::rates(spins, &three(&w.x), &three(&w.v), &three(&w.a));
+            let rates = Spin::rates(kind, &three(&w.x), &three(&w.v), &three(&w.a));
             w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
             w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
         }
     }
 
-    /// The unknowns behind a frame by increments and their rates, as they are, into the workspace.
+    /// Writes the unknowns behind a frame by increments and their rates to the workspace.
     pub(super) fn collect_increments(
         &mut self,
         n: usize,
@@ -226,12 +232,12 @@ impl Model {
         }
     }
 
-    /// The residual and the tangent where the unknowns' rates are spins.
+    /// The residual and the tangent if rates are angular velocities.
     ///
     /// With θ̇ and θ̈ as functions of (θ, Ω, Ω̇), and δθ̇, δθ̈ along δθ = cK e, δΩ = cC e, δΩ̇ = cM e
     /// ([`Spin::varied`]), the columns of θ are cK K + C (∂θ̇/∂e) + M (∂θ̈/∂e): those for rates of
-    /// coordinates and what the derivatives differ from cC and cM. Rows stay those of θ, so that M is
-    /// symmetric at θ = 0 only.
+    /// coordinates plus the differences of these derivatives to cC and cM. Rows stay those of θ, so
+    /// M is symmetric at θ = 0 only.
     pub(super) fn evaluate_spinning(
         &mut self,
         at: Point<'_>,
@@ -263,14 +269,14 @@ impl Model {
     }
 
     fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
-        for &n in &self.spinning {
-            let Some((range, own, spins)) = self.spun(n) else {
+        for &n in &self.spin_frames {
+            let Some((range, own, kind)) = self.spin_coordinates(n) else {
                 continue;
             };
             let w = &self.work;
             let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
             let rates = Spin {
-                spins,
+                kind,
                 theta_dot: three(&w.v),
                 theta_ddot: three(&w.a),
             };
@@ -280,8 +286,8 @@ impl Model {
                 first[(k, k)] -= weights.C;
                 second[(k, k)] -= weights.M;
             }
-            let block = self.placement.blocks[own as usize] as usize;
-            let offset = self.placement.rows[range.start] as usize;
+            let block = self.scatter_map.blocks[own as usize] as usize;
+            let offset = self.scatter_map.rows[range.start] as usize;
             for (i, values) in self.pattern.column(block) {
                 let height = self.pattern.size(i);
                 for c in 0..3 {

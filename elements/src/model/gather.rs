@@ -1,14 +1,14 @@
-//! Entries of a few nodes from and to the vectors of all nodes.
+//! Entries of a few nodes in the vectors of all nodes.
 
 use super::Span;
 
-/// Copies the coordinates of some nodes one after the other; how many there are.
+/// Gathers the coordinates of some nodes; returns their number.
 pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) -> usize {
     let mut k = 0;
     for &m in of {
         let from = &x[spans[m as usize].range()];
         let to = &mut out[k..k + from.len()];
-        // Most nodes are frames: six values are moved without a call.
+        // Most nodes are frames: six values are copied without a call.
         match (
             <&mut [f64; 6]>::try_from(&mut *to),
             <&[f64; 6]>::try_from(from),
@@ -21,7 +21,7 @@ pub(super) fn collect(of: &[u32], spans: &[Span], x: &[f64], out: &mut [f64]) ->
     k
 }
 
-/// Adds the entries of some nodes, one after the other, to those of all: the reverse of `collect`.
+/// Adds the entries of some nodes to those of all: the reverse of `collect`.
 pub(super) fn distribute(of: &[u32], spans: &[Span], local: &[f64], all: &mut [f64]) {
     let mut rest = local;
     for &node in of {

@@ -6,7 +6,7 @@ use crate::beam::{Interpolation, Section};
 use crate::memory;
 use nalgebra::{Matrix3, Vector3};
 
-/// What stands on an axis: how many elements of which order and section.
+/// Discretisation of an axis: elements, their order and section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Number of elements, at least one.
@@ -36,14 +36,14 @@ pub struct LineNodes {
 }
 
 impl ModelBuilder {
-    /// Lays beam elements along `axis`, between two nodes that exist already; rotations are
-    /// interpolated by total rotation vectors.
+    /// Adds beam elements along `axis`, between two existing nodes; rotations are interpolated by
+    /// total rotation vectors.
     ///
     /// Inner nodes are named `name/1`, `name/2`, ...; elements `name:1`, `name:2`, .... The end
-    /// nodes must stand where the axis begins and ends.
+    /// nodes must be at the ends of the axis.
     ///
     /// # Errors
-    /// [`ModelError`] naming the line or the element.
+    /// [`ModelError`] with the name of the line or the element.
     pub fn line(
         &mut self,
         name: &str,
@@ -54,10 +54,10 @@ impl ModelBuilder {
         self.line_with(name, axis, ends, line, Interpolation::Total)
     }
 
-    /// As [`ModelBuilder::line`], with this interpolation of rotations.
+    /// As [`ModelBuilder::line`], with another interpolation of rotations.
     ///
     /// # Errors
-    /// As there.
+    /// As [`ModelBuilder::line`].
     pub fn line_with(
         &mut self,
         name: &str,

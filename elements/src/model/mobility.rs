@@ -1,4 +1,4 @@
-//! How a model can move: degrees of freedom, loops that are locked, coordinates without mass.
+//! Mobility of a model: degrees of freedom, locked loops, coordinates without mass.
 
 #![allow(non_snake_case)]
 
@@ -7,18 +7,18 @@ use crate::constraint::Enforced;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
 
-/// Degrees of freedom of a model, and what its loops leave of those of their joints.
+/// Degrees of freedom of a model, and the counts of its loop equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mobility {
     /// Degrees of freedom of the whole model.
     pub freedoms: usize,
-    /// Joints that close a loop, whether by a map or by multipliers.
+    /// Joints that close a loop, by a map or by multipliers.
     pub loops: usize,
-    /// Coordinates before these equations are imposed that are not driven.
+    /// Number of coordinates without loop equations, not prescribed.
     pub coordinates: usize,
-    /// Equations of the loops.
+    /// Number of equations of the loops.
     pub equations: usize,
-    /// Those of them that follow from others at the start.
+    /// Number of redundant equations at the start.
     pub redundant: usize,
 }
 
@@ -44,9 +44,9 @@ impl fmt::Display for Mobility {
     }
 }
 
-/// What the map of a loop leaves free.
+/// Result of closing a loop by a map.
 struct Closed {
-    /// Coordinates of its joints, those left free, and driven ones.
+    /// Number of coordinates of its joints, free ones, and prescribed ones.
     x: usize,
     free: usize,
     driven: usize,
@@ -54,7 +54,7 @@ struct Closed {
 }
 
 impl Model {
-    /// The loops that maps close, with the name of the first joint of each.
+    /// The loops closed by maps, with the name of the first joint of each.
     fn closed(&self) -> impl Iterator<Item = (&str, Closed)> {
         self.reports.iter().filter_map(|report| {
             let node = &self.nodes[report.map? as usize];
@@ -62,7 +62,7 @@ impl Model {
                 return None;
             };
             let (all, x) = d.map.dims();
-            let own = d.parents().first().filter(|_| d.map.rewrites());
+            let own = d.parents().first().filter(|_| d.map.reparametrizes());
             let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
             let name = &self.nodes[report.closures.first()?.0 as usize].name;
             let closed = Closed {
@@ -75,7 +75,7 @@ impl Model {
         })
     }
 
-    /// Degrees of freedom, at the configuration in which the model was built.
+    /// Degrees of freedom at the initial configuration.
     pub fn mobility(&self) -> Mobility {
         let count = |form: NodeForm| {
             let of_form = self.nodes.iter().filter(|n| n.form == form);
@@ -110,14 +110,14 @@ impl Model {
         out
     }
 
-    /// Element `k` where it enforces equations by multipliers.
+    /// Element `k` if it enforces equations by multipliers.
     fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
         let enforced = self.elements[k].element.enforced();
         enforced.filter(|e| e.penalty().is_none())
     }
 
-    /// Loops in which nothing can move, though nothing in them is driven: one of the joints that close
-    /// each, its coordinates and its equations.
+    /// Loops in which nothing can move, though nothing is prescribed: name of a closing joint of
+    /// each, number of its coordinates and of its equations.
     pub fn locked(&self) -> Vec<(String, usize, usize)> {
         let locked = |(_, c): &(&str, Closed)| c.free == 0 && c.driven == 0;
         let loops = self.closed().filter(locked);
@@ -126,11 +126,11 @@ impl Model {
             .collect()
     }
 
-    /// Names of the unknowns on which no mass acts at a state, alone or in a direction of their node, and
-    /// which no multiplier ties to others: forces alone tell how they move.
+    /// Names of the unknowns without mass at a state, alone or in a direction of their node, and
+    /// without a multiplier: only forces determine their motion.
     ///
     /// # Errors
-    /// [`SystemError`] when the state is outside a chart.
+    /// [`SystemError`] if the state is outside a chart.
     pub fn massless(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Vec<String>, SystemError> {
         let n = q.len();
         let (a, mut r) = (vec![0.0; n], vec![0.0; n]);
@@ -171,11 +171,11 @@ impl Model {
     }
 }
 
-/// Part of its size below which the mass of a direction is a rounding error.
+/// Relative mass of a direction that counts as zero.
 const HOLLOW: f64 = 1e-12;
 
 /// The coordinate at which the Cholesky factorisation of a block of M ends because a direction of
-/// those before it has no mass; coordinates without mass of their own are left out.
+/// the earlier ones has no mass; coordinates without mass of their own are omitted.
 fn hollow(block: &[f64], n: usize) -> Option<usize> {
     let mut L = vec![0.0; n * n];
     for j in 0..n {

@@ -2,45 +2,45 @@
 
 #![allow(non_snake_case)]
 
-mod ancestry;
 mod assembly;
-mod audit;
 mod axis;
 mod build;
 mod builder;
 mod charts;
 mod closures;
 mod connections;
-mod dependence;
+mod dependency_graph;
+mod dummy_dof;
 mod element_charts;
+mod element_workspace;
+mod energies;
 mod enforced;
 mod error;
 mod formulation;
 mod gather;
-mod idle;
 mod line;
-mod local;
 mod loops;
+mod mapped_node;
 mod mobility;
 mod motion;
-mod placement;
 mod query;
 mod rates;
 mod redundant;
 mod runs;
 mod scatter;
+mod scatter_map;
+mod segments;
 mod slots;
 mod start;
 mod symmetry;
 mod system;
-mod travel;
 mod view;
 mod workspace;
 
-pub use audit::{Audit, Momentum};
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
+pub use energies::{EnergiesAndMomentum, Momentum};
 pub use error::ModelError;
 pub use formulation::Formulation;
 pub use line::{Line, LineNodes};
@@ -52,27 +52,27 @@ pub use rates::BEFORE_START;
 use crate::element::Element;
 use crate::time::{Input, TimeFunction};
 use assembly::MAX_NODES;
-use dependence::Dependence;
+use mapped_node::MappedNode;
 use nalgebra::Vector3;
-use placement::Placement;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use runs::Runs;
+use scatter_map::ScatterMap;
 use std::ops::{Deref, Range};
 use workspace::Workspace;
 
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Where a node's coordinates come from.
+/// Source of a node's coordinates.
 enum Source {
-    /// They are coordinates of the model itself.
+    /// Coordinates of the model itself.
     Own,
-    /// They follow from other nodes' coordinates through a constraint map.
-    Mapped(Box<Dependence>),
+    /// A constraint map from other nodes' coordinates.
+    Mapped(Box<MappedNode>),
 }
 
-/// What the coordinates of a node are.
+/// Kind of a node's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NodeForm {
@@ -82,15 +82,15 @@ pub enum NodeForm {
     Increment,
     /// A rotation vector alone.
     Rotation,
-    /// Multipliers of equations: no coordinates, but unknowns.
+    /// Multipliers of equations: unknowns, but not coordinates.
     Multipliers,
-    /// Any others, of one chart.
+    /// Scalar coordinates.
     Coordinates,
-    /// The one unknown of a model of which everything is prescribed.
+    /// The one unknown of a model with everything prescribed.
     Dummy,
 }
 
-/// Where a node's coordinates are in the vector of all nodes' coordinates.
+/// Range of a node in the vector of all nodes' coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     first: u32,
@@ -110,7 +110,7 @@ pub struct Node {
     /// Reference position.
     position: Vector3<f64>,
     form: NodeForm,
-    kinds: Vec<Kind>,
+    quantities: Vec<Quantity>,
     dim: usize,
     /// First coordinate in the vector of all nodes' coordinates.
     first: usize,
@@ -118,24 +118,24 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node without a position: coordinates that are no frame.
-    fn new(name: String, form: NodeForm, kinds: &[Kind], source: Source) -> Self {
+    /// A node without a position: scalar coordinates.
+    fn new(name: String, form: NodeForm, quantities: &[Quantity], source: Source) -> Self {
         Self {
             name,
             position: Vector3::zeros(),
             form,
-            dim: kinds.len(),
-            kinds: kinds.to_vec(),
+            dim: quantities.len(),
+            quantities: quantities.to_vec(),
             first: 0,
             source,
         }
     }
 
-    /// A node of the same kind that follows in the same way.
+    /// A copy of the node, with a copy of its map.
     fn duplicate(&self) -> Self {
         let source = match &self.source {
             Source::Own => Source::Own,
-            Source::Mapped(d) => Source::Mapped(Box::new(Dependence::new(
+            Source::Mapped(d) => Source::Mapped(Box::new(MappedNode::new(
                 d.map.duplicate(),
                 d.segments.clone(),
                 d.direct,
@@ -143,7 +143,7 @@ impl Node {
         };
         Self {
             name: self.name.clone(),
-            kinds: self.kinds.clone(),
+            quantities: self.quantities.clone(),
             source,
             ..*self
         }
@@ -177,7 +177,7 @@ struct NodeList {
 }
 
 impl NodeList {
-    /// Of at most [`MAX_NODES`] nodes.
+    /// At most [`MAX_NODES`] nodes.
     fn new(of: &[NodeId]) -> Self {
         let mut nodes = [NONE; MAX_NODES];
         for (node, id) in nodes.iter_mut().zip(of) {
@@ -203,43 +203,43 @@ pub struct ElementEntry {
     name: String,
     element: Box<dyn Element>,
     nodes: NodeList,
-    /// Bit k: node k is a frame whose rotation matters.
+    /// Bit k: node k is a frame whose rotation is used.
     frames: u32,
     /// Bit k: node k is evaluated through the complement map.
     switched: u32,
-    /// The same in the chart it goes on in.
+    /// The same in its next chart.
     wanted: u32,
-    /// Whether its nodes have turned so far against each other that no chart holds them all.
+    /// Whether the nodes have rotated so far relative to each other that no chart contains them.
     overturned: bool,
-    /// An equation left out that does not follow from the others any more, and its residual.
+    /// An omitted equation that does not follow from the others any more, and its residual.
     loose: Option<(usize, f64)>,
     /// Whether any node is mapped.
     mapped: bool,
-    /// Whether a coordinate of its nodes is prescribed or follows others.
+    /// Whether a coordinate of its nodes is prescribed or mapped.
     held: bool,
-    /// Whether it has no tangents.
+    /// Whether all its tangents are zero.
     dead: bool,
-    /// Whether it stands for applied loads.
+    /// Whether it is an applied load.
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
-    first_place: usize,
+    first_position: usize,
 }
 
 impl ElementEntry {
-    /// A dead load that is seen as it is stored.
+    /// A dead load on nodes that are not switched.
     fn reads_only_time(&self) -> bool {
         self.dead && self.switched == 0
     }
 }
 
-/// A coordinate that is a given function of time.
+/// A coordinate that is a prescribed function of time.
 struct Prescribed {
     coordinate: usize,
     function: Box<dyn TimeFunction>,
 }
 
-/// What is prescribed of these coordinates, of all in the order of coordinates.
+/// The prescribed ones among these coordinates, of all in ascending order.
 fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] {
     let before = |end: usize| prescribed.partition_point(|p| p.coordinate < end);
     &prescribed[before(coordinates.start)..before(coordinates.end)]
@@ -247,49 +247,49 @@ fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] 
 
 /// An assembled model: a [`System`](pullback_manifold::system::System) with names.
 ///
-/// Made by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
+/// Created by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
 /// neither prescribed nor mapped.
 pub struct Model {
     nodes: Vec<Node>,
     spans: Vec<Span>,
-    /// Nodes that follow others, parents first.
+    /// Mapped nodes, parents first.
     dependent: Vec<u32>,
-    /// Frames by increments whose rates may be spins.
-    spinning: Vec<u32>,
-    /// How loops are closed.
+    /// Frames by increments whose rates may be angular velocities.
+    spin_frames: Vec<u32>,
+    /// Report on the loops.
     reports: Vec<loops::Report>,
     elements: Vec<ElementEntry>,
     /// Elements that enforce equations.
     enforced: Vec<usize>,
-    /// Coordinates at the start, unless something else is said.
+    /// Default initial coordinates.
     initial: Vec<f64>,
-    /// Equations (element, number) that are left out and follow from the others only for some
-    /// motions of what is driven, with its names.
+    /// Omitted equations (element, number) that follow from the others only for some prescribed
+    /// motions, with the names of these.
     overdriven: Vec<((usize, usize), String)>,
-    /// Unknowns where equations were left out last; empty where none is.
+    /// Unknowns at the last choice of omitted equations; empty if there is none.
     chosen_at: Vec<f64>,
-    /// Whether it does not matter whether these follow from the others.
+    /// Whether the omitted equations are not checked.
     unwatched: bool,
-    /// In the order of coordinates.
+    /// Ascending by coordinate.
     prescribed: Vec<Prescribed>,
-    /// What is set from outside.
+    /// Values set from outside.
     inputs: Vec<Input>,
-    /// Frames whose whole rotation is driven, with the whole turns taken off.
+    /// Frames with a fully prescribed rotation, with the number of subtracted turns.
     prescribed_rotations: Vec<(usize, i32)>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
-    /// The same by runs of free coordinates.
+    /// The same as runs of free coordinates.
     runs: Runs,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
-    kinds: Vec<Kind>,
+    quantities: Vec<Quantity>,
     /// Whether each coordinate is a multiplier.
     multipliers: Vec<bool>,
-    /// What each unknown is added to: a displacement to a position, an angle to one radian.
+    /// Magnitude that each unknown is added to: a displacement to a position, an angle to one radian.
     magnitudes: Vec<f64>,
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,
-    placement: Placement,
+    scatter_map: ScatterMap,
     work: Workspace,
 }

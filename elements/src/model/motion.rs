@@ -1,4 +1,4 @@
-//! Motion of a model: initial velocities, released coordinates, forces in joints.
+//! Motion of a model: initial velocities, joint coordinates, joint forces.
 
 #![allow(non_snake_case)]
 
@@ -8,11 +8,11 @@ use super::loops::upwards;
 use super::{Model, NONE, NodeForm, Source, among};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3::{self, Spins};
+use pullback_manifold::so3::{self, VelocityKind};
 use pullback_manifold::system::{Point, SystemError};
 use std::f64::consts::PI;
 
-/// Coordinates and velocities of one frame node at a point.
+/// State of one frame node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeState {
     /// Displacement from the reference position, global components.
@@ -33,14 +33,14 @@ pub struct NodeState {
     pub omega_dot: Vector3<f64>,
 }
 
-/// A motion of a rigid body: the velocity field v + ω × (x − about).
+/// A rigid motion: the velocity field v + ω × (x − about).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RigidMotion {
     /// Velocity of the point `about`, global components.
     pub velocity: Vector3<f64>,
     /// Angular velocity, global components.
     pub omega: Vector3<f64>,
-    /// A point that moves with `velocity`.
+    /// The point with `velocity`.
     pub about: Vector3<f64>,
 }
 
@@ -69,23 +69,23 @@ impl Model {
         }
     }
 
-    /// Value and rate of a coordinate of a node, in the configuration last set: the angle that a
-    /// joint releases, say. `None` where the node has no such coordinate.
+    /// Value and rate of a coordinate of a node, such as the angle of a joint, in the configuration
+    /// last set. `None` if the node has no such coordinate.
     pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 2]> {
         let n = &self.nodes[node.0 as usize];
         (k < n.dim).then(|| [self.work.x[n.first + k], self.work.v[n.first + k]])
     }
 
-    /// As [`Model::coordinate`], with the acceleration: zero in statics, and after what has been
-    /// evaluated without one.
+    /// As [`Model::coordinate`], with the acceleration: zero in statics, and after an evaluation
+    /// without accelerations.
     pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
         let n = &self.nodes[node.0 as usize];
         let (w, c) = (&self.work, n.first + k);
         (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
     }
 
-    /// Unknown of coordinate `k` of any node, if it is free. Of a frame by increments
-    /// ([`Formulation`](super::Formulation)) rotation vectors are those since its chart was centred:
+    /// Unknown of coordinate `k` of any node, if it is free. Rotation vectors of a frame by
+    /// increments ([`Formulation`](super::Formulation)) are those since its chart was centred:
     /// before a run, from the reference orientation.
     pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
         let n = self.carrier(&self.nodes[node.0 as usize]);
@@ -93,8 +93,8 @@ impl Model {
         (u != NONE).then_some(u as usize)
     }
 
-    /// Force and moment (global components) with which a joint acts on what is attached to it at a frame
-    /// node, at the last evaluation of the residual; `None` for a node that is attached to nothing.
+    /// Force and moment (global components) of a joint on everything attached to it at a frame
+    /// node, at the last evaluation of the residual; `None` for a node that is not attached.
     pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
         let n = &self.nodes[node.0 as usize];
         if self.is_own(node) || !n.is_frame() {
@@ -111,11 +111,10 @@ impl Model {
         Some(out)
     }
 
-    /// What a joint has to hold besides the forces on what is attached to it: those with which loops
-    /// close. With the multipliers μ of the equations in the child's axes the child is acted upon
-    /// by the force and moment −R μ, and the frame that it is one with by the opposite; they cancel
-    /// where a node carries both, but for what stays behind: above a frame that turns freely there is
-    /// no moment about it, as loads and inertia that turn it balance the closing forces.
+    /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's axes,
+    /// the force and moment −R μ act on the child, and the opposite on the frame that coincides with
+    /// it; they cancel at a node with both, except for a remainder: above a frame that rotates freely
+    /// there is no moment about its axis, as loads and inertia balance the closing forces there.
     pub(super) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
         let w = &self.work;
         let mut out = [Vector3::zeros(); 2];
@@ -139,8 +138,8 @@ impl Model {
                     let Some(above) = path.iter().position(|&n| n == node.0) else {
                         continue;
                     };
-                    // The frame at which the map reads this loop's chains to end, and those above,
-                    // have been handed these forces.
+                    // These forces act on the frame at which the chains of this loop end for the
+                    // map, and on those above.
                     let read = |n: &u32| roots.contains(&Some(*n)) && d.parents().contains(n);
                     if path[..=above].iter().any(read) {
                         continue;
@@ -160,7 +159,7 @@ impl Model {
         out
     }
 
-    /// Sets coordinate `k` of a node in a vector of unknowns; whether it is one.
+    /// Sets coordinate `k` of a node in a vector of unknowns; false if it is not free.
     pub fn set(&self, unknowns: &mut [f64], node: NodeId, k: usize, value: f64) -> bool {
         let u = self.unknown_at(node, k);
         if let Some(u) = u {
@@ -169,13 +168,13 @@ impl Model {
         u.is_some()
     }
 
-    /// Turns what joints leave free to turn (ball joints, points on curves and surfaces) with the
-    /// frames that they are attached to, as `q` has these at t = 0: their coordinates are rotation
-    /// vectors in space, which the joints above do not change. Rotations in `given` stay, and so do
-    /// those in loops. The unknowns that have changed.
+    /// Rotates the free rotations of joints (ball joints, points on curves and surfaces) with the
+    /// frames that they are attached to, as given by `q` at t = 0: their coordinates are rotation
+    /// vectors in space, independent of the joints above. Rotations in `given` stay, and so do
+    /// those in loops. Returns the changed unknowns.
     ///
     /// # Errors
-    /// [`SystemError`] when a joint is outside its domain.
+    /// [`SystemError`] if a joint is outside its domain.
     pub fn carry_rotations(
         &mut self,
         q: &mut [f64],
@@ -193,7 +192,7 @@ impl Model {
         let mut carried = Vec::new();
         for k in 0..self.dependent.len() {
             let n = self.dependent[k];
-            // The frames above have been carried along.
+            // The frames above have been rotated already.
             self.expand_node(t, n)?;
             let rotation = self.free_rotation_of(NodeId(n));
             let Source::Mapped(d) = &self.nodes[n as usize].source else {
@@ -226,10 +225,9 @@ impl Model {
         Ok(carried)
     }
 
-    /// Writes the velocities of a rigid motion of the nodes in `nodes` (all of them if it is
-    /// `None`) into `v`, at coordinates `q`: displacements move with v + ω × (x − about), rotation
-    /// vectors with Ψ̇ = T⁻ᵀ ω. Coordinates that joints release stay at rest: see
-    /// [`Model::fit_rates`].
+    /// Writes the velocities of a rigid motion of the nodes in `nodes` (all if `None`) at
+    /// coordinates `q` to `v`: displacements move with v + ω × (x − about), rotation vectors with Ψ̇
+    /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Model::fit_rates`].
     pub fn set_velocity(
         &self,
         q: &[f64],
@@ -272,22 +270,22 @@ impl Model {
                 let first = own.first + n.dim - 3;
                 let theta = three(first);
                 let omega = self.turn_of(n).tr_mul(&motion.omega);
-                let spins = match &n.source {
-                    Source::Mapped(d) => d.map.spins(),
+                let kind = match &n.source {
+                    Source::Mapped(d) => d.map.velocity_kind(),
                     Source::Own => None,
                 };
-                let rate = match spins {
+                let rate = match kind {
                     None => so3::tangent_inverse(&theta).tr_mul(&omega),
-                    Some(Spins::Material) => so3::rotation(&theta).tr_mul(&omega),
-                    Some(Spins::Spatial | Spins::Mixed) => omega,
+                    Some(VelocityKind::Material) => so3::rotation(&theta).tr_mul(&omega),
+                    Some(VelocityKind::Spatial | VelocityKind::Mixed) => omega,
                 };
                 put(first, &rate);
             }
         }
     }
 
-    /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation
-    /// that a joint such as a spherical one has released.
+    /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation of
+    /// a joint such as a spherical one.
     pub fn free_rotation_of(&self, node: NodeId) -> NodeId {
         let Source::Mapped(d) = &self.nodes[node.0 as usize].source else {
             return node;
@@ -299,11 +297,10 @@ impl Model {
             .map_or(node, |&n| NodeId(n))
     }
 
-    /// Unknowns that are numbers by themselves, of no frame, no rotation vector and no loop: the
-    /// coordinates that joints release one by one.
+    /// Scalar unknowns that belong to no frame, rotation vector or loop: the joint coordinates.
     pub fn single_unknowns(&self) -> Vec<usize> {
         let chosen = |&n: &u32| match &self.nodes[n as usize].source {
-            Source::Mapped(d) if d.map.rewrites() => d.parents().first().copied(),
+            Source::Mapped(d) if d.map.reparametrizes() => d.parents().first().copied(),
             _ => None,
         };
         let of_loops: Vec<u32> = self.dependent.iter().filter_map(chosen).collect();
@@ -318,18 +315,18 @@ impl Model {
             .collect()
     }
 
-    /// Whether the coordinates of a node are its own: it is not attached to a joint.
+    /// Whether a node has its own coordinates: it is not attached to a joint.
     pub fn is_own(&self, node: NodeId) -> bool {
         self.carrier(&self.nodes[node.0 as usize]).is_own()
     }
 
-    /// Value of a prescribed coordinate at the start.
+    /// Initial value of a prescribed coordinate.
     fn prescribed_value(&self, c: usize) -> f64 {
         let p = among(&self.prescribed, c..c + 1).first();
         p.map_or(0.0, |p| p.function.at(0.0)[0])
     }
 
-    /// Coordinate nodes and rotations that joints have released, with their names.
+    /// Nodes of joint coordinates and rotations, with their names.
     pub fn released(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
         self.nodes
             .iter()

@@ -1,4 +1,4 @@
-//! Questions to a model: names, positions, section forces, reactions, sufficiency of supports.
+//! Queries of a model: names, positions, section forces, reactions, supports.
 
 #![allow(non_snake_case)]
 
@@ -7,25 +7,25 @@ use super::{Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Point, Quantity, System, SystemError};
 use std::collections::BTreeMap;
 
-/// Force and moment with which a support acts on the structure, in global components.
+/// Reaction of a support on the structure, in global components.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reaction {
     /// The supported node.
     pub node: String,
-    /// Which of the six coordinates are prescribed.
+    /// The prescribed ones of the six coordinates.
     pub prescribed: [bool; 6],
     /// Reaction force, zero along free directions.
     pub force: Vector3<f64>,
-    /// Reaction moment as a covector for Ψ; the physical moment T⁻¹ of it where all three
-    /// rotations are prescribed.
+    /// Reaction moment as a covector for Ψ; the physical moment, T⁻¹ of it, if all three rotations
+    /// are prescribed.
     pub moment: Vector3<f64>,
 }
 
 impl Model {
-    /// All nodes that are frames, with their names, in the order of their definition.
+    /// All frame nodes with their names, in the order of definition.
     pub fn frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
         self.nodes
             .iter()
@@ -34,7 +34,7 @@ impl Model {
             .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
     }
 
-    /// The node of a name.
+    /// Node with a name.
     pub fn find(&self, name: &str) -> Option<NodeId> {
         self.nodes
             .iter()
@@ -42,25 +42,25 @@ impl Model {
             .map(|k| NodeId(k as u32))
     }
 
-    /// What there is to say about the map that a node follows through, as it is now: its
-    /// independent coordinates and redundant equations, say.
-    pub fn note(&self, node: NodeId) -> Option<String> {
+    /// Describes the present state of the map of a node, such as its independent coordinates and
+    /// redundant equations.
+    pub fn describe(&self, node: NodeId) -> Option<String> {
         match &self.nodes[node.0 as usize].source {
             Source::Own => None,
-            Source::Mapped(d) => d.map.note(),
+            Source::Mapped(d) => d.map.describe(),
         }
     }
 
-    /// How the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed: on which
-    /// joints children hang, which joints close loops, and the coordinates that these leave free as
-    /// they are chosen now.
-    pub fn notes(&self) -> Vec<String> {
+    /// Describes how the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed:
+    /// the joints of attached children, the joints that close loops, and their present independent
+    /// coordinates.
+    pub fn descriptions(&self) -> Vec<String> {
         let note = |r: &super::loops::Report| {
             let of_element = || {
                 r.element
-                    .map_or_else(String::new, |k| self.left_out_note(k))
+                    .map_or_else(String::new, |k| self.describe_left_out(k))
             };
-            match r.map.and_then(|n| self.note(NodeId(n))) {
+            match r.map.and_then(|n| self.describe(NodeId(n))) {
                 Some(note) => format!("{}; {note}", r.words),
                 None => r.words.clone() + &of_element(),
             }
@@ -74,8 +74,8 @@ impl Model {
         (&e.name, e.nodes.iter().map(|&n| NodeId(n)).collect())
     }
 
-    /// Names of elements and loads whose tangent is not symmetric: no potential tells how stable an
-    /// equilibrium with them is.
+    /// Names of elements and loads with a tangent that is not symmetric; the stability of
+    /// equilibria then follows from no potential.
     pub fn asymmetric(&self) -> impl Iterator<Item = &str> {
         let others = self.elements.iter().filter(|e| !e.element.is_symmetric());
         others.map(|e| e.name.as_str())
@@ -96,7 +96,7 @@ impl Model {
         self.unknown_at(node, dof.index())
     }
 
-    /// The node of a coordinate of all nodes, which stand in the order of their coordinates.
+    /// The node of a coordinate of all nodes.
     pub(super) fn node_of(&self, c: usize) -> usize {
         self.nodes.partition_point(|n| n.first <= c) - 1
     }
@@ -106,10 +106,10 @@ impl Model {
         n.coordinate_name(c - n.first)
     }
 
-    /// Brings the whole configuration to a point, for the questions that follow.
+    /// Sets the whole configuration, for later queries.
     ///
     /// # Errors
-    /// [`SystemError`] when a joint is outside its domain.
+    /// [`SystemError`] if a joint is outside its domain.
     pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)
     }
@@ -148,7 +148,7 @@ impl Model {
         out
     }
 
-    /// States of all cross-sections in the configuration last set, with the element they belong to.
+    /// States of all cross-sections in the configuration last set, with their element.
     pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
         let mut out = Vec::new();
         let mut states = Vec::new();
@@ -194,11 +194,11 @@ impl Model {
             .sum()
     }
 
-    /// Whether every connected part of the structure is held against rigid motion: what statics
-    /// needs.
+    /// Checks that every connected part of the structure is held against rigid motion, as statics
+    /// requires.
     ///
     /// # Errors
-    /// [`ModelError::Unsupported`] with a node of the part and the motion it can still make.
+    /// [`ModelError::Unsupported`] with a node of the part and its free motion.
     pub fn check_supports(&self) -> Result<(), ModelError> {
         let mut parts: BTreeMap<usize, Vec<&super::Node>> = BTreeMap::new();
         for (node, part) in self.nodes.iter().zip(self.connected_parts()) {
@@ -217,7 +217,7 @@ impl Model {
         Ok(())
     }
 
-    /// Number of the connected part of each node.
+    /// Index of the connected part of each node.
     fn connected_parts(&self) -> Vec<usize> {
         let mut part: Vec<usize> = (0..self.nodes.len()).collect();
         fn root(part: &mut [usize], mut n: usize) -> usize {
@@ -246,12 +246,12 @@ impl Model {
         (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
     }
 
-    /// A rigid motion of the part of these frames that no support prevents, in words.
+    /// A rigid motion of these frames that no support prevents, in words.
     fn free_motion(&self, frames: &[&super::Node]) -> Option<String> {
         let center: Vector3<f64> =
             frames.iter().map(|n| n.position).sum::<Vector3<f64>>() / frames.len() as f64;
-        // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation
-        // about the centre times the model's length).
+        // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation about
+        // the centre times the model's length).
         let mut gram = nalgebra::Matrix6::<f64>::zeros();
         for node in frames {
             let arm = (node.position - center) / self.length;
@@ -286,7 +286,7 @@ impl Model {
         Some(describe_motion(&motion, &center, self.length))
     }
 
-    /// Whether coordinate kinds of a frame node are prescribed, for output.
+    /// Whether a coordinate of a frame node is prescribed.
     pub fn is_prescribed(&self, node: NodeId, dof: super::Dof) -> bool {
         let n = self.carrier(&self.nodes[node.0 as usize]);
         n.is_own() && self.unknowns[n.first + dof.index()] == NONE
@@ -301,8 +301,8 @@ impl Model {
 
     /// Names of the unknowns with the largest entries of a vector, largest first.
     pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
-        let scale = |i: usize| match self.kind(i) {
-            Kind::Length => self.length,
+        let scale = |i: usize| match self.quantity(i) {
+            Quantity::Length => self.length,
             _ => 1.0,
         };
         let mut order: Vec<usize> = (0..vector.len()).collect();

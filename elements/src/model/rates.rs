@@ -1,4 +1,4 @@
-//! Initial rates of the coordinates that joints release.
+//! Initial rates of joint coordinates.
 
 #![allow(non_snake_case)]
 
@@ -9,20 +9,21 @@ use nalgebra::{DMatrix, DVector, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
 
-/// Part of a motion that may be missing because of rounding.
+/// Part of a motion that may be missing by rounding.
 const MISSING: f64 = 1e-9;
 
-/// Just before t = 0, where initial velocities are given: prescribed motions have their rates on the left.
+/// The time just before t = 0, at which initial velocities are given: rates of prescribed motions
+/// are those from the left.
 pub const BEFORE_START: f64 = 0.0_f64.next_down();
 
 impl Model {
-    /// Fits the rates of the coordinates that joints release, in `v`, so that the frames that hang
-    /// on them (those among `nodes`, all of them if it is `None`) move with a rigid motion as
-    /// closely as they can: joint by joint from the root, all joints of a loop at once, by least
-    /// squares. The closing joints of loops without driven parts which do not allow the motion.
+    /// Fits the rates of joint coordinates in `v`, so that the attached frames (those among
+    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: joint by joint from
+    /// the root, all joints of a loop at once, by least squares. Returns the closing joints of
+    /// loops without prescribed parts that do not allow the motion.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
+    /// [`SystemError`] if the point is outside a chart.
     pub fn fit_rates(
         &mut self,
         q: &[f64],
@@ -54,7 +55,7 @@ impl Model {
             let Source::Mapped(d) = &self.nodes[x as usize].source else {
                 continue;
             };
-            // A loop that is locked has no coordinates of its own.
+            // A locked loop has no coordinates of its own.
             let own: Vec<u32> = d
                 .parents()
                 .iter()
@@ -73,8 +74,8 @@ impl Model {
         Ok(against)
     }
 
-    /// What a frame among `nodes` follows from.
-    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::dependence::Dependence> {
+    /// The map of a frame among `nodes`.
+    fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::mapped_node::MappedNode> {
         let node = &self.nodes[n as usize];
         let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
         match &node.source {
@@ -83,7 +84,7 @@ impl Model {
         }
     }
 
-    /// The coordinates of a loop that a coordinate belongs to.
+    /// The coordinates of the loop of a coordinate.
     fn loop_of(&self, n: u32) -> Option<u32> {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
@@ -92,14 +93,14 @@ impl Model {
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
     }
 
-    /// Whether a coordinate or a rotation that a joint has released belongs to a closed loop: it
-    /// follows from the coordinates that the loop leaves free.
+    /// Whether a joint coordinate or rotation belongs to a closed loop: it follows from the loop's
+    /// independent coordinates.
     pub fn in_loop(&self, node: NodeId) -> bool {
         self.loop_of(node.0).is_some()
     }
 
-    /// Fits the rates of the free coordinates of `parents` so that frames take part in a motion; what
-    /// is missing of it, relative to the whole.
+    /// Fits the rates of the free coordinates of `parents` to a motion of frames; returns the
+    /// missing part relative to the whole.
     fn fit(
         &mut self,
         q: &[f64],
@@ -165,7 +166,7 @@ impl Model {
         })
     }
 
-    /// The unknowns that nodes move with: their own free coordinates, and those that they follow.
+    /// Unknowns of nodes: their own free coordinates, and those that they depend on.
     pub fn unknowns_behind(&self, nodes: &[NodeId]) -> Vec<usize> {
         let mut unknowns: Vec<usize> = Vec::new();
         for n in nodes {
@@ -182,12 +183,12 @@ impl Model {
         unknowns
     }
 
-    /// Finds velocities `v` for which coordinates have given rates at `q` and [`BEFORE_START`]: those of loops
-    /// follow from others, and all of them together are changed as little as possible. How far off
-    /// the worst remains: zero to rounding where the loops allow the rates.
+    /// Finds velocities `v` with given rates of coordinates at `q` and [`BEFORE_START`]: those of
+    /// loops follow from others, and the change of all together is smallest. Returns the largest
+    /// error: zero to rounding if the loops allow the rates.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
+    /// [`SystemError`] if the point is outside a chart.
     pub fn fit_coordinate_rates(
         &mut self,
         q: &[f64],
@@ -206,7 +207,7 @@ impl Model {
         };
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
         let missing = wanted - now(v)?;
-        // What is driven, or locked, has the rates that it has.
+        // Prescribed or locked coordinates keep their rates.
         if unknowns.is_empty() {
             return Ok(missing.amax());
         }

@@ -1,4 +1,4 @@
-//! Equations of multipliers that say nothing new: which are left out, chosen anew on the way.
+//! Redundant equations of multipliers: which ones are omitted.
 
 #![allow(non_snake_case)]
 
@@ -8,18 +8,17 @@ use super::{Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Point, System};
 
-/// Part of the largest gradient below which what is left of another one is rounding.
+/// Remainder of a gradient, relative to the largest gradient, that counts as rounding.
 const RANK: f64 = 1e-8;
-/// Part of the largest gradient by what is driven above which an equation depends on it.
+/// Relative gradient by prescribed coordinates above which an equation depends on them.
 const DRIVES: f64 = 1e-4;
-/// Way of a coordinate, in its size, after which the choice of equations is looked at again.
+/// Change of a coordinate, relative to its size, after which the choice of equations is revised.
 const MOVED: f64 = 0.1;
-/// By how much the least independent equation must gain to change the choice.
+/// Gain of the least independent equation that changes the choice.
 const GAIN: f64 = 1.5;
 
 impl Model {
-    /// Takes as many equations as are independent of each other, those with the largest gradients
-    /// first, and leaves the others out.
+    /// Selects independent equations, those with the largest gradients first, and omits the others.
     pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
         let all = self.equations(0.0, q, &[]).map_err(start)?;
         let counting = self.counting(&all);
@@ -35,7 +34,7 @@ impl Model {
         Ok(())
     }
 
-    /// The equations that multipliers hold.
+    /// The equations enforced by multipliers.
     fn counting(&self, all: &Equations) -> Vec<usize> {
         let counts = |&(k, _): &(usize, usize)| {
             let enforced = self.elements[k].element.enforced();
@@ -44,7 +43,7 @@ impl Model {
         (0..all.of.len()).filter(|&i| counts(&all.of[i])).collect()
     }
 
-    /// Leaves equations out that a choice has not taken.
+    /// Omits the equations that are not selected.
     fn leave_out(&mut self, all: &Equations, choice: Chosen) {
         let Chosen {
             waiting,
@@ -53,7 +52,8 @@ impl Model {
             ..
         } = choice;
         let of = &all.of;
-        // What follows from others for given positions of what is driven, but not for all.
+        // Equations that follow from others at given prescribed positions, but not at all
+        // positions.
         self.overdriven.clear();
         for &i in &waiting {
             let off = by_driven.row(i);
@@ -74,21 +74,21 @@ impl Model {
         }
     }
 
-    /// At a converged state away from where equations were left out: takes others where those in use
-    /// have become much less independent than the best ones, and gives their multipliers the forces of
-    /// the old ones. Whether it did.
+    /// Revises the choice at a converged state away from the last one: replaces equations that have
+    /// become much less independent than the best ones, and gives the forces of the old multipliers
+    /// to the new ones. Returns whether it did.
     ///
-    /// Which of the gaps of a plane loop say something new depends on where its frames point.
+    /// The independent gaps of a planar loop depend on the orientation of its frames.
     pub(super) fn choose_equations(&mut self, t: f64, q: &mut [f64]) -> bool {
         let moved = |u: usize| {
-            let way = (q[u] - self.chosen_at[u]).abs();
-            way > MOVED * self.unit(u) && !self.is_multiplier(u)
+            let change = (q[u] - self.chosen_at[u]).abs();
+            change > MOVED * self.unit(u) && !self.is_multiplier(u)
         };
         if self.unwatched || self.chosen_at.is_empty() || !(0..q.len()).any(moved) {
             return false;
         }
         self.chosen_at.copy_from_slice(q);
-        // The forces of the state that was accepted are asked for later.
+        // The forces of the accepted state are used later.
         let forces = self.work.r.clone();
         let all = self.equations(t, q, &[]);
         self.work.r = forces;
@@ -103,7 +103,7 @@ impl Model {
         };
         let used: Vec<usize> = counting.iter().copied().filter(taken).collect();
         let (now, best) = (Chosen::of(&all, &used), Chosen::of(&all, &counting));
-        // A singular position is no position to choose.
+        // A singular configuration is not suitable for a choice.
         if best.taken.len() != used.len() || now.least * GAIN > best.least {
             return false;
         }
@@ -133,7 +133,7 @@ impl Model {
             }
         }
         self.leave_out(&all, best);
-        // Whoever asks for forces at this state asks with these multipliers.
+        // Forces at this state are evaluated with these multipliers.
         let still = Point {
             t,
             q,
@@ -143,24 +143,24 @@ impl Model {
         self.expand(still).is_ok()
     }
 
-    /// Where equations were left out last, and which.
-    pub(super) fn choice_memory(&self) -> Vec<f64> {
-        let mut memory = self.chosen_at.clone();
-        memory.extend(self.enforced.iter().map(|&k| {
+    /// State of the choice: the unknowns there, and the omitted equations.
+    pub(super) fn save_choice(&self) -> Vec<f64> {
+        let mut saved = self.chosen_at.clone();
+        saved.extend(self.enforced.iter().map(|&k| {
             let enforced = self.elements[k].element.enforced();
             f64::from(enforced.map_or(0, |e| e.left_out()))
         }));
-        memory
+        saved
     }
 
-    /// Goes on from what [`Model::choice_memory`] gave; false for anything else.
-    pub(super) fn recall_choice(&mut self, memory: &[f64]) -> bool {
+    /// Restores the state from [`Model::save_choice`]; false for anything else.
+    pub(super) fn restore_choice(&mut self, saved: &[f64]) -> bool {
         let n = self.chosen_at.len();
-        if memory.len() != n + self.enforced.len() || memory.iter().any(|x| !x.is_finite()) {
+        if saved.len() != n + self.enforced.len() || saved.iter().any(|x| !x.is_finite()) {
             return false;
         }
-        self.chosen_at.copy_from_slice(&memory[..n]);
-        for (&k, left_out) in self.enforced.iter().zip(&memory[n..]) {
+        self.chosen_at.copy_from_slice(&saved[..n]);
+        for (&k, left_out) in self.enforced.iter().zip(&saved[n..]) {
             if let Some(enforced) = self.elements[k].element.enforced_mut() {
                 enforced.leave_out(*left_out as u32);
             }
@@ -168,7 +168,7 @@ impl Model {
         true
     }
 
-    /// The unknown that multiplies an equation of an element.
+    /// The multiplier of an equation of an element.
     fn multiplier(&self, element: usize, equation: usize) -> Option<usize> {
         let e = &self.elements[element];
         let &node = e.nodes.last()?;
@@ -176,13 +176,13 @@ impl Model {
     }
 }
 
-/// Equations taken one after the other, those with the largest rest of a gradient first.
+/// Equations selected one after the other, by the largest remainder of their gradients.
 struct Chosen {
     taken: Vec<usize>,
-    /// Those that say nothing new, and their gradients by what is driven less those that follow.
+    /// Redundant equations, and the remainders of their gradients by prescribed coordinates.
     waiting: Vec<usize>,
     by_driven: DMatrix<f64>,
-    /// Rest of the gradient of the last one that was taken; below which there is nothing new.
+    /// Remainder of the last selected gradient; below it an equation is redundant.
     least: f64,
     limit: f64,
 }

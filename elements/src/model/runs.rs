@@ -1,19 +1,19 @@
-//! Unknowns and the coordinates of all nodes: the one vector from and to the other.
+//! Transfer between the vectors of unknowns and of all coordinates.
 
 use pullback_manifold::system::SystemError;
 use std::ops::Range;
 
-/// The coordinates that are unknowns, as runs without gaps: nearly all of a model is a single one,
-/// and moves without a look at every number.
+/// The coordinates that are unknowns, as contiguous runs: most of a model is a single one, copied
+/// as a block.
 ///
-/// All that callers hand over comes in and goes out here: its length is checked.
+/// All vectors of callers pass through here, with a check of their length.
 pub(super) struct Runs {
     runs: Vec<Range<usize>>,
     unknowns: usize,
 }
 
 impl Runs {
-    /// Of ascending coordinates.
+    /// From ascending coordinates.
     pub(super) fn new(coordinates: &[usize]) -> Self {
         let runs = coordinates.chunk_by(|a, b| a + 1 == *b);
         Self {
@@ -22,7 +22,7 @@ impl Runs {
         }
     }
 
-    /// Values of the unknowns among those of all coordinates.
+    /// Gathers the values of the unknowns from those of all coordinates.
     pub(super) fn gather(
         &self,
         all: &[f64],
@@ -39,7 +39,7 @@ impl Runs {
         Ok(())
     }
 
-    /// The reverse; other coordinates stay as they are.
+    /// The reverse; other coordinates are unchanged.
     pub(super) fn scatter(
         &self,
         what: &'static str,
@@ -57,7 +57,7 @@ impl Runs {
     }
 }
 
-/// Refuses a caller's slice of another length than expected.
+/// Rejects a slice of the wrong length.
 pub(super) fn check_length(
     what: &'static str,
     expected: usize,
@@ -73,7 +73,7 @@ pub(super) fn check_length(
     })
 }
 
-/// Copies a run, that of a single frame without a call.
+/// Copies a run, without a call for a single frame.
 #[inline(always)]
 fn copy(from: &[f64], to: &mut [f64]) {
     match (

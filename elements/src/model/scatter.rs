@@ -1,47 +1,47 @@
-//! Tangents of groups in which nodes follow others, on their way to the pattern.
+//! Scattering of tangents of groups with mapped nodes to the pattern.
 //!
 //! ```text
-//! rows of own nodes                  →  pattern
-//! rows of nodes that follow others   →  panels  →  Bᵀ  →  panels of their parents, pattern
+//! rows of own nodes     →  pattern
+//! rows of mapped nodes  →  panels  →  Bᵀ  →  panels of their parents, pattern
 //! ```
 
 #![allow(non_snake_case)]
 
-use super::dependence::Operators;
-use super::placement::{Placement, Position, behind};
+use super::mapped_node::Operators;
+use super::scatter_map::{BlockPosition, ScatterMap, behind};
 use super::{NONE, Node, Source};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
 
-/// Tangents over the coordinates of a few nodes.
+/// Tangents over the coordinates of a group of nodes.
 pub(super) struct Group<'a> {
     pub nodes: &'a [u32],
-    pub first_place: usize,
+    pub first_position: usize,
     pub tangents: Tangents<'a>,
     pub weights: Weights,
 }
 
-/// Where they go, and room for a column.
-pub(super) struct Into<'a> {
+/// Destination of a scatter, and scratch for a column.
+pub(super) struct ScatterTarget<'a> {
     pub values: &'a mut [f64],
     pub panels: &'a mut [f64],
     pub work: &'a mut [f64],
 }
 
-impl Placement {
+impl ScatterMap {
     /// Adds the pulled-back tangents of a group of nodes, (cK K + cC C + cM M, B) column by column:
-    /// rows of own nodes into the pattern, those of others into their panels.
+    /// rows of own nodes to the pattern, those of mapped nodes to their panels.
     pub(super) fn scatter_group(
         &self,
         nodes: &[Node],
         operators: &Operators,
         group: &Group<'_>,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let n = group.nodes.iter().map(|&i| nodes[i as usize].dim).sum();
         let (tangents, weights) = (group.tangents, group.weights);
         let mut positions =
-            self.positions[group.first_place..].chunks_exact(group.nodes.len().max(1));
+            self.positions[group.first_position..].chunks_exact(group.nodes.len().max(1));
         let mut x = 0;
         for j in group.nodes {
             let node = &nodes[*j as usize];
@@ -66,14 +66,14 @@ impl Placement {
         }
     }
 
-    /// Adds a column to its places, node by node.
+    /// Adds a column at its positions, node by node.
     fn put(
         &self,
         nodes: &[Node],
         group: &[u32],
-        positions: &[Position],
+        positions: &[BlockPosition],
         column: usize,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let mut rest = &*into.work;
         for (&i, position) in group.iter().zip(positions) {
@@ -98,23 +98,23 @@ impl Placement {
         }
     }
 
-    /// Hands the rows at a node that follows others to its parents: Bᵀ times its panel.
-    pub(super) fn hand_back(
+    /// Adds the rows at a mapped node to its parents: Bᵀ times its panel.
+    pub(super) fn pull_back_rows(
         &self,
         n: u32,
         nodes: &[Node],
         operators: &Operators,
-        into: &mut Into<'_>,
+        into: &mut ScatterTarget<'_>,
     ) {
         let (panel, node) = (&self.panels[n as usize], &nodes[n as usize]);
         let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {
             return;
         };
-        // Panels of parents come before those of the nodes that follow them.
+        // Panels of parents come before those of the nodes mapped from them.
         let (above, own) = into.panels.split_at_mut(start as usize);
         let mut columns = own.chunks_exact(node.dim);
         let parents = d.parents();
-        let positions = self.positions[panel.handed..].chunks_exact(parents.len().max(1));
+        let positions = self.positions[panel.parent_rows..].chunks_exact(parents.len().max(1));
         for (&a, positions) in panel.columns.iter().zip(positions) {
             for column in 0..self.width(&nodes[a as usize]) {
                 let Some(f) = columns.next() else { return };

@@ -9,7 +9,7 @@ use pullback_manifold::map::{Kinematics, Map};
 use pullback_manifold::pullback::Slot;
 use pullback_manifold::scalar::Scalar;
 
-/// One node of an element seen in the other chart: the operators of the complement map.
+/// Operators of the complement map for one node of an element in the other chart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Complement {
     psi: Vector3<f64>,
@@ -51,7 +51,7 @@ impl Complement {
         self.kinematics = k;
     }
 
-    /// Prepares K_σ for the moment that the element exerts in its own chart.
+    /// Computes K_σ for the moment that the element exerts in its own chart.
     pub(super) fn load(&mut self, f: &[f64]) {
         self.K_sigma =
             ComplementMap.geometric_stiffness(0.0, &self.psi, &Vector3::from_column_slice(f));
@@ -77,7 +77,7 @@ impl Complement {
     }
 }
 
-/// Takes whole turns off a driven rotation vector: Ψ ↦ (1 − 2πk/ψ) Ψ with its derivatives.
+/// Subtracts whole turns from a prescribed rotation vector: Ψ ↦ (1 − 2πk/ψ) Ψ with its derivatives.
 pub(super) fn fold(turns: i32, psi: &mut [f64], v: &mut [f64], a: &mut [f64]) {
     if turns == 0 {
         return;

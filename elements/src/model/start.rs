@@ -1,5 +1,5 @@
-//! Starts that satisfy what elements enforce on a model: the position in which it is assembled, and
-//! coordinates and velocities that an analysis asks for.
+//! Initial states that satisfy the enforced equations: assembly, and projection of given
+//! coordinates and velocities.
 
 #![allow(non_snake_case)]
 
@@ -7,33 +7,33 @@ use super::enforced::Equations;
 use super::loops::Report;
 use super::{Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Kind, System, SystemError};
+use pullback_manifold::system::{Quantity, System, SystemError};
 use std::collections::HashMap;
 
-/// Largest scaled residual of equations that are satisfied.
+/// Largest scaled residual of satisfied equations.
 const CLOSED: f64 = 1e-11;
-/// The same where values are asked for that may fit together to some digits only; and how far from
-/// its value a coordinate may start, in its size.
+/// The same with desired values that may be consistent to some digits only; also the allowed
+/// deviation of an initial coordinate from its value, in its size.
 const FITS: f64 = 1e-9;
-/// What rounding leaves of scaled residuals.
+/// Rounding errors of scaled residuals.
 const ROUNDING: f64 = 1e-14;
-/// Largest step to a value that a coordinate should start with, in its size, unless that takes too many.
+/// Largest step to a desired initial value, in its size, unless that takes too many.
 const STRIDE: f64 = 0.1;
 const STRIDES: f64 = 256.0;
-/// Values, in sizes of their coordinates, whose rounding errors are no rounding errors of a position.
+/// Largest value, in sizes of the coordinate, whose rounding error is smaller than [`FITS`].
 const FARTHEST: f64 = FITS / f64::EPSILON;
-/// Coordinates, in their sizes, at which a model counts as closed as it is drawn.
+/// Largest coordinates, in their sizes, of a model that is closed as drawn.
 const DRAWN: f64 = 1e-6;
 
 impl Model {
-    /// Moves a start at time t ([`BEFORE_START`](super::BEFORE_START) of a motion) to the nearest one that satisfies what elements enforce: coordinates
-    /// `q`, and velocities `v` if there are any. The unknowns in `held` keep what they have.
-    /// How far off the worst velocity remains, relative to their size: zero to rounding where there
-    /// are velocities that satisfy the equations.
+    /// Projects a start at time t ([`BEFORE_START`](super::BEFORE_START) of a motion) to the
+    /// nearest one that satisfies the enforced equations: coordinates `q`, and velocities `v` if
+    /// there are any. The unknowns in `held` do not change. Returns the largest error of a velocity
+    /// relative to the size of the velocities: zero to rounding if the equations have a solution.
     ///
     /// # Errors
-    /// [`ModelError::Unclosed`] where no configuration nearby satisfies the equations;
-    /// [`ModelError::Start`] where one is outside the domain of a joint.
+    /// [`ModelError::Unclosed`] if no configuration nearby satisfies the equations;
+    /// [`ModelError::Start`] if one is outside the domain of a joint.
     pub fn satisfy(
         &mut self,
         t: f64,
@@ -52,12 +52,12 @@ impl Model {
         Ok(left)
     }
 
-    /// As [`Model::satisfy`], for coordinates of which those in `wanted` are kept too if that can be;
-    /// if not, [`Model::notes`] says where they start.
+    /// As [`Model::satisfy`] for coordinates, keeping those in `wanted` as well if possible; if
+    /// not, [`Model::descriptions`] gives their initial values.
     ///
     /// # Errors
     /// As [`Model::satisfy`].
-    pub fn satisfy_places(
+    pub fn project_positions(
         &mut self,
         t: f64,
         q: &mut [f64],
@@ -76,8 +76,8 @@ impl Model {
         Ok(())
     }
 
-    /// As [`Model::satisfy`], for the velocities of a start whose coordinates satisfy the equations;
-    /// how far off the worst remains, and the joint that it is at.
+    /// As [`Model::satisfy`] for velocities, at coordinates that satisfy the equations; returns the
+    /// largest error, and its joint.
     ///
     /// # Errors
     /// [`ModelError::Start`] outside the domain of a joint.
@@ -109,7 +109,7 @@ impl Model {
         Ok((relative, self.closing_joint(&all, left.iamax())))
     }
 
-    /// Whether the equations that elements enforce leave an unknown no freedom at (t, q).
+    /// Whether the enforced equations leave an unknown no freedom at (t, q).
     ///
     /// # Errors
     /// [`ModelError::Start`] outside the domain of a joint.
@@ -124,11 +124,11 @@ impl Model {
         Ok(left.amax() > FITS * b.amax())
     }
 
-    /// Assembles the model once it is built, and finds the equations that follow from others there.
+    /// Assembles the model, and finds the redundant equations.
     ///
-    /// Of the values (unknown, value) that coordinates should start with as many are kept as the
-    /// model closes with, in their order, as by the maps of loops; what becomes of the others is
-    /// said in the report. `positions` is where the coordinates of loops would start that maps close.
+    /// Keeps as many of the desired values (unknown, value) as possible, in their order, like the
+    /// maps of loops; the report names the others. `positions` is the start of the coordinates of
+    /// loops if closed by maps.
     pub(super) fn assemble_enforced(
         &mut self,
         values: &[(usize, f64)],
@@ -150,7 +150,7 @@ impl Model {
         Ok(())
     }
 
-    /// The start that the maps of all loops have, if they have all that should have a value.
+    /// The start with all loops closed by maps, if it keeps all desired values.
     fn as_by_maps(
         &mut self,
         values: &[(usize, f64)],
@@ -176,7 +176,7 @@ impl Model {
         self.with_kept(q, kept).ok()
     }
 
-    /// The start that the smallest corrections lead to from the configuration as it is drawn.
+    /// The start by the smallest corrections from the configuration as drawn.
     fn by_corrections(&mut self, values: &[(usize, f64)]) -> Result<Vec<f64>, ModelError> {
         let mut q = vec![0.0; self.coordinates.len()];
         self.start_element_charts(0.0, &q);
@@ -188,7 +188,7 @@ impl Model {
         self.with_values(drawn.as_deref(), values)
     }
 
-    /// Says of unknowns that they do not start with the values they should have.
+    /// Reports unknowns that do not start with their desired values.
     fn report_moved(&mut self, q: &[f64], values: &[(usize, f64)]) {
         for &(u, value) in values {
             if (q[u] - value).abs() > FITS * self.unit(u) {
@@ -200,7 +200,7 @@ impl Model {
         }
     }
 
-    /// A configuration that satisfies the equations, with as many of the values as it can have.
+    /// A configuration that satisfies the equations, with as many of the values as possible.
     /// `drawn` is one without them.
     fn with_values(
         &mut self,
@@ -227,12 +227,12 @@ impl Model {
         self.with_kept(q, kept.into_iter().map(|(u, _)| u).collect())
     }
 
-    /// Closes a configuration that is closed to some digits; as many of the unknowns in `kept` stay as
-    /// can, in their order.
+    /// Closes a configuration that is closed to some digits, keeping as many of the unknowns in
+    /// `kept` as possible, in their order.
     fn with_kept(&mut self, mut q: Vec<f64>, kept: Vec<usize>) -> Result<Vec<f64>, ModelError> {
-        // Attempts to come to other values have left the charts elsewhere.
+        // Attempts at other values may have changed the charts.
         self.start_element_charts(0.0, &q);
-        // Values that fit to some digits only give way to those before them.
+        // Values that are consistent to some digits only yield to earlier ones.
         let mut held = Vec::new();
         for u in kept {
             held.push(u);
@@ -246,9 +246,8 @@ impl Model {
         Ok(q)
     }
 
-    /// Closes the model with the values in `held`. If it is closed as it is drawn these are
-    /// approached in steps, on one branch; if that fails, or is not so, they and all other `values`
-    /// are a first guess.
+    /// Closes the model with the values in `held`. If it is closed as drawn, they are approached in
+    /// steps, on one branch; if that fails, these and all other `values` are a first guess.
     fn approach(
         &mut self,
         drawn: Option<&[f64]>,
@@ -259,8 +258,8 @@ impl Model {
         let far = |q: &[f64], u: usize, x: f64| (x - q[u]).abs() / self.unit(u);
         let near = |q: &&[f64]| (0..q.len()).all(|u| far(q, u, 0.0) < DRAWN);
         if let Some(from) = drawn.filter(near) {
-            let way = held.iter().map(|&(u, x)| far(from, u, x));
-            let steps = (way.fold(0.0, f64::max) / STRIDE)
+            let distances = held.iter().map(|&(u, x)| far(from, u, x));
+            let steps = (distances.fold(0.0, f64::max) / STRIDE)
                 .ceil()
                 .clamp(1.0, STRIDES);
             let mut q = from.to_vec();
@@ -285,8 +284,8 @@ impl Model {
         closed.ok().map(|_| q)
     }
 
-    /// Newton's method for h(t, q) = 0 with the smallest corrections, as far as rounding allows; the
-    /// largest |h| that is left, at most `enough`.
+    /// Newton's method for h(t, q) = 0 with the smallest corrections, to rounding; returns the
+    /// largest remaining |h|, at most `enough`.
     fn close_up(
         &mut self,
         t: f64,
@@ -327,15 +326,19 @@ impl Model {
     }
 }
 
-/// Refuses values to start with that are too large to tell positions apart, in a model of this size.
+/// Rejects initial values that are too large to resolve positions in a model of this size.
 pub(super) fn check_values(
     nodes: &[Node],
     starts: &HashMap<(NodeId, usize), f64>,
     length: f64,
 ) -> Result<(), ModelError> {
     for (n, node) in nodes.iter().enumerate() {
-        for (k, kind) in node.kinds.iter().enumerate() {
-            let size = if *kind == Kind::Angle { 1.0 } else { length };
+        for (k, quantity) in node.quantities.iter().enumerate() {
+            let size = if *quantity == Quantity::Angle {
+                1.0
+            } else {
+                length
+            };
             let given = starts.get(&(NodeId(n as u32), k));
             if let Some(&value) = given.filter(|x| x.abs() > FARTHEST * size) {
                 return Err(ModelError::FarStart {
@@ -349,19 +352,19 @@ pub(super) fn check_values(
     Ok(())
 }
 
-/// A start that cannot be evaluated.
+/// Error of the evaluation of a start.
 pub(super) fn start(source: SystemError) -> ModelError {
     ModelError::Start { source }
 }
 
-/// The same matrix with zeros in the columns of what is held.
+/// The matrix with zeros in the columns of held unknowns.
 fn without(J: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
     let mut J = J.clone();
     held.iter().for_each(|&u| J.column_mut(u).fill(0.0));
     J
 }
 
-/// The smallest x that comes closest to J x = b.
+/// The least squares solution of J x = b with the smallest norm.
 fn least(J: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let gram = (J * J.transpose()).symmetric_eigen();
     let largest = gram.eigenvalues.amax();

@@ -1,10 +1,10 @@
-//! Symmetries of a model: motions of the whole as a rigid body along which only steady loads do work, and
-//! these at a constant rate.
+//! Symmetries of a model: rigid motions of the whole along which only steady loads do work, at a
+//! constant rate.
 //!
-//! They are measured, not declared (Noether's theorem): a motion ξ of the six is one where all frames
-//! with elements follow it, where at some states and times the steady loads have the same power along
-//! it and the other forces of the statics none, where nothing is lost in dampers, and where the kinetic
-//! energy is the same after it. Its momentum then changes at the rate of that power.
+//! They are measured (Noether's theorem): one of the six motions ξ is a symmetry if all frames with
+//! elements can follow it; if, at several states and times, the steady loads have constant power
+//! along it and other static forces none; if dampers dissipate nothing; and if the kinetic energy
+//! is unchanged. Its momentum then changes at the rate of that power.
 
 #![allow(non_snake_case)]
 
@@ -14,14 +14,14 @@ use super::{Model, NONE, Node, Source};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
-    Evaluation, Kind, Point, RigidRates, Symmetry, System, SystemError,
+    Evaluation, Point, Quantity, RigidRates, Symmetry, System, SystemError,
 };
 
-/// Power along a motion, relative to that of the parts that cancel in it, that is rounding.
+/// Power along a motion, relative to that of its parts, that counts as rounding.
 const NOTHING: f64 = 1e-8;
-/// The same of a difference quotient.
+/// The same for a difference quotient.
 const NEARLY: f64 = 1e-5;
-/// Positions in the span of times at which forces are asked for, each at a state of its own.
+/// Relative times in the span at which forces are evaluated, each at a state of its own.
 const TIMES: [f64; 9] = [0.01, 0.37, 0.83, 0.11, 0.53, 0.97, 0.23, 0.71, 0.44];
 
 fn motion_of(xi: &RigidRates) -> RigidMotion {
@@ -37,7 +37,7 @@ fn unit(k: usize) -> RigidRates {
 }
 
 impl Model {
-    /// See [`System::rigid_rates`]: coordinates that joints release have constant rates.
+    /// See [`System::rigid_rates`]: joint coordinates have constant rates.
     pub(super) fn write_rigid_rates(&self, q: &[f64], xi: &RigidRates, rates: &mut [f64]) {
         rates.fill(0.0);
         self.set_velocity(q, rates, None, &motion_of(xi));
@@ -57,7 +57,7 @@ impl Model {
     ) -> Vec<Symmetry> {
         let found = self.measure_symmetries(span, q, v).unwrap_or_default();
         let a = vec![0.0; q.len()];
-        // Observers find the state that they know.
+        // Restores the state for observers.
         let _ = self.expand(Point {
             t: span[0],
             q,
@@ -94,14 +94,16 @@ impl Model {
         let mut found = Vec::new();
         for xi in null_space(&R, self.length) {
             let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
-            // Spins are no rates: what is rigid by frames and forces is so for the kinetic energy.
-            let keeps = self.spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
+            // Angular velocities are not rates: a motion that is rigid by frames and forces also
+            // conserves kinetic energy.
+            let keeps =
+                self.has_spins() || self.keeps_kinetic_energy(times[1], &states[1], v, &xi)?;
             if keeps && !lost {
                 let powers = (0..6).map(|k| first[k] / self.measure(k) * xi[k]);
                 let force: f64 = powers.sum();
                 found.push(Symmetry {
                     motion: xi,
-                    // Of a force that is balanced but for rounding none.
+                    // Zero if it is balanced to rounding.
                     force: if force.abs() > NOTHING * largest {
                         force
                     } else {
@@ -113,7 +115,7 @@ impl Model {
         Ok(found)
     }
 
-    /// Rates of released coordinates in the six motions, fitted at q.
+    /// Rates of joint coordinates in the six motions, fitted at q.
     fn fit_released(&mut self, q: &[f64]) -> Result<(), SystemError> {
         self.work.released.clear();
         let mut all = Vec::with_capacity(6);
@@ -124,7 +126,7 @@ impl Model {
             let frames = rates.clone();
             self.fit_rates(q, &mut rates, None, &motion)?;
             for (rate, frame) in rates.iter_mut().zip(frames) {
-                // Equal for a run that is continued elsewhere.
+                // Rounded, so that a continued run gets the same.
                 *rate = ((*rate - frame) * 1e12).round() * 1e-12;
             }
             all.push(rates);
@@ -133,13 +135,13 @@ impl Model {
         Ok(())
     }
 
-    /// A state near by: q itself, or with changes of no symmetry.
+    /// A state near q: q itself, or q with changes without symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
-        let size = |i: usize| match self.kinds[self.coordinates[i]] {
+        let size = |i: usize| match self.quantities[self.coordinates[i]] {
             _ if number == 0 || self.is_multiplier(i) => 0.0,
-            Kind::Length => 0.02 * self.length,
-            Kind::Angle => 0.1,
-            Kind::Other => 0.0,
+            Quantity::Length => 0.02 * self.length,
+            Quantity::Angle => 0.1,
+            Quantity::Other => 0.0,
         };
         let wave = |i: usize| ((1.3 + number as f64) * ((i + 1) as f64).powf(1.4)).sin();
         q.iter()
@@ -148,7 +150,7 @@ impl Model {
             .collect()
     }
 
-    /// Translations are measured in lengths of the model.
+    /// Unit of a motion: translations are measured in lengths of the model.
     fn measure(&self, k: usize) -> f64 {
         if k < 3 { self.length } else { 1.0 }
     }
@@ -162,10 +164,10 @@ impl Model {
         (0..6).map(field).collect()
     }
 
-    /// The same as rates of coordinates, where those of rotations may be spins.
+    /// The same as rates of coordinates; those of rotations may be angular velocities.
     fn coordinate_rates(&mut self, t: f64, q: &[f64]) -> Result<Vec<Vec<f64>>, SystemError> {
         let (mut fields, a) = (self.fields(q), vec![0.0; q.len()]);
-        if self.spins() {
+        if self.has_spins() {
             for X in &mut fields {
                 self.expand(Point { t, q, v: X, a: &a })?;
                 for (X, &c) in X.iter_mut().zip(&self.coordinates) {
@@ -176,8 +178,8 @@ impl Model {
         Ok(fields)
     }
 
-    /// The power along the six motions of the steady loads, with the size of its parts; that of all
-    /// other forces of the statics, relative to its parts, into `rows`.
+    /// The power of the steady loads along the six motions, with the size of its parts; writes that
+    /// of all other static forces, relative to its parts, to `rows`.
     fn forces_along(
         &mut self,
         t: f64,
@@ -202,7 +204,7 @@ impl Model {
                 let X = X * self.measure(k);
                 of_steady[k] += s * X;
                 of_others[k] += (r - s) * X;
-                // What is left of two that cancel has their rounding errors.
+                // The sum of two cancelling parts has their rounding errors.
                 parts = [
                     parts[0] + (s * X).abs(),
                     parts[1] + ((s * X).abs() + (r * X).abs()),
@@ -238,7 +240,7 @@ impl Model {
         self.runs.gather(&self.work.r, "steady loads", r)
     }
 
-    /// By what frames with elements miss the six motions.
+    /// Errors of frames with elements in the six motions.
     fn frames_along(
         &mut self,
         t: f64,
@@ -282,7 +284,7 @@ impl Model {
         Ok(())
     }
 
-    /// Frames with elements that are not held as a whole.
+    /// Frames with elements that are not entirely prescribed.
     fn moving_frames(&self) -> Vec<usize> {
         let free = |n: &Node| n.range().any(|c| self.unknowns[c] != NONE);
         let moves = |n: &Node| match &n.source {
@@ -299,7 +301,7 @@ impl Model {
         (0..self.nodes.len()).filter(kept).collect()
     }
 
-    /// Whether dampers take more than rounding from a motion in a time.
+    /// Whether dampers dissipate more than rounding errors of a motion in a time.
     fn is_lossy(
         &mut self,
         t: f64,
@@ -315,11 +317,11 @@ impl Model {
             v: &X,
             a: &zero,
         };
-        let energies = self.account(at, false)?.energies;
+        let energies = self.evaluate_energies(at, false)?.energies;
         Ok(energies.dissipated * time > NOTHING * energies.kinetic)
     }
 
-    /// Whether the kinetic energy of a motion q̇ does not change along ξ: q + ε X, q̇ + ε DX q̇.
+    /// Whether the kinetic energy of a motion q̇ is unchanged along ξ: q + ε X, q̇ + ε DX q̇.
     fn keeps_kinetic_energy(
         &mut self,
         t: f64,
@@ -362,15 +364,15 @@ impl Model {
                 v: &v,
                 a: &zero,
             };
-            *T = self.account(at, false)?.energies.kinetic;
+            *T = self.evaluate_energies(at, false)?.energies.kinetic;
         }
         let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.length;
         Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
     }
 }
 
-/// Motions that a matrix takes to nothing (its translations in units of `length`), pure translations first: by elimination in the null space,
-/// so that what can be zero is.
+/// Null space of a matrix over rigid motions (its translations in units of `length`), pure
+/// translations first; by elimination, so that as many entries as possible are zero.
 fn null_space(R: &DMatrix<f64>, length: f64) -> Vec<RigidRates> {
     // With rows of zeros the decomposition has all six directions.
     let padded = R.clone().resize_vertically(R.nrows().max(6), 0.0);

@@ -4,7 +4,7 @@ use super::{Model, Source};
 use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Kind, Point, RigidRates, Scales, Symmetry, System,
+    ChartChanges, Energies, Evaluation, Point, Quantity, RigidRates, Scales, Symmetry, System,
     SystemError,
 };
 
@@ -14,7 +14,7 @@ impl System for Model {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        if self.spins() && !at.is_static() && out.S.is_some() {
+        if self.has_spins() && !at.is_static() && out.S.is_some() {
             self.evaluate_spinning(at, out)
         } else {
             self.assemble(at, out)
@@ -27,7 +27,7 @@ impl System for Model {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.expand_places(previous.t, previous.q)?;
+        self.expand_positions(previous.t, previous.q)?;
         std::mem::swap(&mut self.work.x, &mut self.work.previous);
         self.work.has_previous = true;
         let outcome = self.evaluate(at, out);
@@ -41,9 +41,9 @@ impl System for Model {
         h: f64,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        self.work.accelerations_asked = Some(h);
+        self.work.acceleration_step = Some(h);
         let outcome = self.evaluate(at, out);
-        self.work.accelerations_asked = None;
+        self.work.acceleration_step = None;
         outcome
     }
 
@@ -60,36 +60,35 @@ impl System for Model {
     ) -> ChartChanges {
         let changes = self.update_charts(t, q, v, accelerations);
         if let Some(a) = accelerations.first().filter(|_| !v.is_empty()) {
-            // Observers find the accepted state. A joint outside its domain is named when the model
-            // is next evaluated.
+            // Restores the accepted state for observers. A joint outside its domain is reported by
+            // the next evaluation.
             let _ = self.expand(Point { t, q, v, a });
         }
         changes
     }
 
-    fn overdue(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        self.find_overdue(from, to)
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overshoot(from, to)
     }
 
-    fn hand_over(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.enter_overdue(from, to, since);
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_segments(from, to, since);
     }
 
     fn start(&mut self, t: f64, q: &[f64]) {
         self.start_element_charts(t, q);
     }
 
-    fn doubts(&self) -> Vec<String> {
-        let doubt = |&n: &u32| {
+    fn singularity_warnings(&self) -> Vec<String> {
+        let warning = |&n: &u32| {
             let node = &self.nodes[n as usize];
             match &node.source {
-                Source::Mapped(d) => {
-                    (d.map.doubt()).map(|why| format!("joint at node {}: {why}", node.name))
-                }
+                Source::Mapped(d) => (d.map.singularity_warning())
+                    .map(|why| format!("joint at node {}: {why}", node.name)),
                 Source::Own => None,
             }
         };
-        self.dependent.iter().filter_map(doubt).collect()
+        self.dependent.iter().filter_map(warning).collect()
     }
 
     fn kinks(&self) -> Vec<f64> {
@@ -104,7 +103,8 @@ impl System for Model {
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
         self.enter_element_charts();
-        self.account(at, false).map(|audit| Some(audit.energies))
+        self.evaluate_energies(at, false)
+            .map(|out| Some(out.energies))
     }
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
@@ -127,8 +127,8 @@ impl System for Model {
         self.elements.iter().all(|e| e.element.is_symmetric())
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        self.kinds[self.coordinates[i]]
+    fn quantity(&self, i: usize) -> Quantity {
+        self.quantities[self.coordinates[i]]
     }
 
     fn name(&self, i: usize) -> String {

@@ -1,4 +1,4 @@
-//! Nodes, maps and elements of a model one by one, for tools that walk through it: the conformance kit, say.
+//! Access to the nodes, maps and elements of a model, for tools such as the conformance kit.
 
 use super::gather::collect;
 use super::slots::Complement;
@@ -6,7 +6,7 @@ use super::{ElementEntry, Model, NONE, Node, NodeForm, Source};
 use crate::element::Element;
 use nalgebra::Vector3;
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::{Kind, Point, System, SystemError};
+use pullback_manifold::system::{Point, Quantity, System, SystemError};
 use std::ops::Range;
 
 impl Node {
@@ -15,22 +15,22 @@ impl Node {
         &self.name
     }
 
-    /// Reference position, global components; zero for what is no frame.
+    /// Reference position, global components; zero for scalar coordinates.
     pub fn position(&self) -> Vector3<f64> {
         self.position
     }
 
-    /// What its coordinates are.
+    /// Kind of its coordinates.
     pub fn form(&self) -> NodeForm {
         self.form
     }
 
-    /// What each of its coordinates measures.
-    pub fn kinds(&self) -> &[Kind] {
-        &self.kinds
+    /// Quantities of its coordinates.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
     }
 
-    /// Its coordinates among those of all nodes ([`Model::configuration`]).
+    /// Range of its coordinates in those of all nodes ([`Model::configuration`]).
     pub fn range(&self) -> Range<usize> {
         self.first..self.first + self.dim
     }
@@ -48,7 +48,7 @@ impl Node {
         }
     }
 
-    /// The map that gives its coordinates; `None` where they are coordinates of the model.
+    /// The map of its coordinates; `None` if they are coordinates of the model.
     pub fn map(&self) -> Option<&dyn Parametrization> {
         match &self.source {
             Source::Own => None,
@@ -56,7 +56,7 @@ impl Node {
         }
     }
 
-    /// The nodes that its map reads on a segment ([`Parametrization::segment`]), as indices of
+    /// Parents of its map on a segment ([`Parametrization::segment`]), as indices of
     /// [`Model::nodes`]; none without a map.
     pub fn parents(&self, segment: usize) -> &[u32] {
         match &self.source {
@@ -89,7 +89,7 @@ impl Model {
         &self.nodes
     }
 
-    /// The nodes that have a map, as indices of [`Model::nodes`], parents first.
+    /// The mapped nodes, as indices of [`Model::nodes`], parents first.
     pub fn mapped_nodes(&self) -> &[u32] {
         &self.dependent
     }
@@ -104,7 +104,7 @@ impl Model {
         [&self.work.x, &self.work.v, &self.work.a]
     }
 
-    /// The unknown that is coordinate `c` of all nodes, where that is free.
+    /// The unknown of coordinate `c` of all nodes, if it is free.
     pub fn unknown_of(&self, c: usize) -> Option<usize> {
         let u = self.unknowns[c];
         (u != NONE).then_some(u as usize)
@@ -130,21 +130,21 @@ impl Model {
         motion
     }
 
-    /// The rotation vectors that are free and whose chart may change: unknowns of their components,
-    /// `None` for those that are held.
+    /// The free rotation vectors whose chart may change: unknowns of their components, `None` for
+    /// held ones.
     pub fn free_rotations(&self) -> Vec<[Option<usize>; 3]> {
         let all = 0..self.nodes.len();
         all.filter_map(|n| self.free_rotation(n)).collect()
     }
 
-    /// Charts as a run that starts here has them, but for maps that would give coordinates another
-    /// meaning. Rotation vectors are below π in norm.
+    /// Sets the charts of a run that starts here, without reparametrizations. Rotation vectors are
+    /// below π in norm.
     ///
     /// # Errors
-    /// [`SystemError`] where a map is outside of its domain.
+    /// [`SystemError`] if a map is outside its domain.
     pub fn settle_charts(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         self.fold_prescribed_rotations(t);
-        // A slide enters the line that its state names first, and then the one that it is on.
+        // A slide enters the line of its state first, and then the present one.
         self.update_maps(t, q)?;
         self.update_maps(t, q)?;
         self.start(t, q);
@@ -155,7 +155,7 @@ impl Model {
     /// elements as at the end of a step.
     ///
     /// # Errors
-    /// [`SystemError`] where a map is outside of its domain.
+    /// [`SystemError`] if a map is outside its domain.
     pub fn follow_charts(
         &mut self,
         t: f64,
@@ -168,7 +168,7 @@ impl Model {
         Ok(())
     }
 
-    /// Freezes every map on the formula that holds at a state at rest, or on none again
+    /// Freezes every map to its piece at a state at rest, or releases it
     /// ([`Map::freeze_piece`](pullback_manifold::map::Map::freeze_piece)).
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
         let (v, a) = (&[][..], &[][..]);
@@ -182,8 +182,8 @@ impl Model {
         }
     }
 
-    /// Whether equations of multipliers that are left out are watched, and others taken where that is
-    /// due: not at states that do not satisfy any of them.
+    /// Whether omitted equations of multipliers are checked, and the choice is revised: not at
+    /// states that violate the equations.
     pub fn watch_equations(&mut self, on: bool) {
         self.unwatched = !on;
     }

@@ -1,79 +1,78 @@
 //! Buffers of an evaluation.
 
-use super::charts::Rewriting;
-use super::dependence::Operators;
+use super::charts::Reparametrization;
 use super::element_charts::ElementCharts;
-use super::local::Local;
-use super::travel::Travel;
+use super::element_workspace::ElementWorkspace;
+use super::mapped_node::Operators;
+use super::segments::SegmentChanges;
 use super::{ElementEntry, Node, Source};
-use pullback_manifold::system::{Kind, Scales};
+use pullback_manifold::system::{Quantity, Scales};
 
-/// Buffers of an evaluation, made once.
+/// Buffers of an evaluation.
 #[derive(Default)]
 pub(super) struct Workspace {
     /// Coordinates, velocities, accelerations of all nodes.
     pub x: Vec<f64>,
     pub v: Vec<f64>,
     pub a: Vec<f64>,
-    /// Time of these.
+    /// Time of this state.
     pub t: f64,
-    /// How often the model has been assembled.
+    /// Number of assemblies so far.
     pub assemblies: usize,
-    /// Residual at all nodes: the reactions at prescribed coordinates, with the sign changed.
+    /// Residual at all nodes: reactions at prescribed coordinates, with opposite sign.
     pub r: Vec<f64>,
     pub r_t: Vec<f64>,
-    /// Residual of loads at prescribed coordinates (elsewhere without meaning).
+    /// Residual of loads at prescribed coordinates (undefined elsewhere).
     pub direct: Vec<f64>,
-    /// Coordinates of all nodes at the previous iterate, while there is one.
+    /// Coordinates of all nodes at the previous iterate, if any.
     pub previous: Vec<f64>,
     pub has_previous: bool,
-    /// Whether anything moves: always in dynamics, and in statics where a support or a map is
-    /// driven (the rates are then those with the load parameter).
+    /// Whether anything moves: always in dynamics, and in statics if a support or a map is
+    /// time-dependent (the rates are then derivatives by the load parameter).
     pub moving: bool,
-    /// Whether rates of free coordinates may differ from zero.
+    /// Whether rates of free coordinates may be nonzero.
     pub stirred: bool,
-    /// Kinematic operators of nodes that follow others.
+    /// Kinematic operators of mapped nodes.
     pub operators: Operators,
-    /// Rows of the tangent at these nodes, on their way to own ones.
+    /// Rows of the tangent at mapped nodes.
     pub panels: Vec<f64>,
-    pub local: Local,
-    /// Accelerations of a map's coordinates, while it changes their meaning.
+    pub local: ElementWorkspace,
+    /// Accelerations of a map's coordinates during a reparametrization.
     pub accelerations: Vec<Vec<f64>>,
-    /// Parts C and M of a tangent, while rates are spins.
+    /// Parts C and M of a tangent, if rates are angular velocities.
     pub parts: [Vec<f64>; 2],
-    /// Coordinates of the maps that may change their meaning.
-    pub rewriting: Vec<Rewriting>,
-    /// Whether a map was handed over with the last change of charts.
-    pub handed_over: bool,
-    pub travel: Travel,
-    /// Step size, while equations that elements enforce are asked for at the level of accelerations.
-    pub accelerations_asked: Option<f64>,
-    /// Rates of the coordinates that joints release in the six rigid motions of the whole, once they
-    /// have been looked for.
+    /// Coordinates of the maps that may reparametrize them.
+    pub reparametrizations: Vec<Reparametrization>,
+    /// Whether the last change of charts changed a segment.
+    pub segments_changed: bool,
+    pub segment_changes: SegmentChanges,
+    /// Step size of an evaluation of enforced equations at the level of accelerations.
+    pub acceleration_step: Option<f64>,
+    /// Rates of joint coordinates in the six rigid motions of the whole, once computed.
     pub released: Vec<Vec<f64>>,
-    /// For the choice of the elements' charts.
+    /// State for the choice of the elements' charts.
     pub element_charts: ElementCharts,
     pub scales: Scales,
-    /// What elements exert, where neither loads nor reactions are a measure.
+    /// Forces exerted by elements, used if neither loads nor reactions are a scale.
     pub exerted: Scales,
     pub dead_loads: DeadLoads,
 }
 
-/// Loads that read nothing but the time, summed up: a step asks for them at one time again and again.
+/// Sum of the loads that depend on time only: a step evaluates them repeatedly at the same time.
 #[derive(Default)]
 pub(super) struct DeadLoads {
-    /// The time of these; none when it is not known which loads are in it.
+    /// Their time; `None` if they must be updated.
     pub t: Option<f64>,
-    /// What was set from outside.
+    /// Values set from outside.
     pub inputs: Vec<f64>,
     /// Their residual at all nodes.
     pub r: Vec<f64>,
-    /// Their largest entries per kind.
+    /// Their largest entries per quantity.
     pub force: [f64; 3],
 }
 
 impl DeadLoads {
-    /// Elements see their nodes in other charts than before.
+    /// Invalidates the loads after a change of element charts.
     pub(super) fn forget(&mut self) {
         self.t = None;
     }
@@ -99,7 +98,7 @@ impl Workspace {
             levers,
             ..Scales::default()
         };
-        scales.coordinate[Kind::Length.index()] = length;
+        scales.coordinate[Quantity::Length.index()] = length;
         Self {
             x: zeros(total),
             v: zeros(total),
@@ -115,13 +114,13 @@ impl Workspace {
             stirred: false,
             operators: Operators::new(operators),
             panels: zeros(panels),
-            local: Local::new(n, parents),
+            local: ElementWorkspace::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],
-            rewriting: Vec::new(),
-            handed_over: false,
-            travel: Travel::default(),
-            accelerations_asked: None,
+            reparametrizations: Vec::new(),
+            segments_changed: false,
+            segment_changes: SegmentChanges::default(),
+            acceleration_step: None,
             released: Vec::new(),
             element_charts: ElementCharts::default(),
             scales,

@@ -14,8 +14,8 @@ use nalgebra::{Matrix3, Vector3};
 /// N = k (l − l₀) + c l̇,   l̇ = e·u̇
 /// ```
 ///
-/// and its energy ½ k (l − l₀)². Rotations of the nodes do not matter; a point beside a node is a
-/// rigid link away.
+/// and its energy ½ k (l − l₀)². It does not depend on rotations of the nodes; a point beside a
+/// node needs a rigid link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialSpring {
     /// x₂ − x₁ in the reference configuration.
@@ -40,11 +40,11 @@ struct Stretched {
 
 impl AxialSpring {
     /// Between the nodes' reference `positions` (global components, L), with stiffness k (F/L) and
-    /// damping c (F T/L); relaxed in the reference configuration.
+    /// damping c (F T/L); unstressed in the reference configuration.
     ///
     /// # Errors
-    /// [`SpringError`] for numbers that are not finite, negative k or c, both zero, or positions that
-    /// coincide.
+    /// [`SpringError`] for numbers that are not finite, negative k or c, both zero, or coinciding
+    /// positions.
     pub fn new(positions: &[Vector3<f64>; 2], k: f64, c: f64) -> Result<Self, SpringError> {
         not_negative("the stiffness k", k)?;
         not_negative("the damping c", c)?;
@@ -69,7 +69,7 @@ impl AxialSpring {
         })
     }
 
-    /// The same spring with another length l₀ without force (L); zero is allowed.
+    /// The same spring with another unstressed length l₀ (L); zero is allowed.
     ///
     /// # Errors
     /// [`SpringError`] unless it is finite and not negative.
@@ -79,10 +79,10 @@ impl AxialSpring {
         Ok(self)
     }
 
-    /// Tension N at a motion, positive when it pulls (F).
+    /// Tension N at a motion, positive in tension (F).
     ///
     /// # Errors
-    /// [`ElementError::ZeroLength`] where its ends coincide.
+    /// [`ElementError::ZeroLength`] if its ends coincide.
     pub fn tension(&self, at: &Motion<'_>) -> Result<f64, ElementError> {
         Ok(self.force(&self.stretched(at)?))
     }
@@ -93,8 +93,8 @@ impl AxialSpring {
 
     /// u = U + d₂ − d₁, its length l, and l − l₀.
     ///
-    /// From l² − |U|² = d·(2 U + d) with d = d₂ − d₁: the difference of two lengths would have the
-    /// rounding errors of the lengths, which a stiff spring turns into forces larger than its own.
+    /// From l² − |U|² = d·(2 U + d) with d = d₂ − d₁: the difference of two lengths would have
+    /// their rounding errors, which a stiff spring turns into forces larger than its own.
     fn between(&self, x: &[f64]) -> (Vector3<f64>, f64, f64) {
         let d = difference(x);
         let u = self.U + d;
@@ -105,7 +105,7 @@ impl AxialSpring {
 
     fn stretched(&self, at: &Motion<'_>) -> Result<Stretched, ElementError> {
         let (u, l, elongation) = self.between(at.x);
-        // Below this the direction is that of round-off.
+        // At smaller lengths the direction is only round-off.
         if l <= 1e-12 * self.U.norm() {
             return Err(ElementError::ZeroLength { length: l });
         }

@@ -13,15 +13,15 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 /// u = R₁ᵀ(x₂ − x₁) − u₀,   θ = log(R₁ᵀR₂)
 /// ```
 ///
-/// in the frame of the first node, zero in the reference configuration (u₀ is u there). Energy
-/// ½ y·Ky, dissipation ẏ·Dẏ, covector Bᵀ(K y + D ẏ) with B = ∂y/∂x; tangents by the pull-back of
-/// the spring through y(x), \[M04\] (183). Rigid motions of both nodes together do nothing.
+/// in the frame of the first node, zero in the reference configuration (u₀ is u there). Energy ½
+/// y·Ky, dissipation ẏ·Dẏ, covector Bᵀ(K y + D ẏ) with B = ∂y/∂x; tangents by the pull-back of the
+/// spring through y(x), \[M04\] (183). Invariant under rigid motions of both nodes.
 ///
 /// θ is the rotation vector of the product of the two nodes' quaternions, smooth for relative
-/// rotations up to 2π. A model follows these quaternions from step to step, and beyond 2π it returns
-/// an error: turns belong to a joint with a [`CoordinateSpring`].
+/// rotations up to 2π. A model follows these quaternions from step to step, and returns an error
+/// beyond 2π: use a joint with a [`CoordinateSpring`] for whole turns.
 ///
-/// A bushing to the ground is one whose first node is held.
+/// For a bushing to the ground, the first node is held.
 ///
 /// [`CoordinateSpring`]: super::CoordinateSpring
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Bushing {
     ///
     /// # Errors
     /// [`SpringError`] for numbers that are not finite, matrices that are not symmetric (to 1e-12)
-    /// or not positive semidefinite, both zero, or axes that are no rotation (to 1e-9).
+    /// or not positive semidefinite, both zero, or axes that are not a rotation (to 1e-9).
     pub fn new(
         positions: &[Vector3<f64>; 2],
         axes: &Matrix3<f64>,
@@ -81,7 +81,7 @@ impl Bushing {
     }
 }
 
-/// Finite, symmetric and positive semidefinite.
+/// Checks that A is finite, symmetric and positive semidefinite.
 fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     finite(quantity, A.as_slice())?;
     let diagonal: [f64; 6] = std::array::from_fn(|i| A[(i, i)]);
@@ -89,7 +89,7 @@ fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     if diagonal.iter().any(|&a| a < 0.0) {
         return indefinite;
     }
-    // Whatever the units: scaled to a unit diagonal, where it is not zero.
+    // Independent of the units: scaled to a unit diagonal if it is not zero.
     let unit = diagonal.map(|a| if a > 0.0 { 1.0 / a.sqrt() } else { 1.0 });
     let scaled = Matrix6::from_fn(|i, j| unit[i] * A[(i, j)] * unit[j]);
     for i in 0..6 {
@@ -111,7 +111,7 @@ fn check(quantity: &'static str, A: &Matrix6<f64>) -> Result<(), SpringError> {
     Ok(())
 }
 
-/// Adds a 12×12 matrix to an entry that is asked for.
+/// Adds a 12×12 matrix to an entry, if requested.
 fn add(to: Option<&mut [f64]>, matrix: &SMatrix<f64, 12, 12>) {
     if let Some(to) = to {
         for (to, m) in to.iter_mut().zip(matrix.iter()) {
@@ -133,7 +133,7 @@ impl Element for Bushing {
         }
         let B = here.B();
         let mut f = self.K * here.y;
-        // Velocities, ẏ = B ẋ, where they matter.
+        // Velocities, ẏ = B ẋ, if they matter.
         let moving = (!at.v.is_empty() && self.D != Matrix6::zeros()).then(|| {
             let v = SVector::<f64, 12>::from_column_slice(at.v);
             (v, B * v)
@@ -145,7 +145,7 @@ impl Element for Bushing {
             *r -= f;
         }
         if out.K.is_some() {
-            // [M04] (183) with −f in the place of r: Bᵀ(K B + D Ḃ) + K_σ(f).
+            // [M04] (183) with −f for r: Bᵀ(K B + D Ḃ) + K_σ(f).
             let mut stress = self.K * B;
             if let Some((v, y_dot)) = &moving {
                 stress += self.D * here.B_dot(v, y_dot);

@@ -16,12 +16,12 @@ pub struct CoordinateLaw {
     pub k3: f64,
     /// Damping c ≥ 0.
     pub c: f64,
-    /// Coordinate x₀ without force.
+    /// Unstressed coordinate x₀.
     pub x0: f64,
 }
 
-/// A spring and damper on one scalar coordinate: torsional on a released joint angle, longitudinal
-/// on a slide; dim 1.
+/// A spring and damper on one scalar coordinate: torsional on a joint angle, longitudinal on a
+/// slide; dim 1.
 ///
 /// Energy ½ k (x − x₀)² + ¼ k₃ (x − x₀)⁴, dissipation c ẋ².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +33,8 @@ impl CoordinateSpring {
     /// A spring with the given law.
     ///
     /// # Errors
-    /// [`SpringError`] for numbers that are not finite, negative damping, or when k, k₃ and c all
-    /// are zero.
+    /// [`SpringError`] for numbers that are not finite, negative damping, or if k, k₃ and c are all
+    /// zero.
     pub fn new(law: CoordinateLaw) -> Result<Self, SpringError> {
         finite("the stiffness k", &[law.k])?;
         finite("the cubic stiffness k3", &[law.k3])?;

@@ -11,7 +11,7 @@ pub use axial::AxialSpring;
 pub use bushing::Bushing;
 pub use coordinate::{CoordinateLaw, CoordinateSpring};
 
-/// Why a spring cannot be made.
+/// Error of a spring.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SpringError {
     /// A number is infinite or not a number.
@@ -22,7 +22,7 @@ pub enum SpringError {
         /// Its value.
         value: f64,
     },
-    /// A number that must not be negative is.
+    /// A negative number.
     #[error("{quantity} must be zero or positive, got {value}")]
     Negative {
         /// Name of the quantity.
@@ -33,10 +33,10 @@ pub enum SpringError {
     /// Neither stiffness nor damping.
     #[error("a spring needs stiffness or damping, both are zero")]
     Nothing,
-    /// The two ends of a spring along a line have one reference position.
+    /// The two ends of an axial spring have the same reference position.
     #[error("the ends of a spring along a line must be apart, both are at {at:?}")]
     Coincide {
-        /// Where.
+        /// The position.
         at: [f64; 3],
     },
     /// A 6×6 matrix is not symmetric.
@@ -64,10 +64,10 @@ pub enum SpringError {
         /// Its diagonal.
         diagonal: [f64; 6],
     },
-    /// The axes of a bushing are no rotation.
+    /// The axes of a bushing are not a rotation.
     #[error("the axes of a bushing must be the columns of a rotation, got {columns:?}")]
     Axes {
-        /// What was given, column by column.
+        /// The given axes, column by column.
         columns: [[f64; 3]; 3],
     },
 }

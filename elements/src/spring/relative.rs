@@ -1,4 +1,4 @@
-//! The relative displacement and rotation of two frames, with the derivatives a spring needs.
+//! The relative displacement and rotation of two frames, with their derivatives.
 
 #![allow(non_snake_case)]
 
@@ -46,7 +46,7 @@ pub(super) struct Relation {
     pub y: Vector6<f64>,
     psi: [Vector3<f64>; 2],
     theta: Vector3<f64>,
-    /// Rᵢ is needed of the first frame only.
+    /// Rᵢ, for the first frame only.
     R: Matrix3<f64>,
     T: [Matrix3<f64>; 2],
     /// T⁻¹(θ).

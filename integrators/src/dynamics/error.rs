@@ -1,11 +1,11 @@
-//! Why an integration in time failed.
+//! Errors of an integration in time.
 
 use crate::failure::FailedStep;
 use crate::linear_solver::LinearError;
 use crate::significant;
 use pullback_manifold::system::SystemError;
 
-/// Why an integration in time failed.
+/// Error of an integration in time.
 #[derive(Debug, thiserror::Error)]
 pub enum DynamicsError {
     /// A parameter of a scheme outside its range.
@@ -23,23 +23,23 @@ pub enum DynamicsError {
         /// Largest value allowed.
         to: f64,
     },
-    /// No scheme is called so, or not with so many numbers.
+    /// No scheme has this name with these numbers.
     #[error("scheme `{word}`: {problem}")]
     Word {
-        /// What was asked for.
+        /// The requested word.
         word: String,
-        /// What is wrong with it, and what there is.
+        /// The problem, with the alternatives.
         problem: String,
     },
-    /// A table of a scheme that is none.
+    /// An invalid table of a scheme.
     #[error("the table of the scheme {name} cannot be used: {problem}")]
     Table {
         /// Name of the scheme.
         name: &'static str,
-        /// What is wrong with it.
+        /// The problem.
         problem: &'static str,
     },
-    /// A scheme that is stable for small steps only, and a larger one.
+    /// A step beyond the stability limit of a scheme.
     #[error(
         "step {step:?} is too large for {scheme}, which is stable for steps of at most \
          {stable:.6e} here: the largest frequency is {frequency:.6e} ({what} is stiffest \
@@ -48,16 +48,16 @@ pub enum DynamicsError {
     StepTooLarge {
         /// Name of the scheme.
         scheme: &'static str,
-        /// The step asked for.
+        /// The requested step.
         step: f64,
         /// The largest stable one.
         stable: f64,
         /// Largest frequency ω of K and M at the start.
         frequency: f64,
-        /// The coordinate with the largest stiffness for its mass.
+        /// The coordinate with the largest ratio of stiffness to mass.
         what: String,
     },
-    /// An explicit scheme, and coordinates without mass.
+    /// Coordinates without mass in an explicit scheme.
     #[error(
         "{scheme} needs mass in every coordinate: {source}{}; give these coordinates mass, or take \
          an implicit scheme",
@@ -66,12 +66,12 @@ pub enum DynamicsError {
     Massless {
         /// Name of the scheme.
         scheme: &'static str,
-        /// The solver's reason.
+        /// The error of the solver.
         source: LinearError,
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
     },
-    /// A scheme that keeps the energy of a system that does not know it.
+    /// An energy-conserving scheme for a system that does not provide its energy.
     #[error(
         "{scheme} keeps the energy, and this system does not know its own: implement \
          `System::energies`, or take another scheme"
@@ -80,17 +80,17 @@ pub enum DynamicsError {
         /// Name of the scheme.
         scheme: &'static str,
     },
-    /// An option that makes no sense.
+    /// An invalid option.
     #[error("option {name} = {value:?} is not usable: {wanted}")]
     Option {
         /// Its name.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is.
+        /// The valid values.
         wanted: &'static str,
     },
-    /// A scheme without damping at infinite frequencies, for multipliers.
+    /// A scheme without damping at infinite frequencies for a system with multipliers.
     #[error(
         "the scheme {scheme} has the spectral radius {rho:.6} at infinite frequencies: it does not \
          damp the oscillations that constraints enforced by multipliers ({multiplier}) bring in \
@@ -105,18 +105,18 @@ pub enum DynamicsError {
         /// The first multiplier.
         multiplier: String,
     },
-    /// Initial values of the wrong number, or not finite.
+    /// Initial values of the wrong length, or not finite.
     #[error("initial {what}: {problem}")]
     Initial {
         /// Coordinates or velocities.
         what: &'static str,
-        /// What is wrong with them.
+        /// The problem.
         problem: String,
     },
-    /// The structure of the equations could not be analysed.
+    /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis {
-        /// Its reason.
+        /// The error of the solver.
         source: LinearError,
     },
     /// The system cannot be evaluated at a converged state.
@@ -124,7 +124,7 @@ pub enum DynamicsError {
     System {
         /// Time.
         t: f64,
-        /// Why.
+        /// The error.
         source: SystemError,
     },
     /// No accelerations satisfy the equations of motion.
@@ -136,12 +136,12 @@ pub enum DynamicsError {
     Accelerations {
         /// Time.
         t: f64,
-        /// The solver's reason.
+        /// The error of the solver.
         source: LinearError,
         /// Coordinates without mass, largest component first.
         mechanism: Vec<(String, f64)>,
     },
-    /// Energy has grown without bounds: the step does not resolve what the scheme cannot damp.
+    /// The energy grows without bounds: the step does not resolve what the scheme cannot damp.
     #[error(
         "the motion is unstable: at time {t:.6} {}; take smaller steps, or a scheme that damps high frequencies \
          (more). Where that makes no difference the model itself is unstable: see whether a stiffness or a \
@@ -152,7 +152,7 @@ pub enum DynamicsError {
         t: f64,
         /// Kinetic and stored energy.
         energy: f64,
-        /// Energy at the start and work since, whatever its sign.
+        /// Energy at the start, and the sum of the magnitudes of the work since.
         known: f64,
     },
     /// A step failed down to the smallest step size.

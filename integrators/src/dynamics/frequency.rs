@@ -1,4 +1,4 @@
-//! The largest frequency of K and M, and the step that it leaves to schemes with a limit.
+//! The largest frequency of K and M, and the stability limit of a step.
 
 #![allow(non_snake_case)]
 
@@ -7,15 +7,14 @@ use crate::failure::mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
-/// Lanczos steps at most.
+/// Largest number of Lanczos steps.
 const MOST: usize = 120;
 /// Relative change of the largest Ritz value, over a few steps, at which it has converged.
 const SETTLED: f64 = 1e-9;
 
-/// The largest stable step of a scheme that has a limit, and a refusal of steps beyond it, from the largest
-/// frequency at this state. That
-/// frequency is approached from below, to six digits or so; where the motion stiffens the system later on
-/// it is not asked again, and the audit of energies must tell.
+/// The largest stable step of a conditionally stable scheme, from the largest frequency at this state;
+/// rejects a step beyond it. The frequency is approached from below, to about six digits. If the motion
+/// stiffens the system later, it is not evaluated again; the energy balance shows the instability.
 pub(super) fn check_step<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -24,7 +23,7 @@ pub(super) fn check_step<Y: System + ?Sized>(
     step: f64,
     [r, S]: [&mut [f64]; 2],
 ) -> Result<Option<f64>, DynamicsError> {
-    let Some(limit) = scheme.claims().limit else {
+    let Some(limit) = scheme.properties().limit else {
         return Ok(None);
     };
     let t = state.t;
@@ -67,8 +66,8 @@ pub(super) fn check_step<Y: System + ?Sized>(
     })
 }
 
-/// The largest ω² of K x = ω² M x by Lanczos' method with M⁻¹K in the scalar product of M, which
-/// is factorised.
+/// The largest ω² of K x = ω² M x by Lanczos' method with M⁻¹K in the scalar product of M, which is
+/// already factorised.
 fn largest<Y: System + ?Sized>(
     system: &Y,
     solver: &mut dyn LinearSolver,
@@ -81,7 +80,7 @@ fn largest<Y: System + ?Sized>(
         pattern.multiply_add(1.0, A, x, y);
     };
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    // A start with a part of every mode: waves of all lengths, in no order.
+    // A start vector with a component of every mode.
     let mut x: Vec<f64> = (0..n).map(|i| 1.0 + (1.7 * (i * i) as f64).sin()).collect();
     let (mut before, mut y, mut Mx) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let (mut alphas, mut betas) = (Vec::new(), Vec::new());

@@ -8,14 +8,14 @@ use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
-/// A state with given coordinates and velocities; accelerations are found when a run begins.
+/// A state with given coordinates and velocities; the accelerations are computed when a run begins.
 ///
-/// The velocities are those just before `t`. Where a prescribed velocity jumps there, what is free takes the
-/// impulse before the first step, as at any later jump.
+/// The velocities are those just before `t`. If a prescribed velocity jumps there, the free
+/// velocities take the impulse before the first step, as at any later jump.
 ///
 /// # Errors
-/// [`DynamicsError::Initial`] when a vector has not the system's dimension or is not finite. An
-/// empty vector stands for zeros.
+/// [`DynamicsError::Initial`] if a vector has the wrong length or is not finite. An empty vector
+/// means zeros.
 pub fn start<Y: System + ?Sized>(
     system: &Y,
     t: f64,
@@ -50,14 +50,14 @@ pub fn start<Y: System + ?Sized>(
     })
 }
 
-/// Fills the accelerations of a state, true and algorithmic, from the equations of motion, and its
-/// multipliers; and the velocities of what has damping but no mass, which leaves them no choice.
+/// Computes the accelerations of a state, true and algorithmic, its multipliers, and the velocities
+/// of coordinates with damping but no mass.
 ///
 /// The residual is linear in q̈ and λ, so one linear solution suffices:
 /// [M h_xᵀ; h_x 0] (q̈, λ) = (r, −ḧ at q̈ = 0).
 ///
-/// Accelerations that the state has already are corrected, with r and ḧ at these: coordinates without
-/// mass, for which nothing but a step can find them, go on with what they had.
+/// Accelerations that the state already has are corrected, with r and ḧ at these: coordinates
+/// without mass keep theirs, as only a step can determine them.
 pub(super) fn accelerate<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -94,17 +94,17 @@ pub(super) fn accelerate<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Whether dampers take power at a state.
+/// Whether dampers dissipate power at a state.
 fn is_damped<Y: System + ?Sized>(system: &mut Y, state: &State) -> Result<bool, DynamicsError> {
     let energies = system.energies(point(state));
     let energies = energies.map_err(|source| DynamicsError::System { t: state.t, source })?;
     Ok(energies.is_some_and(|now| now.dissipated > 0.0))
 }
 
-/// Solutions with M + h C in place of M where there are dampers.
+/// Number of solutions with M + h C instead of M in a system with dampers.
 ///
-/// What relaxes within a step, λh ≫ 1 with λ = C/M, would be thrown by a jump and come back at once, which no step
-/// shows: 4/(λh) of it remains. What steps resolve is exact but for (λh)⁴.
+/// A jump excites motions that relax within the step, λh ≫ 1 with λ = C/M, and that no step shows:
+/// 4/(λh) of them remains. Motions that the steps resolve are exact but for (λh)⁴.
 const PASSES: usize = 4;
 
 fn add(x: &mut [f64], sign: f64, more: &[f64]) {
@@ -122,10 +122,11 @@ fn point(state: &State) -> Point<'_> {
     }
 }
 
-/// Where a driven velocity jumps, the momentum of the free coordinates does not: their velocities jump
-/// by M⁻¹ (p₋ − p₊), p₊ the momentum with the new drive and the old velocities. Where a map was handed
-/// over the same is done until p is kept, p what [`System::kept_momentum`] says. Returns how often.
-pub(super) fn strike<Y: System + ?Sized>(
+/// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
+/// continuous, so their velocities jump by M⁻¹ (p₋ − p₊), with p₊ from the new prescribed and the
+/// old free velocities. At a change of segment this is repeated until p equals
+/// [`System::kept_momentum`]. Returns the number of impulses.
+pub(super) fn apply_impulse<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
     state: &mut State,
@@ -135,9 +136,9 @@ pub(super) fn strike<Y: System + ?Sized>(
     [r, S, missing]: [&mut [f64]; 3],
 ) -> Result<usize, DynamicsError> {
     let largest = |p: &[f64]| p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let (mut damping, mut most) = (0.0, if driven { 1 } else { STROKES });
-    let mut stroke = 0;
-    while stroke < most {
+    let (mut damping, mut most) = (0.0, if driven { 1 } else { IMPULSES });
+    let mut count = 0;
+    while count < most {
         let at = Point { t, ..point(state) };
         let known = match driven {
             true => system.momentum(at, missing),
@@ -149,11 +150,11 @@ pub(super) fn strike<Y: System + ?Sized>(
             *missing = before - *missing;
         }
         if largest(missing) <= ROUNDING * size {
-            return Ok(stroke);
+            return Ok(count);
         }
         let buffers = [&mut *r, &mut *S];
         solve_mass(system, solver, state, (h, damping), buffers, Some(missing))?;
-        // That of a multiplier is the impulse of its constraint.
+        // For a multiplier, this is the impulse of its constraint.
         for (i, dv) in r.iter_mut().enumerate() {
             if system.is_multiplier(i) {
                 *dv = 0.0;
@@ -164,28 +165,28 @@ pub(super) fn strike<Y: System + ?Sized>(
             add(&mut state.v, -1.0, r);
             (damping, most) = (h, PASSES);
         } else {
-            stroke += 1;
+            count += 1;
         }
     }
     Ok(most)
 }
 
-/// Strokes at most: each leaves ½ (1 − cos θ) of what is missing at a corner of θ.
-const STROKES: usize = 30;
+/// Largest number of impulses; each leaves ½ (1 − cos θ) of the missing momentum at a corner of θ.
+const IMPULSES: usize = 30;
 /// Differences of momentum below this part of the momentum are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Corrections at most of the velocities of what has no mass.
+/// Largest number of corrections of massless velocities.
 const CORRECTIONS: usize = 30;
 /// Corrections below this part of the velocities are rounding errors.
 const FINE: f64 = 1e-14;
 
-/// Velocities of what has no mass: where rows of M are zero and their damping is regular the residual
-/// is that of a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a
-/// controller. Newton's method solves it; a step that began with other rates would lose an order.
+/// Solves for velocities without mass: if rows of M are zero and their damping is regular, the
+/// residual is a first-order equation r(t, q, q̇) = 0, such as C ż = f of a dashpot or a controller.
+/// A step from other rates would lose an order.
 ///
-/// Where there is no such solution velocities stay: what has neither mass nor damping is left to the
-/// first step.
+/// Without a solution the velocities stay: coordinates with neither mass nor damping are left to
+/// the first step.
 fn solve_rates<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -233,7 +234,7 @@ fn massless(pattern: &BlockPattern, M: &[f64]) -> Vec<bool> {
     mass.iter().map(|m| *m == 0.0).collect()
 }
 
-/// M with S in its place between coordinates without mass.
+/// M with the entries of S between coordinates without mass.
 fn stand_in(pattern: &BlockPattern, M: &[f64], S: &[f64], massless: &[bool]) -> Vec<f64> {
     let mut both = M.to_vec();
     for j in 0..pattern.blocks() {
@@ -252,19 +253,18 @@ fn stand_in(pattern: &BlockPattern, M: &[f64], S: &[f64], massless: &[bool]) -> 
     both
 }
 
-/// Clears the entries of what has mass, or of what has none.
+/// Clears the entries of coordinates with mass, or of those without.
 fn keep(x: &mut [f64], massless: &[bool], these: bool) {
     let others = x.iter_mut().zip(massless).filter(|(_, m)| **m != these);
     others.for_each(|(x, _)| *x = 0.0);
 }
 
-/// Solves M x = b, with `damping` times C beside M, b the residual at the state unless it is given; x is then in
-/// `r`. Whether M has an inverse.
+/// Solves M x = b with `damping` times C added to M, where b is the residual at the state unless
+/// given; x is returned in `r`. Whether M has an inverse.
 ///
-/// Coordinates without mass make M singular: M + h C + h² K stands in for it then, h the step that
-/// will be made, which leaves them in balance with the forces on them to the accuracy of a first
-/// step. Where their rows of M are zero it does so in these rows alone, and all other accelerations
-/// are exact.
+/// If coordinates without mass make M singular, it is replaced by M + h C + h² K with the next step
+/// h, which balances their forces to the accuracy of a first step. If their rows of M are zero,
+/// only these rows are replaced, and all other accelerations are exact.
 fn solve_mass<Y: System + ?Sized>(
     system: &mut Y,
     solver: &mut dyn LinearSolver,
@@ -304,11 +304,12 @@ fn solve_mass<Y: System + ?Sized>(
     }
 }
 
-/// Solves M x = b (b in `r`, then x) with the rows of S in place of those of M that are zero:
-/// M₁₁ x₁ = b₁ for what has mass, S₂₂ x₂ = b₂ − S₂₁ x₁ for what has none.
+/// Solves M x = b (b in `r`, then x) with the zero rows of M replaced by those of S: M₁₁ x₁ = b₁
+/// for coordinates with mass, S₂₂ x₂ = b₂ − S₂₁ x₁ for those without.
 ///
 /// # Errors
-/// [`LinearError`] where there is still no solution, or nothing without mass; `r` is as it was then.
+/// [`LinearError`] if there is still no solution, or no coordinate without mass; `r` is then
+/// unchanged.
 fn solve_massive(
     pattern: &BlockPattern,
     solver: &mut dyn LinearSolver,

@@ -1,8 +1,8 @@
-//! States that jump: where a drive has a kink, an input was changed, or a map was handed over.
+//! Discontinuities: a kink of a prescribed motion, a change of inputs, a change of segment.
 
 #![allow(non_snake_case)]
 
-use super::initial::strike;
+use super::initial::apply_impulse;
 use super::run::Run;
 use super::step::Stepper;
 use super::stops::Stop;
@@ -11,7 +11,7 @@ use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
 impl Run<'_> {
-    /// Goes on behind a kink.
+    /// Continues after a kink.
     pub(super) fn pass<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -34,10 +34,10 @@ impl Run<'_> {
         } else {
             self.renew(system, solver, progress, true)?;
         }
-        self.aim(system, progress)
+        self.set_target(system, progress)
     }
 
-    /// Goes on behind a change of inputs. As they have no rate, velocities stay.
+    /// Continues after a change of inputs. Inputs have no rate, so velocities do not change.
     pub(super) fn take_inputs<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -50,10 +50,10 @@ impl Run<'_> {
         }
         progress.inputs = inputs;
         self.renew(system, solver, progress, true)?;
-        self.aim(system, progress)
+        self.set_target(system, progress)
     }
 
-    /// Velocities take the impulse that keeps the momentum; accelerations and energies anew.
+    /// Applies the impulse that conserves the momentum; updates accelerations and energies.
     pub(super) fn jump<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -66,8 +66,8 @@ impl Run<'_> {
         let Stepper { r, S, .. } = &mut self.stepper;
         let buffers: [&mut [f64]; 3] = [r, S, &mut self.missing];
         let state = &mut progress.state;
-        // A drive jumps, or else a map was handed over.
-        let strokes = strike(
+        // A prescribed velocity jumps, or a map changed its segment.
+        let impulses = apply_impulse(
             system,
             solver,
             state,
@@ -76,20 +76,19 @@ impl Run<'_> {
             h,
             buffers,
         )?;
-        progress.summary.evaluations += strokes;
-        progress.summary.factorisations += strokes;
+        progress.summary.evaluations += impulses;
+        progress.summary.factorisations += impulses;
         if let (false, Some(projection), Some(kept)) =
-            (supplied, &mut self.projection, &mut progress.kept)
+            (supplied, &mut self.projection, &mut progress.invariants)
         {
-            // A corner neither gives nor takes.
+            // The energy is continuous at a corner.
             projection.restore(system, &self.options.scheme, state, kept, (t, 0.0), [r, S])?;
             progress.summary.evaluations += projection.take_evaluations();
         }
         self.renew(system, solver, progress, supplied)
     }
 
-    /// Accelerations and energies of a state that has jumped; `supplied` says that supports have
-    /// done the work of it.
+    /// Updates accelerations and energies after a jump; `supplied` says that supports do its work.
     fn renew<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -97,7 +96,7 @@ impl Run<'_> {
         progress: &mut Progress,
         supplied: bool,
     ) -> Result<(), DynamicsError> {
-        // With a drive accelerations jump; along a chain of beams they go on.
+        // Accelerations jump with a prescribed motion, but not along a chain of beams.
         if supplied {
             progress.state.a.clear();
         }

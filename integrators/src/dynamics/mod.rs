@@ -3,29 +3,29 @@
 //!
 //! A step reads as verbs: predict, evaluate, solve, correct, accept. All variables live in one
 //! vector space per chart, so the schemes apply to q directly; after an accepted step the system
-//! may change its charts, which takes q, q̇, q̈ and the algorithmic acceleration along.
+//! may change its charts and transforms q, q̇, q̈ and the algorithmic acceleration.
 
 #![allow(non_snake_case)]
 
+mod coupled_stages;
 mod error;
 mod frequency;
 mod initial;
+mod invariants;
 mod jumps;
-mod kept;
-mod landing;
 mod options;
 mod progress;
 mod projection;
 mod run;
 pub mod scheme;
+mod segment_changes;
 mod stages;
 mod step;
 mod stops;
-mod together;
 
 pub use error::DynamicsError;
 pub use initial::start;
-pub use kept::Kept;
+pub use invariants::Invariants;
 pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
 pub use run::{integrate, integrate_with};
@@ -33,7 +33,7 @@ pub use scheme::Scheme;
 pub(crate) use step::Stepper;
 pub use step::{Predictor, Tangent};
 
-/// A state of motion: what a scheme carries from step to step.
+/// State of motion between steps.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -43,26 +43,25 @@ pub struct State {
     pub q: Vec<f64>,
     /// Velocities q̇.
     pub v: Vec<f64>,
-    /// Accelerations q̈, those of the equations of motion.
+    /// Accelerations q̈ from the equations of motion.
     pub a: Vec<f64>,
     /// Algorithmic accelerations; equal to q̈ for Newmark's scheme.
     pub algorithmic: Vec<f64>,
 }
 
-/// Newton's method inside a step: when to stop.
+/// Options of Newton's method within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Residual relative to applied and reaction forces (moments) at which a step has converged;
-    /// where there are none, only rounding errors may be left.
+    /// Residual relative to applied and reaction forces (moments) at convergence; without any
+    /// forces, only rounding errors are allowed.
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment); 0 leaves only rounding errors
-    /// unmended, whatever the size of the model.
+    /// Absolute tolerance of the same test, in units of force (moment); 0 allows only rounding errors.
     pub absolute: f64,
-    /// Iterations per step at most.
+    /// Largest number of iterations per step.
     pub max_iterations: usize,
-    /// How often the tangent is factorised.
+    /// When the tangent is factorised.
     pub tangent: Tangent,
-    /// Where the iteration begins.
+    /// The start of the iteration.
     pub predictor: Predictor,
 }
 

@@ -1,29 +1,29 @@
-//! Until when, in what steps, by which scheme: the options of a run, and whether they can be.
+//! Options of a run, and their validation.
 
 use super::{DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::statics::refused;
 use pullback_manifold::system::System;
 
-/// Until when, in what steps, by which scheme.
+/// Options of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicOptions {
     /// Time at the end.
     pub to: f64,
     /// Step size. Between kinks steps are equal and at most this large.
     pub step: f64,
-    /// Steps end at the multiples of this time too, exactly: times at which results are wanted.
+    /// Steps also end exactly at the multiples of this time, for output.
     pub interval: Option<f64>,
-    /// A failed step is halved until it is smaller than this; then the run has failed.
+    /// A failed step is halved down to this size; then the run fails.
     pub min_step: f64,
-    /// A halved step is doubled again after this many steps in a row that converged.
+    /// A halved step is doubled again after this many converged steps in a row.
     pub easy: usize,
     /// The scheme.
     pub scheme: Scheme,
     /// Newton's method inside a step.
     pub newton: NewtonOptions,
-    /// Step sizes by an estimate of the local error instead of equal ones; for schemes of order 2.
+    /// Adaptive steps by an estimate of the local error; for schemes of order 2.
     pub adaptivity: Option<Adaptivity>,
-    /// Whether energies are evaluated after each step, where the system knows them.
+    /// Whether energies are evaluated after each step, if the system provides them.
     pub energies: bool,
 }
 
@@ -43,7 +43,7 @@ impl DynamicOptions {
         }
     }
 
-    /// How many whole intervals have passed at a time.
+    /// Number of whole intervals before a time.
     pub fn intervals(&self, t: f64) -> Option<f64> {
         self.interval.map(|interval| (t / interval + 1e-6).floor())
     }
@@ -52,18 +52,18 @@ impl DynamicOptions {
 /// Step sizes by the local error estimate of Zienkiewicz & Xie (1991).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptivity {
-    /// Local error of a step allowed, relative to the scales of the coordinates (the size of the
-    /// model, one radian).
+    /// Tolerance of the local error of a step, relative to the scales of the coordinates (the size
+    /// of the model, one radian).
     pub tolerance: f64,
     /// Largest step.
     pub max_step: f64,
 }
 
-/// Schemes whose spectral radius at infinity is closer to 1 than this are refused for multipliers:
-/// what disturbs λ would stay for good.
+/// Schemes whose spectral radius at infinity is closer to 1 than this are rejected for multipliers:
+/// a disturbance of λ would persist.
 const UNDAMPED: f64 = 1e-6;
 
-/// Refuses options, and states, that no run can begin with.
+/// Rejects invalid options and initial states.
 pub(super) fn check<Y: System + ?Sized>(
     options: &DynamicOptions,
     progress: &Progress,

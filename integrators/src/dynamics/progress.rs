@@ -1,48 +1,48 @@
-//! Where a run in time is, and what it has done.
+//! Progress of a run: its state, counters and energy balance.
 
-use super::{DynamicsError, Kept, State};
+use super::{DynamicsError, Invariants, State};
 use crate::statics::Iteration;
 use pullback_manifold::system::{Energies, Scales};
 
-/// Energies along a run.
+/// Energy balance of a run.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// Kinetic and stored energy at the start.
     pub start: f64,
-    /// Energies and powers now.
+    /// Present energies and powers.
     pub now: Energies,
-    /// Work of loads, supports and dampers so far: that of loads with a potential is what they have
-    /// lost of it, that of dampers follows from the displacements of each step, the rest comes from the
+    /// Work of loads, supports and dampers so far: that of loads with a potential is the loss of
+    /// potential, that of dampers follows from the displacements of each step, the rest from the
     /// trapezoidal rule over the steps.
     pub work: f64,
-    /// Work of the steps so far, whatever its sign.
+    /// Sum of the magnitudes of the work of all steps.
     pub gross: f64,
     /// Largest |kinetic + stored − start − work| so far.
     pub largest_defect: f64,
-    /// Most that forces and moments have been, applied ones and reactions, times a length of the model
-    /// and a radian: energies below the last digit of it are rounding errors.
+    /// Largest forces and moments so far, applied and reactions, times a length of the model and a
+    /// radian: energies below its last digit are rounding errors.
     #[cfg_attr(feature = "serde", serde(default))]
     pub size: f64,
-    /// Steps in a row in which the energy has been absurd.
+    /// Number of steps in a row with an absurd energy.
     #[cfg_attr(feature = "serde", serde(default))]
     pub absurd: usize,
-    /// The energy when these were a power of two, the last time.
+    /// The energy when this number was last a power of two.
     #[cfg_attr(feature = "serde", serde(default))]
     pub mark: f64,
 }
 
-/// Factor by which energy exceeds all that was ever there or supplied where it is absurd.
+/// Ratio of an absurd energy to all energy that was ever present or supplied.
 const ABSURD: f64 = 1e3;
 
-/// Factor by which absurd energy must have grown while its steps doubled: faster than the tenth power
-/// of time. Errors of a motion that has hardly any energy do not grow like this.
+/// Growth of an absurd energy while the number of its steps doubles, faster than the tenth power of
+/// time; errors of a motion with hardly any energy grow more slowly.
 const BOUNDLESS: f64 = 1e3;
 
 impl EnergyBalance {
-    /// Takes the energies at the end of a step of size h, and the mean power dissipated in it if that is
-    /// known; the system has these scales.
-    pub(super) fn book(
+    /// Adds a step of size h with the energies at its end, the mean power dissipated in it if
+    /// known, and the scales of the system.
+    pub(super) fn add_step(
         &mut self,
         now: &Energies,
         h: f64,
@@ -62,8 +62,8 @@ impl EnergyBalance {
         self.largest_defect = self.largest_defect.max(self.defect().abs());
     }
 
-    /// Refuses a motion whose energy grows without bounds.
-    pub(super) fn judge(&mut self, t: f64) -> Result<(), DynamicsError> {
+    /// Rejects a motion whose energy grows without bounds.
+    pub(super) fn check_growth(&mut self, t: f64) -> Result<(), DynamicsError> {
         let (energy, known) = (self.now.kinetic + self.now.stored, self.start + self.gross);
         if known > 0.0 && energy > ABSURD * known {
             self.absurd += 1;
@@ -81,18 +81,18 @@ impl EnergyBalance {
         Ok(())
     }
 
-    /// Whether the energies are in balance but for rounding errors.
+    /// Whether the defect is only rounding errors.
     pub fn is_rounding(&self) -> bool {
         self.largest_defect <= f64::EPSILON * self.size
     }
 
-    /// Energy that is there without having been supplied.
+    /// Energy that was not supplied.
     pub fn defect(&self) -> f64 {
         self.now.kinetic + self.now.stored - self.start - self.work
     }
 }
 
-/// What a run did.
+/// Counters and results of a run.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
@@ -110,10 +110,10 @@ pub struct Summary {
     pub factorisations: usize,
     /// Changes of chart.
     pub chart_changes: usize,
-    /// Energies, where the system knows them and they were asked for.
+    /// Energy balance, if requested and provided by the system.
     pub energy: Option<EnergyBalance>,
-    /// Where the scheme has a limit, the largest stable step at the state from which the run began or was
-    /// continued.
+    /// The largest stable step of a conditionally stable scheme, at the state where the run began
+    /// or was continued.
     #[cfg_attr(
         feature = "serde",
         serde(default, skip_serializing_if = "Option::is_none")
@@ -123,21 +123,21 @@ pub struct Summary {
     pub finished: bool,
 }
 
-/// Where a run is: everything that the next step depends on. A run that is continued from a copy
+/// State of a run: everything that the next step depends on. A run that is continued from a copy
 /// gives the same numbers to the last bit.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// The state; empty accelerations are found first.
+    /// The present state; empty accelerations are computed first.
     pub state: State,
-    /// Step size that the algorithmic accelerations belong to, 0 before the first step.
+    /// Step size of the algorithmic accelerations, 0 before the first step.
     pub last_step: f64,
-    /// Step size to try next; 0 for that of the options.
+    /// Next step size to try; 0 for that of the options.
     pub next_step: f64,
-    /// Whether a kink or jump of a function of time at its time is still to be passed, as at the start and
-    /// where a run ended at one: what lies behind is found first.
+    /// Whether a kink or jump at this time is still ahead, as at the start and where a run ended at
+    /// one.
     pub at_kink: bool,
-    /// What was set from outside when the accelerations were found ([`System::inputs`]).
+    /// Inputs at which the accelerations were computed ([`System::inputs`]).
     ///
     /// [`System::inputs`]: pullback_manifold::system::System::inputs
     #[cfg_attr(
@@ -145,15 +145,15 @@ pub struct Progress {
         serde(default, skip_serializing_if = "Vec::is_empty")
     )]
     pub inputs: Vec<f64>,
-    /// What a scheme that restores energy and momenta aims at.
+    /// Target of a scheme that restores energy and momenta.
     #[cfg_attr(
         feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
+        serde(alias = "kept", default, skip_serializing_if = "Option::is_none")
     )]
-    pub kept: Option<Kept>,
-    /// Converged steps in a row since the last failure.
+    pub invariants: Option<Invariants>,
+    /// Number of converged steps since the last failure.
     pub easy: usize,
-    /// Steps in a row that ended early, at once after they began, where a map was handed over.
+    /// Number of short steps in a row that ended at a change of segment.
     #[cfg_attr(feature = "serde", serde(default))]
     pub short: usize,
     /// Counters so far.
@@ -171,17 +171,17 @@ impl Progress {
     }
 }
 
-/// An accepted step, as an observer sees it.
+/// Report of an accepted step, for observers.
 #[derive(Clone, Copy, Debug)]
 pub struct StepReport<'a> {
-    /// Where the run is now; a clone of it can be continued.
+    /// Present state of the run; a clone of it can be continued.
     pub progress: &'a Progress,
     /// Step size.
     pub step_size: f64,
     /// Linear solutions of this step.
     pub iterations: usize,
-    /// History of the iterations, of one stage (substep) after the other where a scheme has several;
-    /// each ends with its converged state, which has no correction (damping 0).
+    /// History of the iterations, one stage (substep) after the other; each ends with its converged
+    /// state, which has no correction (damping 0).
     pub residuals: &'a [Iteration],
     /// Charts changed at the end of the step.
     pub chart_changes: usize,

@@ -1,4 +1,4 @@
-//! Energy and momenta that a step has lost are given back to it.
+//! Projection of steps onto the energy and momenta of the motion.
 //!
 //! With the symmetries ξ of the system, their fields X = q̇(ξ) and the mass matrix M, the smallest change
 //! of velocities in the kinetic energy that restores momenta X·p and energy is
@@ -7,40 +7,39 @@
 //! q̇ ↦ Σ jₖ eₖ + s w,    w = q̇ − Σ (eₖ·M q̇) eₖ,    eₖ the fields made orthonormal in M
 //! ```
 //!
-//! jₖ the momenta to be kept, those that constant forces change with their impulses in them: they fix
-//! the part of the motion that is rigid, and s the energy of the rest
-//! (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.4). A body that is rigid, or
-//! nearly so, has no rest: its energy at given momenta depends on how it is turned. So the
-//! projection may turn the whole by η about its centre of mass as well, which changes that energy
-//! by J([η, Ω]) = η·(Ω × J), and weighs both by their lengths |s − 1|²|w|² + |η|²/h² in M.
+//! with the target momenta jₖ, which include the impulses of constant forces: they fix the rigid
+//! part of the motion, and s the energy of the rest (Hairer, Lubich & Wanner, *Geometric Numerical
+//! Integration*, IV.4). A rigid or nearly rigid body has no rest: its energy at given momenta
+//! depends on its orientation. So the projection may also rotate the whole by η about its centre of
+//! mass, which changes that energy by J([η, Ω]) = η·(Ω × J), and weighs both by their lengths |s −
+//! 1|²|w|² + |η|²/h² in M.
 //!
-//! A projection onto a set that holds the truth takes nothing further away from it; one onto an aim
-//! that is itself in error does. So energy is projected onto what the work of the step allows
-//! ([`Kept::unsure`]), a single value only where nothing works but steady loads, and not at all while
-//! something is driven: T is no square of the velocities then, and has a least value at p = 0 below
-//! which no velocities bring it.
+//! A projection onto a set that contains the exact solution does not increase the error; one onto a
+//! target that is itself in error does. So the energy is projected into the tolerance of the work
+//! of the step ([`Invariants::unsure`]), to a single value only if nothing but steady loads does
+//! work, and not at all while a motion is prescribed: T is then not quadratic in the velocities,
+//! and has a least value at p = 0 that no velocities can reach.
 
 #![allow(non_snake_case)]
 
-use super::kept::Kept;
+use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
 use pullback_manifold::system::{
     Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
 };
 
-/// Passes of the projection at most.
+/// Largest number of passes.
 const PASSES: usize = 5;
-/// Energy, over the sum of the magnitudes of its parts, and momenta over their sizes, that are kept.
+/// Tolerance of energy over the sum of the magnitudes of its parts, and of momenta over their sizes.
 const ROUNDING: f64 = 1e-14;
-/// Part of a field's length that may be left of it where it depends on others.
+/// Remaining part of the length of a field that depends on others.
 const DEPENDENT: f64 = 1e-7;
-/// Largest turn in a step, as a part of the motion of the step.
+/// Largest rotation in a step, as a part of the motion of the step.
 const TURN: f64 = 0.1;
 
-/// What a turn changes of the energy, relative to what a turn of its length could, if it changes
-/// nothing.
+/// Relative change of the energy by a rotation that counts as none.
 const NO_TURN: f64 = 1e-10;
-/// Kinetic energy of what is driven, relative to the parts of the whole, if nothing is.
+/// Kinetic energy of prescribed motions, relative to the parts of the whole, that counts as none.
 const AT_REST: f64 = 1e-12;
 
 /// A symmetry in the orthonormal basis.
@@ -48,21 +47,21 @@ struct Direction {
     xi: RigidRates,
     e: Vec<f64>,
     Me: Vec<f64>,
-    /// The momentum to be kept, and that of now.
+    /// The target momentum, and the present one.
     j: f64,
     c: f64,
 }
 
-/// Buffers of the projection, made once.
+/// Buffers of the projection.
 pub(super) struct InvariantProjection {
     p: Vec<f64>,
     w: Vec<f64>,
     field: Vec<f64>,
     basis: Vec<Direction>,
-    /// Directions in use.
+    /// Number of directions in use.
     rank: usize,
     evaluations: usize,
-    /// Whether the last share was not all that was needed.
+    /// Whether the last correction was limited.
     bounded: bool,
 }
 
@@ -87,24 +86,24 @@ impl InvariantProjection {
         }
     }
 
-    /// Evaluations of the system since they were last asked for.
+    /// Evaluations of the system since the last call.
     pub(super) fn take_evaluations(&mut self) -> usize {
         std::mem::take(&mut self.evaluations)
     }
 
-    /// What is to be kept from a state on, until the end of a span of times.
-    pub(super) fn aim<Y: System + ?Sized>(
+    /// Invariants of a state, until the end of a span of times.
+    pub(super) fn set_target<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         scheme: &Scheme,
         state: &State,
         until: f64,
         buffers: [&mut [f64]; 2],
-    ) -> Result<Kept, DynamicsError> {
+    ) -> Result<Invariants, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
         let symmetries = system.symmetries([state.t, until], &state.q, &state.v);
         self.momentum(system, state, (&now, state.t), buffers)?;
-        let mut kept = Kept::of(&now);
+        let mut kept = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
             system.rigid_rates(&state.q, &motion, &mut self.field);
             kept.motions.push(motion);
@@ -114,23 +113,23 @@ impl InvariantProjection {
         Ok(kept)
     }
 
-    /// Gives a state at the end of a step of size h what it lacks; its energies.
+    /// Restores the invariants of a state at the end of a step of size h; returns its energies.
     pub(super) fn restore<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         scheme: &Scheme,
         state: &mut State,
-        kept: &mut Kept,
+        kept: &mut Invariants,
         (t, h): (f64, f64),
         [r, S]: [&mut [f64]; 2],
     ) -> Result<Energies, DynamicsError> {
         self.bounded = false;
         let mut now = energies(system, scheme, state, t)?;
-        kept.work(&now, h);
+        kept.add_step(&now, h);
         let (mut stale, mut bounded, mut driven) = (true, false, false);
         for _ in 0..PASSES {
             let gross = now.kinetic + now.stored.abs() + now.potential.abs();
-            let closed = kept.gap(now.total()).abs() <= ROUNDING * gross;
+            let closed = kept.energy_gap(now.total()).abs() <= ROUNDING * gross;
             if !stale && (driven || closed) {
                 break;
             }
@@ -143,7 +142,7 @@ impl InvariantProjection {
                 .directions()
                 .map(|d| 0.5 * (d.j * d.j - d.c * d.c))
                 .sum();
-            let needed = kept.gap(now.total() + rigid);
+            let needed = kept.energy_gap(now.total() + rigid);
             let mut gammas = [0.0; 6];
             let rest = dot(&self.p, &self.w) - self.rigid_in_rest();
             self.turns(system, &state.q, &mut gammas);
@@ -161,7 +160,7 @@ impl InvariantProjection {
                 axpy(eta * gamma, &d.e, &mut state.q);
             }
             if stale {
-                // Charts that are centred at the end of a step are centred again.
+                // Charts that are recentred at the end of a step are recentred again.
                 let State {
                     q,
                     v,
@@ -179,14 +178,14 @@ impl InvariantProjection {
         if driven {
             (kept.energy, kept.unsure) = (now.total(), 0.0);
         }
-        kept.note(&now);
+        kept.set_power(&now);
         Ok(now)
     }
 
-    /// The factor s of the rest and that of the turns γ which give the motion an energy; whether it
-    /// is all of it is noted.
+    /// The factor s of the rest and that of the rotations γ that add the needed energy; sets
+    /// `bounded` if they cannot add all of it.
     fn shares(&mut self, needed: f64, rest: f64, gammas: &[f64; 6], h: f64) -> [f64; 2] {
-        // The energy that the rest gains by dλ is p·w dλ, that of the turn h² Σ γ² dλ.
+        // The rest gains the energy p·w dλ by dλ, the rotation h² Σ γ² dλ.
         let (rest, size) = (rest.max(0.0), gammas.iter().map(|g| g * g).sum::<f64>());
         let slope = rest + h * h * size;
         self.bounded = slope == 0.0;
@@ -194,10 +193,9 @@ impl InvariantProjection {
             return [1.0, 0.0];
         }
         let wanted = 1.0 + 2.0 * needed / slope;
-        // Where the motion nearly stands still velocities have no such energy to give, and the next
-        // steps do.
+        // Near rest the velocities cannot supply this energy; the next steps will.
         let square = wanted.max(0.0);
-        // What the rest does not give; of its share alone no rounding error.
+        // Energy that the rest does not supply, without rounding errors.
         let left = match square == wanted {
             true => needed * h * h * size / slope,
             false => needed - 0.5 * (square - 1.0) * rest,
@@ -215,15 +213,14 @@ impl InvariantProjection {
         self.basis[..self.rank].iter()
     }
 
-    /// The part of p·w that is due to rigid motions: none but for rounding, and where something is
-    /// driven.
+    /// The part of p·w from rigid motions: rounding errors, unless a motion is prescribed.
     fn rigid_in_rest(&self) -> f64 {
         self.directions().map(|d| d.c * dot(&d.Me, &self.w)).sum()
     }
 
-    /// The mass matrix into `S`, and the generalised momentum, at a time: just before a kink that the
-    /// state has reached, as what is driven may jump there. Whether something is driven: of the
-    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, c is there without velocities.
+    /// Writes the mass matrix to `S` and the generalised momentum at a time: just before a kink that
+    /// the state has reached, where a prescribed velocity may jump. Whether a motion is prescribed: the
+    /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
     fn momentum<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -255,13 +252,13 @@ impl InvariantProjection {
         Ok(c.abs() > AT_REST * size)
     }
 
-    /// The orthonormal basis of the symmetries, and the rest w of the velocities; by how much momenta
-    /// are missed, relative to the sizes of their parts.
+    /// The orthonormal basis of the symmetries, and the rest w of the velocities; returns the error
+    /// of the momenta relative to the sizes of their parts.
     fn split<Y: System + ?Sized>(
         &mut self,
         system: &Y,
         state: &State,
-        kept: &Kept,
+        kept: &Invariants,
         M: &[f64],
     ) -> f64 {
         let pattern = system.pattern();
@@ -279,7 +276,7 @@ impl InvariantProjection {
                 missing = missing.max(off / parts.max(j.abs()));
             }
             let mut length = f64::NAN;
-            // Twice, for the sake of rounding.
+            // Twice, against rounding errors.
             for _ in 0..2 {
                 d.Me.fill(0.0);
                 pattern.multiply_add(1.0, M, &d.e, &mut d.Me);
@@ -311,8 +308,8 @@ impl InvariantProjection {
         missing
     }
 
-    /// Derivatives of the energy by turns along the symmetries that turn: J([ξ, Ω]), J the momenta to be
-    /// kept. As [ξ, Ω] is a symmetry again, it is a sum of the basis.
+    /// Derivatives of the energy by rotations along the symmetries: J([ξ, Ω]), J the target
+    /// momenta. As [ξ, Ω] is a symmetry as well, it is a sum of the basis.
     fn turns<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], gammas: &mut [f64; 6]) {
         let mut Omega = [0.0; 6];
         let mut momentum = 0.0;
@@ -331,7 +328,7 @@ impl InvariantProjection {
                 sum += part * along.j;
                 length += part * part;
             }
-            // A turn that is rounding only would be one about no axis in particular.
+            // A rotation by rounding errors would have an arbitrary axis.
             let most: f64 = length * momentum;
             *gamma = if sum.abs() > NO_TURN * most.sqrt() {
                 sum
@@ -342,7 +339,7 @@ impl InvariantProjection {
     }
 }
 
-/// The motion [η, ξ]: the rate at which ξ changes when it is moved along η.
+/// The Lie bracket [η, ξ]: the rate at which ξ changes along η.
 fn bracket(eta: &RigidRates, xi: &RigidRates) -> RigidRates {
     let cross = |a: &[f64], b: &[f64]| {
         [

@@ -1,21 +1,21 @@
-//! A run in time: steps that end at kinks, are halved when they fail, and are accounted for.
+//! A run in time: steps that end at kinks and are halved after a failure.
 
 #![allow(non_snake_case)]
 
 use super::frequency::check_step;
 use super::initial::accelerate;
-use super::landing::Landing;
 use super::options::check;
 use super::projection::{InvariantProjection, energies};
+use super::segment_changes::SegmentChanges;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
-use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
 use std::ops::ControlFlow;
 
-/// Integrates the equations of motion from where `progress` stands, with the default solver.
+/// Integrates the equations of motion from `progress`, with the default solver.
 ///
 /// The observer is called after each accepted step and may stop the run.
 ///
@@ -30,8 +30,8 @@ pub fn integrate<Y: System + ?Sized>(
     integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
 }
 
-/// As [`integrate`], with a linear solver of the caller's choice; stages that are solved together
-/// (Radau IIA) take a solver of their own for the larger matrix.
+/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
+/// own for the larger matrix.
 ///
 /// # Errors
 /// As [`integrate`].
@@ -43,7 +43,7 @@ pub fn integrate_with<Y: System + ?Sized>(
     observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
 ) -> Result<(), DynamicsError> {
     check(options, progress, system)?;
-    // Gyroscopic and centrifugal tangents are not symmetric whatever the stiffness is.
+    // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
     solver
         .analyse(system.pattern(), Symmetry::General)
         .map_err(|source| DynamicsError::Analysis { source })?;
@@ -52,7 +52,7 @@ pub fn integrate_with<Y: System + ?Sized>(
         momentum: vec![0.0; system.pattern().dim()],
         missing: vec![0.0; system.pattern().dim()],
         stops: Stops::new(system, progress.state.t, options),
-        landing: Landing::default(),
+        segment_changes: SegmentChanges::default(),
         projection: (options.scheme.keeps_energy())
             .then(|| InvariantProjection::new(system.pattern().dim())),
         options,
@@ -81,20 +81,20 @@ pub fn integrate_with<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Steps ahead for which symmetries are looked for where nothing ends them.
+/// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
 
 pub(super) struct Run<'a> {
     pub(super) stepper: Stepper,
     /// Times at which a step must end.
     stops: Stops,
-    /// A momentum that is kept over a jump.
+    /// A momentum that is conserved at a jump.
     pub(super) momentum: Vec<f64>,
-    /// What the velocities lack of it after the jump.
+    /// Missing momentum after the jump.
     pub(super) missing: Vec<f64>,
-    /// Gives back what steps have lost, for a scheme that does.
+    /// Projection onto the invariants, if the scheme has one.
     pub(super) projection: Option<InvariantProjection>,
-    pub(super) landing: Landing,
+    pub(super) segment_changes: SegmentChanges,
     pub(super) options: &'a DynamicOptions,
 }
 
@@ -107,7 +107,7 @@ impl Run<'_> {
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let fresh = progress.state.a.is_empty();
-        // A run that is continued may have been given another step.
+        // A continued run may have another step.
         let DynamicOptions { step, min_step, .. } = *self.options;
         if self.options.adaptivity.is_none() {
             progress.next_step = progress.next_step.min(step);
@@ -122,8 +122,7 @@ impl Run<'_> {
             a,
             algorithmic,
         } = &mut progress.state;
-        // A system that has not seen this state yet chooses its charts; a state that was accepted
-        // before stays as it is.
+        // A system without this state chooses its charts; an accepted state keeps its charts.
         system.start(*t, q);
         let mut none: [&mut [f64]; 0] = [];
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
@@ -145,14 +144,14 @@ impl Run<'_> {
             self.open_balance(system, progress)?;
         }
         let State { t, q, v, .. } = &progress.state;
-        match &progress.kept {
+        match &progress.invariants {
             // A system that is new to a run finds its symmetries again.
             Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
                 let span = [*t, self.next_kink(*t)];
                 system.symmetries(span, q, v);
             }
             Some(_) if self.projection.is_some() => {}
-            _ => self.aim(system, progress)?,
+            _ => self.set_target(system, progress)?,
         }
         let step = (self.options.adaptivity).map_or(step, |a| a.max_step);
         let Stepper { r, S, .. } = &mut self.stepper;
@@ -162,7 +161,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The balance of energies begins with the present state.
+    /// Starts the energy balance at the present state.
     pub(super) fn open_balance<Y: System + ?Sized>(
         &self,
         system: &mut Y,
@@ -177,14 +176,14 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The next kink, or a time that is some steps away.
+    /// The next kink, or a time some steps away.
     fn next_kink(&self, t: f64) -> f64 {
         let far = t + FAR * self.options.step;
         self.stops.next_kink(t).map_or(far, |kink| kink.min(far))
     }
 
-    /// A scheme that restores energy and momenta keeps those of this state from now on.
-    pub(super) fn aim<Y: System + ?Sized>(
+    /// Sets the invariants of this state as the target of the projection.
+    pub(super) fn set_target<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -192,16 +191,16 @@ impl Run<'_> {
         let until = self.next_kink(progress.state.t);
         let Stepper { r, S, .. } = &mut self.stepper;
         let scheme = &self.options.scheme;
-        progress.kept = match &mut self.projection {
+        progress.invariants = match &mut self.projection {
             Some(projection) => {
-                Some(projection.aim(system, scheme, &progress.state, until, [r, S])?)
+                Some(projection.set_target(system, scheme, &progress.state, until, [r, S])?)
             }
             None => None,
         };
         Ok(())
     }
 
-    /// Finds the accelerations of the state, from those that it has; see [`accelerate`].
+    /// Updates the accelerations of the state; see [`accelerate`].
     pub(super) fn accelerate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -235,7 +234,7 @@ impl Run<'_> {
             .map_err(|source| DynamicsError::System { t, source })
     }
 
-    /// One attempt at a step; its size when it may be accepted, `None` when a smaller one is due.
+    /// One attempt at a step; its size if it may be accepted, `None` if a smaller one is needed.
     fn attempt<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -246,7 +245,7 @@ impl Run<'_> {
         let stop = self.stops.next(from, self.options);
         let count = equal_steps(stop.left - from, progress.next_step);
         let h = (stop.left - from) / count;
-        // A step ends before a kink: functions of time are asked on its left.
+        // A step ends before a kink: functions of time are evaluated on its left.
         let to = match (count > 1.0, stop.kink) {
             (true, _) => first_end([from, stop.left], count),
             (false, true) => stop.left.next_down(),
@@ -263,13 +262,13 @@ impl Run<'_> {
         } else {
             to
         };
-        let outcome = outcome.and_then(|()| self.land(system, solver, progress, [to, last]));
+        let outcome = outcome.and_then(|()| self.locate(system, solver, progress, [to, last]));
         progress.summary.evaluations += self.stepper.evaluations - before.0;
         progress.summary.factorisations += self.stepper.factorisations - before.1;
         let end = match outcome {
             Ok(Some(end)) => end,
             Ok(None) => {
-                self.begin_anew(system, solver, progress)?;
+                self.change_segments_at_start(system, solver, progress)?;
                 return Ok(None);
             }
             Err(failure) => {
@@ -286,7 +285,7 @@ impl Run<'_> {
         };
         let error = self.local_error(system, &progress.state, h);
         let factor = (0.9 * (adaptivity.tolerance / error).cbrt()).clamp(0.3, 2.0);
-        // A step forced short by a stop says nothing about the size of the next one.
+        // A step shortened by a stop does not limit the next one.
         let wanted = (h * factor).min(adaptivity.max_step);
         if error <= adaptivity.tolerance {
             let forced = h < 0.99 * progress.next_step && factor >= 1.0;
@@ -305,7 +304,7 @@ impl Run<'_> {
         Ok(None)
     }
 
-    /// After a failure: half the step, or the end.
+    /// Halves the step after a failure, or ends the run.
     fn halve<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -334,15 +333,16 @@ impl Run<'_> {
             ..
         } = progress.summary;
         let rejected = failed + inaccurate;
-        let spent = Spent {
+        let cost = Cost {
             evaluations,
             factorisations,
         };
-        let step = FailedStep::new(system, context, Along::Time, span, steps, rejected, spent);
+        let time = StepParameter::Time;
+        let step = FailedStep::new(system, context, time, span, steps, rejected, cost);
         Err(DynamicsError::Step(Box::new(step)))
     }
 
-    /// Takes the new state, its charts, and accelerations anew where a kink makes them jump.
+    /// Accepts the new state and updates charts, and accelerations after a kink.
     fn accept<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -352,22 +352,22 @@ impl Run<'_> {
     ) -> Result<usize, DynamicsError> {
         let left = self.stepper.next.t;
         let kink = self.stops.kink(left);
-        let asked = if kink.is_some() {
+        let t_left = if kink.is_some() {
             left.next_down()
         } else {
             left
         };
         let damped = (progress.summary.energy).is_some_and(|e| e.now.dissipated != 0.0);
         let dissipated = match damped {
-            true => self.mean_dissipation(system, &progress.state, asked),
+            true => self.mean_dissipation(system, &progress.state, t_left),
             false => None,
         };
-        // The system is left at the end of the step.
-        let mut now = self.energies(system, &self.stepper.next, asked)?;
+        // The evaluation leaves the system at the end of the step.
+        let mut now = self.energies(system, &self.stepper.next, t_left)?;
         std::mem::swap(&mut progress.state, &mut self.stepper.next);
         progress.last_step = h;
         progress.summary.steps += 1;
-        self.leave(system, progress, h);
+        self.finish_step(system, progress, h);
         let State {
             t,
             q,
@@ -377,30 +377,32 @@ impl Run<'_> {
         } = &mut progress.state;
         let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        let handed_over = self.has_handed_over(system, left)?;
-        if let (true, Some(kept), Some(now)) = (handed_over, &mut progress.kept, &now) {
-            // What is missing is given back with the jump.
-            kept.work(now, h);
-        } else if let (Some(projection), Some(kept)) = (&mut self.projection, &mut progress.kept) {
+        let segments_changed = self.segments_changed(system, left)?;
+        if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.invariants, &now) {
+            // The jump restores what is missing.
+            kept.add_step(now, h);
+        } else if let (Some(projection), Some(kept)) =
+            (&mut self.projection, &mut progress.invariants)
+        {
             let (scheme, state) = (&self.options.scheme, &mut progress.state);
             if let (true, Some(now)) = (changes.residual, &now) {
                 // The discretisation itself depends on charts.
-                kept.energy += energies(system, scheme, state, asked)?.total() - now.total();
+                kept.energy += energies(system, scheme, state, t_left)?.total() - now.total();
             }
             let Stepper { r, S, .. } = &mut self.stepper;
-            let restored = projection.restore(system, scheme, state, kept, (asked, h), [r, S])?;
+            let restored = projection.restore(system, scheme, state, kept, (t_left, h), [r, S])?;
             now = now.map(|_| restored);
             progress.summary.evaluations += projection.take_evaluations();
         }
         if let (Some(now), Some(balance)) = (now, &mut progress.summary.energy) {
-            balance.book(&now, h, dissipated, &system.scales());
-            balance.judge(left)?;
+            balance.add_step(&now, h, dissipated, &system.scales());
+            balance.check_growth(left)?;
         }
-        if handed_over {
+        if segments_changed {
             self.jump(system, solver, progress, left, false)?;
         }
         match kink {
-            // What lies behind the end is not known to be asked for.
+            // The end of a run does not pass a kink.
             Some(_) if left >= self.options.to => progress.at_kink = true,
             Some(stop) => self.pass(system, solver, progress, stop)?,
             None => {}
@@ -410,8 +412,8 @@ impl Run<'_> {
             let nominal = self.options.step;
             let stop = self.stops.next(progress.state.t, self.options);
             let rest = equal_steps(stop.left - progress.state.t, progress.next_step);
-            // With an odd number of steps left, twice their size would lead away from the times of
-            // those before they were halved.
+            // With an odd number of steps left, doubled steps would miss the times of the steps
+            // before they were halved.
             let pairs = rest % 2.0 == 0.0;
             if progress.easy >= self.options.easy && progress.next_step < nominal && pairs {
                 progress.next_step = nominal.min(2.0 * progress.next_step);
@@ -421,11 +423,11 @@ impl Run<'_> {
         Ok(changes.charts)
     }
 
-    /// Power lost in dampers in the middle of a state and the next one, with the velocity (q₁ − q₀) / h.
+    /// Power of dampers midway between a state and the next one, with the velocity (q₁ − q₀) / h.
     ///
-    /// The powers at both ends may be those of dampers that relax within the step, of which most of it knows
-    /// nothing. This is what the trapezoidal rule dissipates in a linear system, whatever the step. `None`
-    /// where the system cannot be evaluated in between: a step that has converged does not fail by its books.
+    /// The powers at both ends may be those of dampers that relax within a small part of the step. This
+    /// one is the dissipation of the trapezoidal rule in a linear system, for any step. `None` if the
+    /// system cannot be evaluated there: a converged step must not fail by its energy balance.
     fn mean_dissipation<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -460,7 +462,7 @@ impl Run<'_> {
         let change = state.algorithmic.iter().zip(new).enumerate();
         let sizes = change
             .filter(|(i, _)| !system.is_multiplier(*i))
-            .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.kind(i).index()]);
+            .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.quantity(i).index()]);
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }
 }

@@ -1,22 +1,21 @@
-//! What the table of a scheme says of its stages: where Newton's method begins, and what a correction
-//! does.
+//! Prediction and correction of the stages of a scheme.
 
 #![allow(non_snake_case)]
 
+use super::coupled_stages::CoupledStages;
 use super::scheme::{STAGES, inverse};
 use super::step::{Predictor, Stepper};
-use super::together::Together;
 use super::{Scheme, State};
 use std::ops::Range;
 
 #[derive(Clone)]
 pub(super) struct StageState {
     pub state: State,
-    /// Coordinates of the iterate before.
+    /// Coordinates of the previous iterate.
     pub before: Vec<f64>,
 }
 
-/// A step that is being made: from where, by which scheme, of what size.
+/// A step in progress: scheme, old state and size.
 #[derive(Clone, Copy)]
 pub(super) struct Attempt<'a> {
     pub scheme: &'a Scheme,
@@ -24,14 +23,14 @@ pub(super) struct Attempt<'a> {
     pub h: f64,
 }
 
-/// Stages that are solved together, most often one.
+/// Stages that are solved together; one in most schemes.
 #[derive(Clone, Copy)]
 pub(super) struct Group {
     pub start: usize,
     pub end: usize,
     /// Inverse of the weights of their accelerations in their coordinates; none if explicit.
     pub inverse: Option<[[f64; STAGES]; STAGES]>,
-    /// The unknowns are h² y over this: the coordinates of an implicit stage that is alone.
+    /// The unknowns are h² y over this: coordinates if a single implicit stage.
     pub unit: f64,
 }
 
@@ -57,8 +56,8 @@ impl Group {
 }
 
 impl Stepper {
-    /// qᵢ by the predictor; yᵢ, q̇ᵢ and q̈ᵢ by the scheme. Explicit stages keep y, which gives their
-    /// qᵢ.
+    /// Predicts qᵢ by the predictor, and yᵢ, q̇ᵢ and q̈ᵢ by the scheme. Explicit stages keep y, which
+    /// determines qᵢ.
     pub(super) fn predict(&mut self, step: Attempt<'_>, group: &Group) {
         let Attempt { scheme, state, h } = step;
         let rows = scheme.stages();
@@ -66,9 +65,9 @@ impl Stepper {
         let (done, rest) = self.stages.split_at_mut(group.start);
         let origin = done.last().map_or(state, |stage| &stage.state);
         let velocity = self.options.predictor == Predictor::Velocity;
-        // Most schemes have one stage: what the general rule below comes to, in one pass.
+        // Most schemes have one stage: the general rule below in one pass.
         if let ([row], [], Some(inverse), [stage]) = (rows, &*done, &group.inverse, &mut *rest) {
-            let way = if velocity { h } else { 0.0 };
+            let shift = if velocity { h } else { 0.0 };
             let (given, out) = (state, &mut stage.state);
             let old = given.v.iter().zip(&given.a).zip(&given.algorithmic);
             let rates = out.v.iter_mut().zip(&mut out.a).zip(&mut out.algorithmic);
@@ -76,10 +75,10 @@ impl Stepper {
             for (((q, q_old), ((v, a), y)), ((v_old, a_old), y_old)) in
                 positions.zip(rates).zip(old)
             {
-                let aim = way * v_old;
+                let target = shift * v_old;
                 let known = row.c * h * v_old + h * h * row.q[0] * y_old;
-                *y = inverse[0][0] * (aim - known) / (h * h);
-                *q = q_old + aim;
+                *y = inverse[0][0] * (target - known) / (h * h);
+                *q = q_old + target;
                 *v = v_old + h * (row.v[0] * y_old + row.v[1] * *y);
                 *a = filter[0] * *y + filter[1] * y_old + filter[2] * a_old;
             }
@@ -87,8 +86,8 @@ impl Stepper {
         }
         for c in 0..state.q.len() {
             let y_old = state.algorithmic[c];
-            // The parts of qᵢ − qₙ and of q̇ᵢ that are known, and where qᵢ − qₙ should go.
-            let (mut known, mut aim) = ([[0.0; STAGES]; 2], [0.0; STAGES]);
+            // The known parts of qᵢ − qₙ and of q̇ᵢ, and the predicted qᵢ − qₙ.
+            let (mut known, mut target) = ([[0.0; STAGES]; 2], [0.0; STAGES]);
             for (i, row) in rows[group.range()].iter().enumerate() {
                 let mut sums = [row.q[0] * y_old, row.v[0] * y_old];
                 for (j, stage) in done.iter().enumerate() {
@@ -97,17 +96,17 @@ impl Stepper {
                 }
                 known[0][i] = row.c * h * state.v[c] + h * h * sums[0];
                 known[1][i] = state.v[c] + h * sums[1];
-                let way = match velocity {
+                let shift = match velocity {
                     true => (rest[i].state.t - origin.t) * origin.v[c],
                     false => 0.0,
                 };
-                aim[i] = origin.q[c] - state.q[c] + way;
+                target[i] = origin.q[c] - state.q[c] + shift;
             }
             let mut y = [origin.algorithmic[c]; STAGES];
             if let Some(inverse) = &group.inverse {
                 for (y, row) in y.iter_mut().zip(inverse) {
                     let sum: f64 = (0..group.len())
-                        .map(|j| row[j] * (aim[j] - known[0][j]))
+                        .map(|j| row[j] * (target[j] - known[0][j]))
                         .sum();
                     *y = sum / (h * h);
                 }
@@ -121,7 +120,7 @@ impl Stepper {
                 };
                 stage.q[c] = state.q[c]
                     + match group.inverse {
-                        Some(_) => aim[i],
+                        Some(_) => target[i],
                         None => known[0][i] + h * h * sum(&row.q),
                     };
                 stage.v[c] = known[1][i] + h * sum(&row.v);
@@ -131,7 +130,7 @@ impl Stepper {
         }
     }
 
-    /// Corrects the stages of a group; the largest correction relative to the scales of the
+    /// Corrects the stages of a group; returns the largest correction relative to the scales of the
     /// coordinates.
     pub(super) fn correct(&mut self, step: Attempt<'_>, group: &Group) -> f64 {
         let Attempt { scheme, h, .. } = step;
@@ -148,7 +147,7 @@ impl Stepper {
                 let by = Gains::new(scheme, group, [row.q[1 + k], row.v[1 + k], 1.0], h);
                 for ((((q, v), (y, a)), scale), d) in all.zip(&self.dq) {
                     by.add(*d, [q, v, y, a]);
-                    // What an explicit stage finds is h² y.
+                    // The unknown of an explicit stage is h² y.
                     let size = if implicit { by.q * d } else { by.unit * d };
                     largest = largest.max((size * scale).abs());
                 }
@@ -159,7 +158,7 @@ impl Stepper {
                 for (i, j) in group.range().enumerate() {
                     let own = f64::from(u8::from(j == k));
                     let by = Gains::new(scheme, group, [row.q[1 + j], row.v[1 + j], own], h);
-                    let d = self.dq[position(&self.together, group, i, c)];
+                    let d = self.dq[position(&self.coupled, group, i, c)];
                     by.add(d, [q, v, y, a]);
                 }
                 largest = largest.max(((*q - before) * scale).abs());
@@ -169,7 +168,7 @@ impl Stepper {
     }
 }
 
-/// What an unknown of a group adds to the motion of one of its stages.
+/// Change of the motion of a stage by an unknown of its group.
 struct Gains {
     /// To h² y.
     unit: f64,
@@ -201,10 +200,10 @@ impl Gains {
     }
 }
 
-/// Where the unknown `c` of stage `i` of a group stands in `dq`.
-pub(super) fn position(together: &Option<Together>, group: &Group, i: usize, c: usize) -> usize {
-    match together {
-        Some(together) if group.len() > 1 => together.position(i, c),
+/// Index of unknown `c` of stage `i` of a group in `dq`.
+pub(super) fn position(stages: &Option<CoupledStages>, group: &Group, i: usize, c: usize) -> usize {
+    match stages {
+        Some(stages) if group.len() > 1 => stages.position(i, c),
         _ => c,
     }
 }

@@ -1,72 +1,71 @@
-//! One step of any scheme: for its stages, predict, evaluate, solve, correct.
+//! One step of any scheme: predict, evaluate, solve and correct its stages.
 
 #![allow(non_snake_case)]
 
+use super::coupled_stages::CoupledStages;
 use super::stages::{Attempt, Group, StageState, position};
-use super::together::Together;
 use super::{DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State};
 use crate::convergence::ConvergencePredictor;
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
 use crate::statics::Iteration;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
-/// Where Newton's iteration of a step begins; velocities and accelerations follow by the scheme.
+/// Start of Newton's iteration of a step; velocities and accelerations follow by the scheme.
 ///
-/// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2 it matters little with their
-/// large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and 1057. With a
-/// quarter of the step the cantilever takes 1691 and 1915. With the exact tangent going on with the
-/// velocity diverges there, not with stresses taken from the previous iterate
-/// ([`System::evaluate_from`]). Keeping the acceleration instead is worse than both: the trapezoidal
-/// rule leaves it oscillating.
+/// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2, it matters little at
+/// their large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and
+/// 1057. At a quarter of the step the cantilever takes 1691 and 1915. There `Velocity` diverges
+/// with the exact tangent, but not with stresses of the previous iterate ([`System::evaluate_from`]). A
+/// constant acceleration is worse than both, as it oscillates with the trapezoidal rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Predictor {
-    /// Coordinates go on with their velocities, qₙ + h q̇ₙ.
+    /// Coordinates at constant velocity, qₙ + h q̇ₙ.
     #[default]
     Velocity,
-    /// Coordinates stay: the iteration starts from a configuration that was in balance.
+    /// Constant coordinates: the iteration starts from the last configuration.
     Keep,
 }
 
-/// How often the tangent is factorised in a step.
+/// Frequency of factorisations in a step.
 ///
-/// Measured (benches/runs), once beside every: the right-angle cantilever of \[M04\] 4.2 takes 2349
-/// iterations for 598, 366 factorisations for 507, 71 failed steps for none, and twice the time; with a
-/// quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. Once pays with small steps only.
+/// Measured (benches/runs), `Once` against `Every`: the right-angle cantilever of \[M04\] 4.2 takes
+/// 2349 iterations for 598, 366 factorisations for 507, 71 failed steps for none, and twice the
+/// time; at a quarter of the step 2568 for 1691 and 603 for 1203 in 0.85 of the time. `Once` pays
+/// off at small steps only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tangent {
     /// In every iteration: quadratic convergence.
     #[default]
     Every,
-    /// Once at the beginning of a step: more iterations, each of them cheaper.
+    /// Once at the beginning of a step: more iterations, each cheaper.
     Once,
 }
 
-/// Buffers of the step routine, made once per run.
+/// Buffers of the step routine.
 pub(crate) struct Stepper {
     pub r: Vec<f64>,
     pub S: Vec<f64>,
-    /// Residuals, then corrections, of the stages that are solved together.
+    /// Residuals, then corrections, of the stages of a group.
     pub(super) dq: Vec<f64>,
-    /// The stages; their last is the new state.
+    /// The stages; the last one is the new state.
     pub(super) stages: Vec<StageState>,
     pub(super) groups: Vec<Group>,
-    /// The matrix of stages that are solved together, where a scheme has them.
-    pub(super) together: Option<Together>,
-    /// The state aimed at.
+    /// The matrix of coupled stages, if the scheme has some.
+    pub(super) coupled: Option<CoupledStages>,
+    /// The new state.
     pub next: State,
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    /// What each coordinate measures.
-    kinds: Vec<Kind>,
-    /// 1 / typical size of each coordinate; zero of multipliers, which are judged by the residual
-    /// that they leave.
+    /// Quantity of each coordinate.
+    quantities: Vec<Quantity>,
+    /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
     pub(super) inverse_scale: Vec<f64>,
-    /// Whether residuals of [`Kind::Other`] are gaps of multipliers, all of them.
+    /// Whether all residuals of [`Quantity::Other`] are gaps of multipliers.
     gaps: bool,
-    /// Room for the test of rounding errors.
+    /// Scratch of the test for rounding errors.
     room: [Vec<f64>; 2],
     pub(super) options: NewtonOptions,
 }
@@ -88,13 +87,14 @@ impl Stepper {
         };
         let groups = scheme.groups().map(|range| Group::new(scheme, &range));
         let widest = scheme.groups().map(|g| g.len()).max().unwrap_or(1);
-        let together = (widest > 1).then(|| Together::new(system.pattern(), widest));
+        let coupled = (widest > 1).then(|| CoupledStages::new(system.pattern(), widest));
         let stage = StageState {
             state: next.clone(),
             before: zeros(),
         };
         let count = scheme.stages().len();
-        let mut others = (0..n).filter(|&i| system.kind(i) == Kind::Other).peekable();
+        let is_other = |i: &usize| system.quantity(*i) == Quantity::Other;
+        let mut others = (0..n).filter(is_other).peekable();
         let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
         Ok(Self {
             r: zeros(),
@@ -102,14 +102,14 @@ impl Stepper {
             dq: vec![0.0; widest * n],
             stages: vec![stage; count],
             groups: groups.collect(),
-            together: together
+            coupled: coupled
                 .transpose()
                 .map_err(|source| DynamicsError::Analysis { source })?,
             next,
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
-            kinds: (0..n).map(|i| system.kind(i)).collect(),
+            quantities: (0..n).map(|i| system.quantity(i)).collect(),
             inverse_scale: inverse_scales(system),
             gaps,
             room: [zeros(), zeros()],
@@ -117,7 +117,7 @@ impl Stepper {
         })
     }
 
-    /// From `state` to the time `t`; the result is in `next`, `state` is not touched.
+    /// Makes a step from `state` to the time `t`; the result is in `next`, `state` stays unchanged.
     pub(crate) fn step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -165,8 +165,8 @@ impl Stepper {
             let history = &self.history[earlier..];
             let first = history.is_empty();
             let every = self.options.tangent == Tangent::Every;
-            // A state that will turn out to be in balance needs no tangent, nor one that the last
-            // tangent takes there.
+            // No tangent is needed at a state that is in balance, or that the last tangent brings
+            // there.
             let predictor = ConvergencePredictor::new(history, renewed);
             let wanted = first || (every && !predictor.without_tangent());
             let residual = self.evaluate(system, step, group, first, wanted)?;
@@ -182,14 +182,14 @@ impl Stepper {
                 let q = &self.stages[group.start].state.q;
                 let [sizes, floor] = &mut self.room;
                 let rounding = rounding_of_gaps(system, &self.S, q, [sizes, floor]);
-                least[Kind::Other.index()] = absolute.max(rounding);
+                least[Quantity::Other.index()] = absolute.max(rounding);
             }
             let allowed = allowed(system.scales().measures(), unbalanced, relative, least);
             let ratio = (residual.iter().zip(allowed)).fold(0.0, |m, (r, a)| f64::max(m, r / a));
             let stays = predictor.is_stagnation(residual, allowed, false);
-            // One correction is made even where the prediction is in balance: what is always small
-            // beside the forces that measure it, as a motor beside the bearings of a fast rotor,
-            // would never move anything.
+            // One correction is made even if the prediction is in balance: a force that is always
+            // small beside those that set the tolerance, as of a motor beside the bearings of a
+            // fast rotor, would otherwise have no effect.
             let predicted = first && ratio > 0.0;
             let converged =
                 (ratio <= 1.0 && !predicted) || (stays && self.is_rounding(system, step, group)?);
@@ -210,7 +210,7 @@ impl Stepper {
             let correction = self.correct(step, group);
             self.record(residual, ratio, correction, 1.0);
             let start = self.history[earlier].ratio;
-            // Residuals of rounding errors may grow from one that was zero by chance.
+            // Rounding errors may grow from a residual that was zero by chance.
             let grows = ratio > 1e12 * start && correction > f64::EPSILON;
             if !correction.is_finite() || grows || ratio.is_nan() {
                 return Err(Failure::Diverged);
@@ -223,8 +223,8 @@ impl Stepper {
         self.history.iter().filter(|i| i.damping > 0.0).count()
     }
 
-    /// Residuals of the stages of a group, into `dq`, and their largest entries per kind; with their
-    /// tangents, where these are wanted.
+    /// Writes the residuals of the stages of a group to `dq`; returns their largest entries per
+    /// quantity, with tangents if requested.
     fn evaluate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -244,7 +244,7 @@ impl Stepper {
         let from = first.then_some(origin.t);
         let mut residual = [0.0_f64; 3];
         for k in group.range() {
-            // With several tangents a state is still evaluated once.
+            // A state with several tangents counts as one evaluation.
             self.evaluations += 1;
             if tangent {
                 let row = &scheme.stages()[k];
@@ -257,26 +257,26 @@ impl Stepper {
                         0.0
                     },
                 };
-                // The stage's own tangent is the last: it is what a failure is explained by.
+                // The stage's own tangent comes last, for the report of a failure.
                 for j in group.range().filter(|j| *j != k).chain([k]) {
                     self.stage(system, k, from, Some(weights(j)))?;
-                    if let (true, Some(together)) = (group.len() > 1, &mut self.together) {
+                    if let (true, Some(coupled)) = (group.len() > 1, &mut self.coupled) {
                         let block = [k - group.start, j - group.start];
-                        together.set(system.pattern(), block, &self.S);
+                        coupled.set(system.pattern(), block, &self.S);
                     }
                 }
             } else {
                 self.stage(system, k, from, None)?;
             }
-            for (r, kind) in self.r.iter().zip(&self.kinds) {
-                residual[kind.index()] = residual[kind.index()].max(r.abs());
+            for (r, quantity) in self.r.iter().zip(&self.quantities) {
+                residual[quantity.index()] = residual[quantity.index()].max(r.abs());
             }
             if group.len() == 1 {
                 self.dq[..self.r.len()].copy_from_slice(&self.r);
                 continue;
             }
             for (c, r) in self.r.iter().enumerate() {
-                self.dq[position(&self.together, group, k - group.start, c)] = *r;
+                self.dq[position(&self.coupled, group, k - group.start, c)] = *r;
             }
         }
         Ok(residual)
@@ -302,8 +302,8 @@ impl Stepper {
             S: weights.map(|w| (w, &mut self.S[..])),
             r_t: None,
         };
-        // The tangent may take its stresses from the iterate before: a slender structure's large
-        // corrections leave stresses that are none.
+        // The tangent may use the stresses of the previous iterate: large corrections of a slender
+        // structure produce spurious stresses.
         let from = Point {
             t: from.unwrap_or(state.t),
             q: before,
@@ -322,8 +322,8 @@ impl Stepper {
         }
     }
 
-    /// Residual of a stage and its tangent by coordinates: where stages are solved together tangents are
-    /// by their accelerations, and the weight of a stage's own stiffness in them may be zero.
+    /// Residual of a stage and its tangent by coordinates: coupled stages have tangents by
+    /// accelerations, in which the weight of the stage's own stiffness may be zero.
     fn by_coordinates<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -338,7 +338,7 @@ impl Stepper {
         self.stage(system, k, None, Some(weights))
     }
 
-    /// Whether the residuals of a group are rounding errors only, which no correction can mend.
+    /// Whether the residuals of a group are rounding errors.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -350,7 +350,7 @@ impl Stepper {
                 self.by_coordinates(system, step, k)?;
             }
             for (c, r) in self.r.iter_mut().enumerate() {
-                *r = self.dq[position(&self.together, group, i, c)];
+                *r = self.dq[position(&self.coupled, group, i, c)];
             }
             let q = &self.stages[k].state.q;
             let [sizes, floor] = &mut self.room;
@@ -369,10 +369,10 @@ impl Stepper {
         fresh: bool,
     ) -> Result<(), Failure> {
         self.factorisations += usize::from(fresh);
-        let solved = match &mut self.together {
-            Some(together) if group.len() > 1 => {
-                let ready = if fresh { together.factorise() } else { Ok(()) };
-                ready.and_then(|()| together.solve(&mut self.dq))
+        let solved = match &mut self.coupled {
+            Some(coupled) if group.len() > 1 => {
+                let ready = if fresh { coupled.factorise() } else { Ok(()) };
+                ready.and_then(|()| coupled.solve(&mut self.dq))
             }
             _ => {
                 let b = &mut self.dq[..self.r.len()];
@@ -396,8 +396,8 @@ impl Stepper {
     }
 }
 
-/// The algorithmic acceleration belongs to the time tₙ + (α_m − α_f) h: with another step size it
-/// moves along.
+/// Moves the algorithmic acceleration, which belongs to the time tₙ + (α_m − α_f) h, to another
+/// step size.
 pub(super) fn rebase(progress: &mut Progress, h: f64) {
     let ratio = h / progress.last_step;
     if progress.last_step > 0.0 && (ratio - 1.0).abs() > 1e-9 {

@@ -6,11 +6,11 @@ use pullback_manifold::system::System;
 /// A time at which a step must end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stop {
-    /// Where the step ends, and where the next one begins: the same but for rounding errors in
-    /// times that are meant to be equal.
+    /// End of the step, and beginning of the next one: equal but for rounding errors in times that
+    /// are meant to be equal.
     pub left: f64,
     pub right: f64,
-    /// Whether functions of time have a kink or jump there.
+    /// Whether a function of time has a kink or jump there.
     pub kink: bool,
 }
 
@@ -24,7 +24,7 @@ impl Stop {
     }
 }
 
-/// All of them, for a run.
+/// All stops of a run.
 pub(super) struct Stops {
     /// Kinks until the end, and the end, ascending.
     listed: Vec<Stop>,
@@ -58,7 +58,7 @@ impl Stops {
         }
         let interval = options.interval.unwrap_or(f64::INFINITY);
         let whole = (to / interval).round();
-        // A part of the end has the digits that were meant: 3 / 10 for 3 times 0.1.
+        // A fraction of the end is exact: 3 / 10 for 3 times 0.1.
         let multiple = match (whole * interval - to).abs() <= slack {
             true => (to, whole),
             false => (interval, 1.0),
@@ -71,7 +71,7 @@ impl Stops {
         }
     }
 
-    /// The next one after a time.
+    /// The next stop after a time.
     pub(super) fn next(&self, from: f64, options: &DynamicOptions) -> Stop {
         let k = self.listed.partition_point(|s| s.left <= from + self.slack);
         let stop = self.listed.get(k).copied();
@@ -88,13 +88,13 @@ impl Stops {
         }
     }
 
-    /// The next kink after a time, also behind the end.
+    /// The next kink after a time, also beyond the end.
     pub(super) fn next_kink(&self, t: f64) -> Option<f64> {
         let k = self.kinks.partition_point(|&kink| kink <= t);
         self.kinks.get(k).copied()
     }
 
-    /// Whether there is a kink where a run begins.
+    /// Whether there is a kink at the beginning of a run.
     pub(super) fn is_kink(&self, t: f64) -> bool {
         let near = |kink: &f64| (kink - t).abs() <= self.slack;
         self.kinks.iter().any(near)
@@ -108,14 +108,14 @@ impl Stops {
     }
 }
 
-/// How many equal steps of at most this size there are in a span of time; a tiny remainder is none.
+/// Number of equal steps of at most this size in a span of time; a tiny remainder is ignored.
 pub(super) fn equal_steps(span: f64, step: f64) -> f64 {
     (span / step - 1e-6).ceil().max(1.0)
 }
 
 /// The end of the first of some equal steps between two times.
 ///
-/// Steps from zero on are counted, so that rounding errors of their ends do not add up.
+/// Steps are counted from zero, so that rounding errors of their ends do not accumulate.
 pub(super) fn first_end([from, to]: [f64; 2], count: f64) -> f64 {
     let h = (to - from) / count;
     let before = (from / h).round();

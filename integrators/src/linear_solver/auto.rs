@@ -1,10 +1,10 @@
-//! The solver for users who do not want to choose.
+//! The default solver.
 
 use pullback_manifold::sparse::BlockPattern;
 
 use super::{BlockLu, FaerCholesky, FaerLu, LinearError, LinearSolver, Symmetry};
 
-/// [`BlockLu`] where it suits, faer where it does not or where it fails.
+/// [`BlockLu`] if it suits the matrix, faer if not or if it fails.
 ///
 /// A matrix is called singular only if both agree.
 #[derive(Default)]
@@ -15,9 +15,9 @@ pub struct AutoSolver {
     pattern: Option<BlockPattern>,
     symmetry: Symmetry,
     chosen: Chosen,
-    /// Which of them holds the factors.
+    /// The solver that holds the factors.
     active: Option<Chosen>,
-    /// Factorisations in a row in which the block solver failed and the fallback did not.
+    /// Number of factorisations in a row in which the block solver failed and the fallback did not.
     failures: usize,
     lu_analysed: bool,
     /// Whether the Cholesky solver knows the pattern.
@@ -36,11 +36,11 @@ pub enum Chosen {
     Lu,
 }
 
-/// Failures in a row after which the block solver is not asked any more.
+/// Number of failures in a row after which the block solver is not used any more.
 const FAILURES: usize = 3;
 
 impl AutoSolver {
-    /// A solver that knows no pattern yet.
+    /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
     }
@@ -50,8 +50,8 @@ impl AutoSolver {
         self.active
     }
 
-    /// Whether it is the block solver's turn.
-    fn asks_block(&mut self) -> bool {
+    /// Whether to try the block solver.
+    fn tries_block(&mut self) -> bool {
         self.active = None;
         self.chosen == Chosen::Block && self.failures < FAILURES
     }
@@ -65,7 +65,7 @@ impl AutoSolver {
         Ok(())
     }
 
-    /// What became of a factorisation by blocks, and who has the factors in the end.
+    /// Result of a factorisation by blocks, and the solver that holds the factors.
     fn after_block(
         &mut self,
         result: Result<(), LinearError>,
@@ -90,8 +90,8 @@ impl AutoSolver {
                 self.failures += 1;
                 Ok(Chosen::Lu)
             }
-            // Both agree. The block solver names the last unknown that nothing holds (where a
-            // support is missing, as a rule), if that is part of the mechanism at all.
+            // Both agree. The block solver names the last unknown without resistance (usually at a
+            // missing support), if it is part of the mechanism.
             Err(LinearError::Singular { .. }) if self.lu.mobility(unknown) > 1e-3 => Err(error),
             Err(other) => Err(other),
         }
@@ -99,7 +99,7 @@ impl AutoSolver {
 
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let Some(pattern) = &self.pattern else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         if !self.lu_analysed {
             self.lu.analyse(pattern, self.symmetry)?;
@@ -137,7 +137,7 @@ impl LinearSolver for AutoSolver {
     }
 
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        if !self.asks_block() {
+        if !self.tries_block() {
             return self.factorise_other(values);
         }
         let result = self.block.factorise(values);
@@ -146,7 +146,7 @@ impl LinearSolver for AutoSolver {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match self.active {
-            None => Err(LinearError::NotReady { asked: "solve" }),
+            None => Err(LinearError::NotReady { call: "solve" }),
             Some(Chosen::Cholesky) => self.cholesky.solve(values, b),
             Some(Chosen::Lu) => self.lu.solve(values, b),
             Some(Chosen::Block) => match (self.block.solve(values, b), values) {
@@ -161,7 +161,7 @@ impl LinearSolver for AutoSolver {
     }
 
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
-        if !self.asks_block() {
+        if !self.tries_block() {
             self.factorise_other(values)?;
             return self.solve(Some(values), b);
         }
@@ -177,7 +177,7 @@ impl LinearSolver for AutoSolver {
         }
     }
 
-    /// An LU with row interchanges does not know the signs: an LDLᵀ factorisation is made for them.
+    /// An LU with row interchanges does not provide the signs: they need an LDLᵀ factorisation.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
         match self.active? {
             Chosen::Block => self.block.negative_pivots(values),

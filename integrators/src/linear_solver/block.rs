@@ -1,20 +1,20 @@
 //! Sparse LU of dense blocks.
 //!
 //! Panels are eliminated in minimum degree order ([`super::ordering`]); rows are interchanged only
-//! inside a diagonal block. That is stable for the matrices it is meant for (positive definite
-//! ones, and effective tangents dominated by them), and everything else is noticed: pivots against
-//! the rounding level of the scaled matrix, growth of the pivots, and the residual of every solution:
-//! by a bound on what rounding can have left where that is good enough, else by computing it.
+//! inside a diagonal block. That is stable for its intended matrices (positive definite ones, and
+//! effective tangents dominated by them). All others are detected: by pivots at the rounding level
+//! of the scaled matrix, by growth of the pivots, and by the residual of every solution, from an
+//! error bound if that is small enough, else computed.
 //!
 //! # When is a pivot zero?
 //! The matrix is scaled so that original diagonals are of order one. A pivot below
 //! [`rounding_level`](super::rounding_level), about 16 + 4√nodes machine epsilons, has lost every
-//! digit to cancellation and is reported as [`LinearError::VanishingPivot`]. An ill-conditioned
-//! but supported structure stays clear of that in the order used: eliminated from its free end, a
+//! digit to cancellation and is reported as [`LinearError::VanishingPivot`]. An ill-conditioned but
+//! supported structure stays clear of that in the order used: eliminated from its free end, a
 //! cantilever of any length has pivots of the order of single elements, although its condition
-//! number grows with the fourth power of their number. Eliminated from its support, the last
-//! pivot falls like 3/N³ relative to an element's and stays above the level up to N of about 10⁴;
-//! there the condition number reaches 1/ε and no algorithm can tell the two apart from the values.
+//! number grows with the fourth power of their number. Eliminated from its support, the last pivot
+//! falls like 3/N³ relative to an element's and stays above the level up to N of about 10⁴; there
+//! the condition number reaches 1/ε and no algorithm can tell the two apart.
 
 use pullback_manifold::sparse::BlockPattern;
 
@@ -22,7 +22,7 @@ use super::factors::{Factors, Failure};
 use super::symbolic::Symbolic;
 use super::{LinearError, LinearSolver, RESIDUAL_GOAL, Symmetry, check_length};
 
-/// Block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
+/// Number of block updates beyond which [`BlockLu`] refuses to analyse: several seconds of 6 × 6 ones.
 const MAX_UPDATES: usize = 20_000_000;
 
 /// Sparse LU of dense blocks; see the module's source for method and criteria.
@@ -30,12 +30,12 @@ const MAX_UPDATES: usize = 20_000_000;
 pub struct BlockLu {
     ready: Option<Factors>,
     factorised: bool,
-    /// Replace vanishing pivots by this instead of failing; 0 for an honest factorisation.
+    /// Replacement of vanishing pivots; 0 to fail instead.
     floor: f64,
 }
 
 impl BlockLu {
-    /// A solver that knows no pattern yet.
+    /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
     }
@@ -61,9 +61,9 @@ impl BlockLu {
     /// Whether this solver is likely faster than a general sparse solver on the analysed pattern.
     ///
     /// Estimates in nanoseconds, fitted to chains and grids of six-dof nodes. The general LU costs
-    /// 30 per entry of the matrix for its bookkeeping and then does 8 operations per nanosecond
-    /// (of ours: its order fills in more, but its dense kernels are better); the general Cholesky,
-    /// which is what a symmetric matrix would go to, 15 per entry and 30 operations.
+    /// 30 per entry of the matrix and then does 8 operations per nanosecond (of ours: its order
+    /// fills in more, but its dense kernels are better); the general Cholesky, for symmetric
+    /// matrices, costs 15 per entry and does 30 operations.
     pub fn suits(&self) -> bool {
         let Some(ready) = &self.ready else {
             return false;
@@ -76,11 +76,11 @@ impl BlockLu {
         ready.symbolic.nanoseconds() < general
     }
 
-    /// Factorises, and takes a right-hand side through the lower factor on the way.
+    /// Factorises, and substitutes a right-hand side through the lower factor at the same time.
     fn factorise_with(&mut self, values: &[f64], b: Option<&[f64]>) -> Result<(), LinearError> {
         self.factorised = false;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         check_length("matrix", ready.pattern.len(), values.len())?;
         if let Some(b) = b {
@@ -99,7 +99,7 @@ impl BlockLu {
                 Ok(())
             }
             Err(Failure::Error(error)) => Err(error),
-            // After equilibration no entry exceeds one by much, so a second refusal is overflow.
+            // After equilibration no entry exceeds one by much, so a second failure is overflow.
             Err(Failure::Scale) => Err(LinearError::NonFinite {
                 what: "scaled matrix",
                 unknown: 0,
@@ -128,7 +128,7 @@ impl LinearSolver for BlockLu {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         let Some(ready) = self.ready.as_mut().filter(|_| self.factorised) else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         check_length("right-hand side", ready.pattern.dim(), b.len())?;
         ready.gather(b);
@@ -144,7 +144,7 @@ impl LinearSolver for BlockLu {
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise_with(values, Some(b))?;
         let Some(ready) = &mut self.ready else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         let largest = ready.substitute_back();
         check(ready, self.floor, largest, values, b)?;
@@ -152,18 +152,18 @@ impl LinearSolver for BlockLu {
         Ok(())
     }
 
-    /// At no cost: the signs of the pivots, see the source of `inertia`.
+    /// From the signs of the pivots, at no cost; see the source of `inertia`.
     fn negative_pivots(&mut self, _: &[f64]) -> Option<usize> {
         let ready = self.ready.as_ref().filter(|_| self.factorised)?;
         (ready.symbolic.symmetry == Symmetry::Symmetric).then(|| ready.negative_pivots())
     }
 }
 
-/// Sizes of vectors whose rounding errors are relative ones: far from underflow and overflow.
+/// Range of vector norms far from underflow and overflow, where rounding errors are relative.
 const ORDINARY: std::ops::Range<f64> = 1e-200..1e200;
 
-/// Looks at the residual of a solution with the entry `largest`, and refines it, where it is not
-/// known to be small beforehand.
+/// Computes the residual of a solution with the largest entry `largest` and refines it, unless it
+/// is known to be small.
 fn check(
     ready: &mut Factors,
     floor: f64,

@@ -1,5 +1,5 @@
-//! A block-sparse matrix, scaled, in the form general sparse solvers want, with the checks that
-//! their factorisations and solutions have to pass.
+//! A scaled block-sparse matrix in compressed columns for general sparse solvers, with the checks
+//! of their factorisations and solutions.
 
 use pullback_manifold::sparse::BlockPattern;
 
@@ -8,11 +8,11 @@ use super::{
     scaling,
 };
 
-/// What is added to the diagonal of a scaled matrix whose factors are not finite, only to learn
-/// the direction of its mechanism.
+/// Shift of the diagonal of a scaled matrix whose factors are not finite, to find the direction of
+/// its mechanism.
 pub(super) const SHIFT: f64 = 1e-9;
 
-/// Diagonal entry, of the scaled matrix, that a multiplier gets where only signs are wanted.
+/// Diagonal entry of a multiplier in the scaled matrix when only signs are needed.
 const SOFTNESS: f64 = 1e-8;
 
 /// The scaled matrix column by column, and the work vectors of the checks.
@@ -56,7 +56,7 @@ impl Columns {
         }
     }
 
-    /// Takes over and scales the values.
+    /// Copies and scales the values.
     pub fn load(&mut self, values: &[f64]) -> Result<(), LinearError> {
         check_length("matrix", self.pattern.len(), values.len())?;
         self.finished = false;
@@ -84,8 +84,8 @@ impl Columns {
         self.diagonal(|value| *value += SHIFT);
     }
 
-    /// Makes diagonal entries that are zero a little negative: half of the digits for the equations
-    /// of multipliers, half for what they constrain.
+    /// Makes zero diagonal entries slightly negative: half of the digits for the equations of
+    /// multipliers, half for the constrained coordinates.
     pub fn soften(&mut self) {
         self.diagonal(|value| {
             if *value == 0.0 {
@@ -122,12 +122,12 @@ impl Columns {
         }
     }
 
-    /// Condition number that the answer to the probe, now in `x`, witnesses.
+    /// Condition number indicated by the solution of the probe, now in `x`.
     pub fn witnessed_condition(&self) -> f64 {
         self.norm * max_abs(&self.x)
     }
 
-    /// Where a matrix starts to count as singular.
+    /// Condition number at which a matrix counts as singular.
     pub fn condition_limit(&self) -> f64 {
         1.0 / rounding_level(self.pattern.blocks())
     }
@@ -136,7 +136,7 @@ impl Columns {
     pub fn singular(&self, condition: f64) -> LinearError {
         let mut unknown = 0;
         for (i, x) in self.x.iter().enumerate() {
-            // Written so that NaN counts as largest.
+            // NaN counts as largest.
             if !(x.abs() <= self.x[unknown].abs()) {
                 unknown = i;
                 if x.is_nan() {
@@ -159,7 +159,7 @@ impl Columns {
     ) -> Result<(), LinearError> {
         check_length("right-hand side", self.scales.len(), b.len())?;
         if !self.finished {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         }
         if let Some(unknown) = first_non_finite(b) {
             return Err(LinearError::NonFinite {

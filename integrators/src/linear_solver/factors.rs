@@ -6,10 +6,10 @@ use super::solution::forward;
 use super::symbolic::{Load, Symbolic};
 use super::{LinearError, Symmetry, kernels, rounding_level, scaling};
 
-/// Pivots this much larger than the entries of the scaled matrix are called growth.
+/// Ratio of a pivot to the entries of the scaled matrix that counts as growth.
 const GROWTH_LIMIT: f64 = 1e8;
 
-/// What `analyse` allocates.
+/// Storage made by `analyse`.
 pub(super) struct Factors {
     pub pattern: BlockPattern,
     pub symbolic: Symbolic,
@@ -27,7 +27,7 @@ pub(super) struct Factors {
     pub products: Vec<f64>,
     /// Row sums of |U| of one panel.
     sums: Vec<f64>,
-    /// The right-hand side, then what is solved for.
+    /// The right-hand side, then the solution.
     pub y: Vec<f64>,
     /// Largest entry of the scaled right-hand side.
     pub largest_rhs: f64,
@@ -37,9 +37,9 @@ pub(super) struct Factors {
     pub unscaled: Vec<f64>,
 }
 
-/// Why a factorisation stopped.
+/// Error of a factorisation.
 pub(super) enum Failure {
-    /// The diagonal is no measure of the entries.
+    /// The diagonal is not a scale of the entries.
     Scale,
     Error(LinearError),
 }
@@ -69,7 +69,7 @@ impl Factors {
         }
     }
 
-    /// Scales for a matrix whose diagonal is no measure.
+    /// Equilibrates a matrix whose diagonal is not a scale.
     pub fn equilibrate(&mut self, values: &[f64]) -> Result<(), LinearError> {
         // `x` and `unscaled` are free during a factorisation.
         scaling::equilibrate(&self.pattern, values, &mut self.x, &mut self.unscaled)?;
@@ -80,8 +80,8 @@ impl Factors {
         Ok(())
     }
 
-    /// The factors of the matrix with these values. A right-hand side `b` is scaled into `y` and
-    /// goes through the lower factor on the way, while the factors are at hand.
+    /// Factorises the matrix with these values. A right-hand side `b` is scaled into `y` and
+    /// substituted through the lower factor at the same time, while the factors are in cache.
     pub fn factorise(
         &mut self,
         values: &[f64],
@@ -245,7 +245,7 @@ fn copy_block(
     square <= scaling::MEAN_SQUARE_LIMIT * count as f64
 }
 
-/// Turns the blocks of one link into those of `L` and `Uᵀ`.
+/// Transforms the blocks of one link into those of `L` and `Uᵀ`.
 #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
 #[inline(always)]
 fn finish_link(
@@ -278,7 +278,7 @@ fn finish_link(
     kernels::left_lower(m, n, d, ut);
 }
 
-/// Which pivot of a factorised diagonal block is to blame, and why.
+/// The bad pivot of a factorised diagonal block, and its error.
 #[cold]
 fn name_pivot(unknown: usize, n: usize, d: &[f64], limit: f64) -> LinearError {
     let pivot = |c: usize| (1.0 / d[c * (n + 1)]).abs();

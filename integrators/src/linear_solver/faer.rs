@@ -1,9 +1,9 @@
-//! The general sparse solvers of faer. No other file knows about faer.
+//! The general sparse solvers of faer, used in this file only.
 //!
-//! faer's LU reports success on singular matrices and answers with NaN or with nonsense, so that
-//! every factorisation is probed with one right-hand side of ±1-like entries: the largest
-//! component of the answer bounds the condition number from below, and where it is beyond working
-//! precision the answer is a mechanism, whose largest component is named.
+//! faer's LU reports success on singular matrices and returns NaN or meaningless numbers. So every
+//! factorisation is probed with one right-hand side of ±1-like entries: the largest component of
+//! the solution bounds the condition number from below. If it is beyond working precision, the
+//! solution is a mechanism, whose largest component is named.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -23,7 +23,7 @@ use pullback_manifold::sparse::BlockPattern;
 use super::columns::Columns;
 use super::{LinearError, LinearSolver, Symmetry, max_abs, rounding_level};
 
-/// What `analyse` allocates.
+/// Storage made by `analyse`.
 struct Ready<S> {
     columns: Columns,
     symbolic: S,
@@ -54,7 +54,7 @@ pub struct FaerLu {
 }
 
 impl FaerLu {
-    /// A solver that knows no pattern yet.
+    /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
     }
@@ -75,7 +75,7 @@ impl FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         columns.load(values)?;
         columns.shift_diagonal();
@@ -83,7 +83,7 @@ impl FaerLu {
         Ok(())
     }
 
-    /// Solution without residual check: what an inverse iteration wants.
+    /// Solution without a residual check, for inverse iteration.
     pub(super) fn solve_unchecked(&mut self, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
             Some(Ready {
@@ -101,7 +101,7 @@ impl FaerLu {
                 }
                 Ok(())
             }
-            _ => Err(LinearError::NotReady { asked: "solve" }),
+            _ => Err(LinearError::NotReady { call: "solve" }),
         }
     }
 }
@@ -162,7 +162,7 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         columns.load(values)?;
         let mut condition = f64::INFINITY;
@@ -195,29 +195,28 @@ impl LinearSolver for FaerLu {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "solve" });
+            return Err(LinearError::NotReady { call: "solve" });
         };
         let numeric = &self.numeric;
         columns.solve(b, |x| lu_solve(symbolic, numeric, x, MemStack::new(memory)))
     }
 }
 
-/// Sparse Cholesky (faer) for symmetric matrices; those that turn out not to be positive definite
-/// go to [`FaerLu`].
+/// Sparse Cholesky (faer) for symmetric matrices; indefinite ones go to [`FaerLu`].
 #[derive(Default)]
 pub struct FaerCholesky {
     ready: Option<Ready<SymbolicCholesky<usize>>>,
     factor: Vec<f64>,
     lu: FaerLu,
-    /// Factorisations in a row that were not positive definite.
+    /// Number of factorisations in a row that were not positive definite.
     misses: usize,
 }
 
-/// Indefinite factorisations in a row after which Cholesky is not tried any more.
+/// Number of indefinite factorisations in a row after which Cholesky is not tried any more.
 const MISSES: usize = 3;
 
 impl FaerCholesky {
-    /// A solver that knows no pattern yet.
+    /// A solver without a pattern.
     pub fn new() -> Self {
         Self::default()
     }
@@ -270,7 +269,7 @@ impl LinearSolver for FaerCholesky {
             memory,
         }) = &mut self.ready
         else {
-            return Err(LinearError::NotReady { asked: "factorise" });
+            return Err(LinearError::NotReady { call: "factorise" });
         };
         if self.misses < MISSES {
             columns.load(values)?;
@@ -309,7 +308,7 @@ impl LinearSolver for FaerCholesky {
 
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError> {
         match &mut self.ready {
-            None => Err(LinearError::NotReady { asked: "solve" }),
+            None => Err(LinearError::NotReady { call: "solve" }),
             Some(_) if self.misses > 0 => self.lu.solve(values, b),
             Some(Ready {
                 columns,
@@ -324,8 +323,8 @@ impl LinearSolver for FaerCholesky {
         }
     }
 
-    /// Zero where the last matrix was positive definite; else the signs of an LDLᵀ factorisation
-    /// made for the purpose, unless it meets a pivot too small to have a sign.
+    /// Zero if the last matrix was positive definite; else from the signs of an LDLᵀ factorisation,
+    /// unless a pivot is too small to have a sign.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
         let ready = self.ready.as_mut()?;
         if self.misses == 0 {
@@ -336,11 +335,11 @@ impl LinearSolver for FaerCholesky {
 }
 
 impl FaerCholesky {
-    /// Negative pivots of an LDLᵀ factorisation that is made for them, unless one is too small to
-    /// have a sign; the factors there were are lost.
+    /// Negative pivots of an LDLᵀ factorisation, unless one is too small to have a sign; replaces
+    /// the present factors.
     ///
     /// Unknowns without a diagonal, Lagrange multipliers, get a small negative one: their equations
-    /// become stiff springs, which leaves the signs what they are.
+    /// become stiff springs, which does not change the signs.
     pub(super) fn signs(&mut self, values: &[f64]) -> Option<usize> {
         let Ready {
             columns, symbolic, ..

@@ -1,15 +1,15 @@
-//! How many eigenvalues of a symmetric matrix are negative, from its factors.
+//! Number of negative eigenvalues of a symmetric matrix, from its factors.
 //!
 //! By Sylvester's law of inertia a congruence keeps the signs of the eigenvalues, and symmetric
 //! elimination by blocks is one: A = L diag(D₁, D₂, ...) Lᵀ has as many negative eigenvalues as
 //! the Dₖ together. The pivots of a Dₖ that was factorised without interchanges have the signs
 //! themselves. Interchanged rows are no congruence (their pivots only know the sign of the
-//! determinant): such a block is put together again and eliminated symmetrically.
+//! determinant): such a block is multiplied out and eliminated symmetrically.
 
 use super::factors::Factors;
 
 impl Factors {
-    /// Negative eigenvalues of the matrix that was factorised, which has to be symmetric.
+    /// Number of negative eigenvalues of the factorised matrix, which must be symmetric.
     pub fn negative_pivots(&self) -> usize {
         let mut count = 0;
         let mut block = Vec::new();
@@ -54,7 +54,7 @@ fn upper(n: usize, d: &[f64], row: usize, column: usize) -> f64 {
     if row == column { 1.0 / entry } else { entry }
 }
 
-/// Above this part of the largest entry a diagonal entry is a pivot; below, a pair of rows is.
+/// Ratio to the largest entry above which a diagonal entry is a pivot; below, a pair of rows is.
 const DIAGONAL: f64 = 0.640_388_203_202_208;
 
 /// Negative eigenvalues of a small symmetric matrix, which is destroyed: elimination with complete
@@ -96,7 +96,7 @@ fn negative_eigenvalues(n: usize, a: &mut [f64]) -> usize {
                 }
             }
         } else {
-            // The later one goes first, so that the other keeps its place.
+            // The later one goes first, so that the other keeps its index.
             let (p, q) = (left.swap_remove(pair.0), left.swap_remove(pair.1));
             count += 1;
             let (pp, pq, qq) = (a[p * n + p], a[q * n + p], a[q * n + q]);

@@ -2,7 +2,7 @@
 //!
 //! | solver | for |
 //! |---|---|
-//! | [`AutoSolver`] | everybody: [`BlockLu`] where it suits, faer where it does not |
+//! | [`AutoSolver`] | general use: [`BlockLu`] if it suits, else faer |
 //! | [`BlockLu`] | chains, trees, rings, small frames: blocks of a few unknowns, little fill |
 //! | [`FaerLu`] | matrices that need row interchanges between blocks, or that fill in a lot |
 //! | [`FaerCholesky`] | the same, symmetric positive definite |
@@ -15,11 +15,11 @@
 //! max|b - A x| / (‖A‖ max|x| + max|b|)
 //! ```
 //!
-//! with `‖A‖` a bound on the spectral norm (block rows of Frobenius norms). It says whether the
-//! answer solves a *nearby* system; it says nothing about how far the answer is from the exact
-//! one, which an ill-conditioned structure (a long cantilever) makes far.
+//! with `‖A‖` a bound on the spectral norm (block rows of Frobenius norms). A small residual means
+//! that the solution solves a *nearby* system; the error of the solution is another matter, and
+//! large for an ill-conditioned structure (a long cantilever).
 
-// `!(a <= b)` is how NaN is refused here.
+// `!(a <= b)` also rejects NaN.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 mod auto;
@@ -43,7 +43,7 @@ pub use null_vector::{NullVector, null_vector};
 use pullback_manifold::sparse::BlockPattern;
 use thiserror::Error;
 
-/// What is known about the values beforehand.
+/// Known structure of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Symmetry {
     /// Nothing; only the pattern is symmetric.
@@ -62,45 +62,43 @@ pub trait LinearSolver: Send {
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinearError>;
 
     /// Replaces `b` by the solution of `A x = b`, refined and checked against the `values` of the
-    /// last factorisation: no solver has to keep a copy of them. Without them (a simplified Newton
-    /// step, when the matrix is that of the next iterate already) it may be the factors' answer
-    /// as it is.
+    /// last factorisation, so that no solver keeps a copy. Without them (a simplified Newton step,
+    /// when the matrix is that of the next iterate already) the solution may be unchecked.
     fn solve(&mut self, values: Option<&[f64]>, b: &mut [f64]) -> Result<(), LinearError>;
 
     /// Both at once, refined and checked: a Newton iteration. A solver may use the factors while
-    /// they are at hand; large ones have left the caches when they are complete. A `b` that could
-    /// not be solved for is untouched.
+    /// they are in cache. If there is no solution, `b` is unchanged.
     fn factorise_and_solve(&mut self, values: &[f64], b: &mut [f64]) -> Result<(), LinearError> {
         self.factorise(values)?;
         self.solve(Some(values), b)
     }
 
-    /// How many eigenvalues of the matrix of the last factorisation, analysed as symmetric and with
-    /// these `values`, are negative: in statics the number of directions in which an equilibrium
-    /// is unstable. `None` where that is not known, and by default.
+    /// Number of negative eigenvalues of the last factorised matrix, analysed as symmetric and with
+    /// these `values`: in statics the number of unstable directions of an equilibrium. `None` if
+    /// unknown, and by default.
     fn negative_pivots(&mut self, values: &[f64]) -> Option<usize> {
         let _ = values;
         None
     }
 }
 
-/// Why a linear system could not be solved.
+/// Error of a linear solver.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LinearError {
     /// `factorise` before `analyse`, or `solve` before a successful `factorise`.
-    #[error("the linear solver was asked to {asked} before it could")]
+    #[error("the linear solver is not ready to {call}")]
     NotReady {
-        /// What it was asked for.
-        asked: &'static str,
+        /// The method that was called.
+        call: &'static str,
     },
     /// A vector of the wrong length.
     #[error("{what} has {found} entries where the pattern has {expected}")]
     Length {
         /// Which vector.
         what: &'static str,
-        /// What the pattern wants.
+        /// The length of the pattern.
         expected: usize,
-        /// What was given.
+        /// The length found.
         found: usize,
     },
     /// A value that is infinite or not a number.
@@ -117,7 +115,7 @@ pub enum LinearError {
         /// The unknown.
         unknown: usize,
     },
-    /// A pivot that cancelled down to rounding errors.
+    /// A pivot that has cancelled to rounding errors.
     #[error(
         "pivot of unknown {unknown} is {pivot:.1e} of its original diagonal scale \
          (rounding level {limit:.1e}): a mechanism, or equations that need another order"
@@ -127,10 +125,10 @@ pub enum LinearError {
         unknown: usize,
         /// Its pivot in units of the scaled matrix, where rows have entries of order one.
         pivot: f64,
-        /// What counts as nothing but rounding.
+        /// Largest pivot that counts as rounding.
         limit: f64,
     },
-    /// Numerically singular: a right-hand side of order one makes a solution beyond all bounds.
+    /// Numerically singular: a right-hand side of order one gives a solution beyond all bounds.
     #[error(
         "matrix is singular to working precision (condition at least {condition:.1e}, limit \
          {limit:.1e}); unknown {unknown} moves most"
@@ -140,10 +138,10 @@ pub enum LinearError {
         unknown: usize,
         /// Lower bound of the condition number of the scaled matrix.
         condition: f64,
-        /// The largest one accepted.
+        /// The largest accepted one.
         limit: f64,
     },
-    /// Elements grew during elimination until nothing of the matrix was left.
+    /// Elements grew during elimination until all digits were lost.
     #[error("elements grew by {growth:.1e} up to the pivot of unknown {unknown}")]
     Growth {
         /// The unknown with the largest pivot.
@@ -151,30 +149,30 @@ pub enum LinearError {
         /// Its pivot relative to the largest entry of the scaled matrix.
         growth: f64,
     },
-    /// A residual that iterative refinement did not bring down.
+    /// A residual that iterative refinement did not reduce.
     #[error("relative residual {residual:.1e} of the linear system stays above {limit:.1e}")]
     Residual {
         /// Relative residual, see the module's front page.
         residual: f64,
-        /// The largest one accepted.
+        /// The largest accepted one.
         limit: f64,
     },
-    /// Factors so full that the block solver is the wrong tool.
+    /// Too much fill for the block solver.
     #[error("elimination fills in more than {limit} block updates")]
     Fill {
         /// The limit that was exceeded.
         limit: usize,
     },
-    /// The sparse library gave up for reasons of its own.
+    /// The sparse library failed.
     #[error("sparse factorisation failed: {reason}")]
     Library {
-        /// Its words.
+        /// Its error.
         reason: String,
     },
 }
 
 impl LinearError {
-    /// The same with another number for the unknown concerned.
+    /// The same error with another number of the unknown.
     pub(crate) fn renumbered(mut self, number: impl Fn(usize) -> usize) -> Self {
         match &mut self {
             Self::NonFinite { unknown, .. }
@@ -196,11 +194,11 @@ impl LinearError {
 pub(crate) const RESIDUAL_GOAL: f64 = 1e-12;
 /// A solution is rejected above this relative residual.
 pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
-/// Steps of iterative refinement at most.
+/// Largest number of steps of iterative refinement.
 pub(crate) const REFINEMENTS: usize = 2;
 
-/// Whether a solution with this relative residual is final: good enough, refined as often as may be, or
-/// no longer mended by it, `best` being the residual before. An error where that leaves it too bad.
+/// Whether a solution with this relative residual is final: good enough, or not improved by
+/// refinement from the residual `best`. An error if it is too large then.
 fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearError> {
     if relative > RESIDUAL_GOAL && refinement < REFINEMENTS && relative <= 0.5 * best {
         return Ok(false);
@@ -214,13 +212,13 @@ fn is_final(relative: f64, best: f64, refinement: usize) -> Result<bool, LinearE
     })
 }
 
-/// What counts as rounding in a matrix of `blocks` nodes whose scaled rows are of order one.
+/// Rounding level in a matrix of `blocks` nodes whose scaled rows are of order one.
 ///
-/// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. Along
-/// a floating structure nothing damps these errors (the exact Schur complements carry rigid body
+/// Each eliminated node leaves a rounding error of a few ε of its entries in its neighbour. In a
+/// floating structure nothing damps these errors (the exact Schur complements carry rigid body
 /// motions unchanged), so that they add up like a random walk: the pivot that should vanish is
-/// about ε √blocks. A supported structure has smaller pivots than that only when its condition
-/// number exceeds 1/(ε √blocks), that is, when nobody can tell it from a mechanism.
+/// about ε √blocks. A supported structure has smaller pivots only if its condition number exceeds
+/// 1/(ε √blocks), when it cannot be told from a mechanism.
 pub(crate) fn rounding_level(blocks: usize) -> f64 {
     f64::EPSILON * (16.0 + 4.0 * (blocks as f64).sqrt())
 }

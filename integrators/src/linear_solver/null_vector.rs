@@ -1,4 +1,4 @@
-//! The direction in which a singular structure moves.
+//! The mechanism of a singular structure.
 
 use pullback_manifold::sparse::BlockPattern;
 
@@ -13,19 +13,18 @@ pub struct NullVector {
     pub residual: f64,
 }
 
-/// Vanishing pivots are replaced by this in the scaled matrix. The iteration converges to a vector
-/// that the matrix annihilates up to this size: hence hardly more than rounding.
+/// Replacement of vanishing pivots in the scaled matrix. The iteration converges to a vector that
+/// the matrix annihilates up to this size: hence hardly more than rounding.
 const FLOOR: f64 = 1e-14;
-/// Directions with a larger residual are no mechanisms.
+/// Directions with a larger residual are not mechanisms.
 const LIMIT: f64 = 1e-11;
 const ITERATIONS: usize = 6;
 
 /// Direction of the mechanism of a (nearly) singular matrix; `None` for a regular one.
 ///
-/// Inverse iteration in the scaled matrix, with vanishing pivots replaced by a small number; where
-/// that is no use (a saddle point matrix, whose pivots vanish without being singular), with a
-/// small shift of the diagonal and row interchanges. Of several mechanisms any combination may
-/// come out.
+/// Inverse iteration in the scaled matrix, with vanishing pivots replaced by a small number; if
+/// that fails (a saddle point matrix, whose pivots vanish without being singular), with a small
+/// shift of the diagonal and row interchanges. Of several mechanisms any combination may be found.
 pub fn null_vector(pattern: &BlockPattern, values: &[f64]) -> Option<NullVector> {
     if values.len() != pattern.len() || pattern.dim() == 0 {
         return None;
@@ -82,8 +81,8 @@ impl Check<'_> {
         &self,
         mut inverse: impl FnMut(&mut [f64]) -> Result<(), LinearError>,
     ) -> Option<NullVector> {
-        // Start without symmetry, so that no mode is missed for being orthogonal to it. The
-        // iterate is the vector `y` of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
+        // A start vector without symmetry is orthogonal to no mode. The iterate is the vector `y`
+        // of the scaled matrix: v = S y, A v = S⁻¹ (S A S) y.
         let mut y: Vec<f64> = (0..self.scales.len())
             .map(|i| 1.0 + 0.5 * ((i * 7919 % 1009) as f64 / 1009.0))
             .collect();

@@ -119,10 +119,10 @@ pub(super) fn minimum_degree(
 }
 
 /// In a saddle point matrix [A Gᵀ; G 0] a multiplier has a pivot, −G A⁻¹ Gᵀ, once the nodes in its
-/// equations are eliminated: its rank is one. Nodes that are coupled to nothing else (the angle of a
-/// joint that closes a loop) often have neither mass nor stiffness, and get their pivot from the
-/// multiplier: their rank is two. Where that leaves a multiplier without one, its pivot vanishes and
-/// a solver that interchanges rows is asked.
+/// equations are eliminated: its rank is one. Nodes that are coupled to nothing else (the angle of
+/// a joint that closes a loop) often have neither mass nor stiffness, and get their pivot from the
+/// multiplier: their rank is two. If a multiplier has no pivot left, a solver with row interchanges
+/// is used.
 fn ranks(pattern: &BlockPattern, neighbours: &[Vec<u32>]) -> Vec<u8> {
     let units = |i: u32| &pattern.units()[pattern.unknowns(i as usize)];
     let multiplies = |i: u32| units(i).iter().all(|unit| *unit == 0.0);

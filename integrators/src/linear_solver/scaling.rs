@@ -1,17 +1,16 @@
 //! Symmetric scaling by powers of two.
 //!
-//! Rows of forces and rows of moments, stretching and bending differ by many orders of magnitude,
-//! and a pivot can only be called small against something. `S A S` with `s_i ≈ 1/√|A_ii|` is
-//! dimensionless and, for a positive definite matrix, within a factor of the best conditioned
-//! scaling there is; powers of two make it free of rounding, so that it changes no digit of the
-//! elimination.
+//! Rows of forces and rows of moments, stretching and bending differ by many orders of magnitude, and a
+//! pivot can only be called small against something. `S A S` with `s_i ≈ 1/√|A_ii|` is dimensionless
+//! and, for a positive definite matrix, within a factor of the best conditioned scaling there is;
+//! powers of two make it free of rounding, so that it changes no digit of the elimination.
 
 use pullback_manifold::sparse::BlockPattern;
 
 use super::LinearError;
 
-/// Scaled entries of a block may be this large in the mean square before the diagonal is declared
-/// unfit as a scale (a zero on the diagonal of a saddle point matrix, say).
+/// Largest mean square of the scaled entries of a block at which the diagonal is a valid scale (it
+/// is not with a zero on the diagonal of a saddle point matrix, for example).
 pub(crate) const MEAN_SQUARE_LIMIT: f64 = 64.0;
 
 /// A power of two near `1/√|d|`; infinite for a zero or subnormal `d`.
@@ -25,14 +24,14 @@ pub(crate) fn inverse_root(d: f64) -> f64 {
     f64::from_bits(((1023 - half) as u64) << 52)
 }
 
-/// Sweeps of an equilibration at most.
+/// Largest number of sweeps of an equilibration.
 const SWEEPS: usize = 8;
 
-/// Diagonals below this part of the largest, in typical sizes of the unknowns, are no scale: half of the
-/// digits may be rounding errors of what stiffer parts exert, half are left for the elimination.
+/// Diagonals below this part of the largest, in typical sizes of the unknowns, are not valid scales:
+/// half of the digits may be rounding errors of stiffer parts, half are left for the elimination.
 const FLOOR: f64 = 1.5e-8;
 
-/// Where equilibration begins: rows by their diagonal, those of multipliers by what they couple.
+/// Initial scales: rows by their diagonal, those of multipliers by what they couple.
 ///
 /// A saddle point matrix [A Gᵀ; G 0] is in equilibrium with entries of G that are far larger than A,
 /// too; but then A, which alone resists along the null space of G, is below rounding. From here both
@@ -84,11 +83,11 @@ fn for_each(pattern: &BlockPattern, values: &[f64], mut with: impl FnMut(usize, 
     }
 }
 
-/// Scales by equilibration, for matrices whose diagonal is no measure of their rows.
+/// Scales by equilibration, for matrices whose diagonal is not a valid scale.
 ///
-/// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treats rows and columns alike
-/// and needs no diagonal. They begin with the diagonal where it is one, in the typical sizes of the
-/// unknowns ([`BlockPattern::units`]); each halves what is left of the range of the rows in logarithms.
+/// Sweeps of `s_i ← s_i / √(max_j |s_i A_ij s_j|)` [Ruiz 2001], which treat rows and columns alike
+/// and need no diagonal. They begin with the diagonal if it is valid, in the typical sizes of the
+/// unknowns ([`BlockPattern::units`]); each halves the remaining range of the rows in logarithms.
 ///
 /// # Errors
 /// Values that are not finite, and rows that are zero.
@@ -128,7 +127,7 @@ pub fn equilibrate(
                 }
                 continue;
             }
-            // Closer than this is of no use.
+            // More accuracy is of no use.
             done &= (0.5..=2.0).contains(&factor);
             *s *= factor;
         }
@@ -139,7 +138,7 @@ pub fn equilibrate(
     Ok(())
 }
 
-/// Scales of a matrix: from its diagonal if that is a fair measure, else by equilibration.
+/// Scales of a matrix: from its diagonal if that is valid, else by equilibration.
 ///
 /// # Errors
 /// See [`equilibrate`].
@@ -171,7 +170,7 @@ pub(crate) fn scales(
                     sum += scaled * scaled;
                 }
             }
-            // Written so that NaN fails, too.
+            // NaN fails, too.
             if !(sum <= MEAN_SQUARE_LIMIT * range.len() as f64) {
                 return equilibrate(pattern, values, scales, work);
             }

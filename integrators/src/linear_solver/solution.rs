@@ -1,4 +1,4 @@
-//! Solutions by the block factors: substitution, and the residual that is left.
+//! Solutions by the block factors: substitution, and the residual.
 
 use super::factors::Factors;
 use super::symbolic::{Link, Panel, Symbolic};
@@ -49,7 +49,7 @@ impl Factors {
         self.substitute_back()
     }
 
-    /// The second half: what has been through the lower factor goes through the upper one.
+    /// The second half: backward substitution through the upper factor.
     pub fn substitute_back(&mut self) -> f64 {
         let symbolic = &self.symbolic;
         let y = &mut self.y;
@@ -78,14 +78,14 @@ impl Factors {
     /// max|b - A x| ≤ γ max(|L||U| e) max|x|
     /// ```
     ///
-    /// It costs no second look at the matrix, which has left the caches by then.
+    /// It needs no second pass over the matrix, which has left the caches by then.
     pub fn error_bound(&self) -> f64 {
         let m = (self.symbolic.terms + 2) as f64;
         let largest = self.products.iter().fold(0.0_f64, |a, p| a.max(*p));
         1.5 * f64::EPSILON * m * largest / self.norm
     }
 
-    /// Refines the solution in `y` until its residual is what it should be.
+    /// Refines the solution in `y` until its residual is small enough.
     pub fn refine(&mut self, values: &[f64], b: &[f64]) -> Result<(), LinearError> {
         self.x.copy_from_slice(&self.y);
         self.gather(b);
@@ -110,7 +110,7 @@ impl Factors {
     fn relative_residual(&mut self, values: &[f64], b: &[f64]) -> Result<f64, LinearError> {
         let symbolic = &self.symbolic;
         let (r, x) = (&mut self.y, &mut self.unscaled);
-        // Scales are powers of two: dividing by them and multiplying again leaves no trace.
+        // Scales are powers of two, so dividing and multiplying by them is exact.
         for (i, s) in self.scales.iter().enumerate() {
             r[i] = self.rhs[i] / s;
             x[i] = self.x[i] * s;
@@ -152,7 +152,8 @@ impl Factors {
     }
 }
 
-/// Takes the unknowns of panel `k` through the lower factor, and their share off later ones.
+/// Substitutes the unknowns of panel `k` through the lower factor, and subtracts their share from
+/// later ones.
 #[inline(always)]
 pub(super) fn forward(
     symbolic: &Symbolic,

@@ -1,4 +1,4 @@
-//! Structure of the block factors: where every block stands, found once.
+//! Structure of the block factors, found once.
 
 use pullback_manifold::sparse::BlockPattern;
 
@@ -38,7 +38,7 @@ pub(super) struct Link {
     pub start: usize,
 }
 
-/// A block, or a pair of blocks, to be copied from the matrix when it is needed first.
+/// A block, or a pair of blocks, to be copied from the matrix before its first use.
 pub(super) struct Load {
     /// Panels of the block row and the block column; the row comes later or is the same.
     pub row: usize,
@@ -62,17 +62,17 @@ pub(super) struct Symbolic {
     pub fills: Vec<(usize, usize)>,
     /// Number of values in the factors.
     pub len: usize,
-    /// Most products that are summed up in one entry, in factors and substitutions.
+    /// Largest number of products summed in one entry, in factors and substitutions.
     pub terms: usize,
     /// Floating point operations of a factorisation.
     pub flops: f64,
-    /// Estimated nanoseconds for these, if both halves are worked on.
+    /// Estimated nanoseconds for these, if both halves are used.
     busy: f64,
     pub symmetry: Symmetry,
 }
 
 impl Symbolic {
-    /// Finds order and structure; fails when there are more than `max_updates` block updates.
+    /// Finds order and structure; fails if there are more than `max_updates` block updates.
     pub fn new(
         pattern: &BlockPattern,
         symmetry: Symmetry,

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::dynamics::{DynamicOptions, DynamicsError, NewtonOptions, Scheme, State, Stepper};
-use crate::failure::{Along, FailedStep, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, FailureContext, StepParameter};
 use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -29,9 +29,9 @@ impl System for Oscillator {
     }
 }
 
-/// The amplification matrix at Ω = ω h, by rows, of (q, h q̇/(1 + Ω), h² y/(1 + Ω²)): scaled so
-/// that its entries stay of order one. By one step of size 1 from each unit state, the step routine that
-/// all runs use; limits of the step size are not asked.
+/// The amplification matrix at Ω = ω h, by rows, of (q, h q̇/(1 + Ω), h² y/(1 + Ω²)), scaled so that
+/// its entries stay of order one. Found by one step of size 1 from each unit state, by the step
+/// routine of all runs; limits of the step size are ignored.
 ///
 /// # Errors
 /// [`DynamicsError::Option`] unless Ω is positive and finite, or that of a step that fails.
@@ -80,8 +80,9 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
                 S: &stepper.S,
                 history: &stepper.history,
             };
-            let spent = Spent::default();
-            let step = FailedStep::new(&system, context, Along::Time, [0.0, 1.0], 0, 0, spent);
+            let cost = Cost::default();
+            let time = StepParameter::Time;
+            let step = FailedStep::new(&system, context, time, [0.0, 1.0], 0, 0, cost);
             return Err(DynamicsError::Step(Box::new(step)));
         }
         let State {

@@ -1,13 +1,12 @@
-//! What schemes do to vibrations: spectral radius, algorithmic damping, period elongation and
+//! Accuracy of schemes for vibrations: spectral radius, algorithmic damping, period elongation and
 //! overshoot over Ω = ω h.
 //!
-//! A step of the linear oscillator q̈ + ω² q = 0 maps (q, h q̇, h² y), y the acceleration that the
-//! scheme carries, linearly to the next. The amplification matrix A of this map is found by applying
-//! the step routine that all runs use to three unit states ([`amplification`]); its eigenvalues
-//! λ = e^(−ξ̄ Ω̄ ± i Ω̄) say how the scheme sees the vibration (Hughes, *The Finite Element Method*,
-//! 9.1): Ω̄ = ω̄ h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 the elongation of its
-//! period. [`closed_form`], [`closed_first_step`] and [`expansion`] have the formulas of theory, which know
-//! nothing of the step routine.
+//! A step of the linear oscillator q̈ + ω² q = 0 maps (q, h q̇, h² y), with the algorithmic
+//! acceleration y, linearly to the next. The amplification matrix A of this map is found by three
+//! steps from unit states ([`amplification`]) with the step routine of all runs; its eigenvalues λ
+//! = e^(−ξ̄ Ω̄ ± i Ω̄) give the numerical vibration (Hughes, *The Finite Element Method*, 9.1): Ω̄ = ω̄
+//! h its frequency, ξ̄ its damping ratio, T̄/T − 1 = Ω/Ω̄ − 1 its period elongation. [`closed_form`],
+//! [`closed_first_step`] and [`expansion`] are independent closed forms.
 
 #![allow(non_snake_case)]
 
@@ -20,25 +19,25 @@ pub use polynomial::{characteristic, closed_first_step, closed_form, expansion, 
 use crate::dynamics::{DynamicsError, Scheme};
 use num_complex::Complex;
 
-/// What a scheme does to a vibration at one Ω.
+/// Accuracy of a scheme at one Ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Ω = ω h.
     pub Omega: f64,
-    /// Numbers of its eigenvalues.
+    /// Results of its eigenvalues.
     pub numbers: Numbers,
-    /// Its first step.
+    /// Results of its first step.
     pub first_step: FirstStep,
 }
 
-/// Numbers that follow from the eigenvalues.
+/// Results of the eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbers {
     /// Spectral radius, the largest |λ|.
     pub radius: f64,
-    /// Algorithmic damping ratio ξ̄ = −ln|λ|/Ω̄ of the complex pair; `None` where all are real.
+    /// Algorithmic damping ratio ξ̄ = −ln|λ|/Ω̄ of the complex pair; `None` if all are real.
     pub damping: Option<f64>,
-    /// Period elongation T̄/T − 1 of the complex pair; `None` where all are real.
+    /// Period elongation T̄/T − 1 of the complex pair; `None` if all are real.
     pub elongation: Option<f64>,
 }
 
@@ -56,8 +55,8 @@ impl Numbers {
     }
 }
 
-/// The first step from rest or from the origin, with q̈₀ from the equation of motion. Exact motion
-/// has no number above one in size: what is, is overshoot.
+/// The first step from rest or from the origin, with q̈₀ from the equation of motion. Values above
+/// one in magnitude are overshoot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstStep {
     /// q₁/q₀ and q̇₁/(ω q₀) from q₀ at rest.
@@ -66,7 +65,7 @@ pub struct FirstStep {
     pub from_origin: [f64; 2],
 }
 
-/// A scheme at one Ω, by its step routine.
+/// Accuracy of a scheme at one Ω, by its step routine.
 ///
 /// # Errors
 /// [`DynamicsError`] of a step that fails: Ω is not positive or not finite.
@@ -95,7 +94,7 @@ pub fn eigenvalues(scheme: &Scheme, Omega: f64) -> Result<[Complex<f64>; 3], Dyn
     Ok(roots(characteristic(amplification(scheme, Omega)?)))
 }
 
-/// Values of Ω from `from` to `to`, `count` of them, equal in their logarithm.
+/// `count` values of Ω from `from` to `to`, equally spaced in their logarithm.
 pub fn logarithmic(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = count.max(2) - 1;
     let ratio = (to / from).ln();

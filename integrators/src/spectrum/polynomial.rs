@@ -20,9 +20,9 @@ pub fn characteristic(A: [[f64; 3]; 3]) -> [f64; 3] {
     ]
 }
 
-/// The characteristic polynomial λ³ + p₁ λ² + p₂ λ + p₃ of theory at Ω: for the generalised-α family
-/// from its coefficients (Chung & Hulbert 1993, with all four of them free), for Runge-Kutta methods
-/// λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R. `None` for a scheme that is neither.
+/// Closed form of the characteristic polynomial λ³ + p₁ λ² + p₂ λ + p₃ at Ω: for the generalised-α
+/// family from its coefficients (Chung & Hulbert 1993, with all four of them free), for Runge-Kutta
+/// methods λ (λ − R(iΩ)) (λ − R(−iΩ)) with their stability function R. `None` for other schemes.
 pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     let W = Omega * Omega;
     if let Some(coefficients) = scheme.coefficients() {
@@ -45,9 +45,8 @@ pub fn closed_form(scheme: &Scheme, Omega: f64) -> Option<[f64; 3]> {
     Some([-2.0 * R.re, R.norm_sqr(), 0.0])
 }
 
-/// The first step in theory: for the generalised-α family by its equations of one step with
-/// q̈₀ = −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for a scheme that
-/// is neither.
+/// Closed form of the first step: for the generalised-α family from its equations of one step with q̈₀ =
+/// −ω² q₀, for Runge-Kutta methods by R(iΩ), which multiplies q − i q̇/ω. `None` for other schemes.
 pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
     let W = Omega * Omega;
     if let Some(coefficients) = scheme.coefficients() {
@@ -78,8 +77,7 @@ pub fn closed_first_step(scheme: &Scheme, Omega: f64) -> Option<FirstStep> {
 
 /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω, for schemes of order 2
 /// and above: of the generalised-α family by Chung & Hulbert 1993, with all coefficients free; of
-/// Runge-Kutta methods by ln R(z) = z + κ z³ − σ z⁴ + …, where λ = R(iΩ). `None` for a scheme that is
-/// neither.
+/// Runge-Kutta methods by ln R(z) = z + κ z³ − σ z⁴ + …, where λ = R(iΩ). `None` for other schemes.
 pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
     if scheme.order() < 2 {
         return None;
@@ -97,7 +95,7 @@ pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
         ]);
     }
     let stability = scheme.family()?.stability?;
-    // R = 1 + z + z²/2 + c₃ z³ + c₄ z⁴ + … by Cauchy's integrals over a circle within its poles.
+    // R = 1 + z + z²/2 + c₃ z³ + c₄ z⁴ + … by Cauchy's integrals over a circle inside its poles.
     let (radius, count) = (0.5, 64);
     let taylor = |order: i32| {
         let positions = (0..count).map(|j| TAU * f64::from(j) / f64::from(count));
@@ -108,13 +106,13 @@ pub fn expansion(scheme: &Scheme) -> Option<[f64; 2]> {
         terms.sum::<Complex<f64>>().re / f64::from(count) / radius.powi(order)
     };
     let (c3, c4) = (taylor(3), taylor(4));
-    // What is left of rounding is nothing.
+    // Rounding errors count as zero.
     let clean = |x: f64| if x.abs() < 1e-14 { 0.0 } else { x };
     Some([c3 - 1.0 / 6.0, c3 - c4 - 0.125].map(clean))
 }
 
-/// The roots of λ³ + p₁ λ² + p₂ λ + p₃: a real one, then two real ones or a pair, the one with
-/// positive imaginary part first.
+/// The roots of λ³ + p₁ λ² + p₂ λ + p₃: a real one, then two real ones or a complex pair, positive
+/// imaginary part first.
 pub fn roots([p1, p2, p3]: [f64; 3]) -> [Complex<f64>; 3] {
     let value = |x: f64| ((x + p1) * x + p2) * x + p3;
     // A real root, by bisection down to neighbouring numbers.
@@ -141,7 +139,7 @@ pub fn roots([p1, p2, p3]: [f64; 3]) -> [Complex<f64>; 3] {
     } else {
         high
     };
-    // What is left, λ² − 2 b λ + c.
+    // The remaining factor λ² − 2 b λ + c.
     let b = -0.5 * (p1 + real);
     let c = p2 + real * (p1 + real);
     let square = b * b - c;

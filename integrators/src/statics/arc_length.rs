@@ -1,9 +1,8 @@
 //! Path following: pseudo-arc-length continuation (Riks 1979; Keller 1977) with located events.
 //!
 //! The path (q, λ)(s) is followed with unit tangents in the norm ‖(q, λ)‖² = Σ (qᵢ/scaleᵢ)²/n +
-//! (λ/λ_scale)², so that neither the mesh nor the units decide the step. Each step solves on the
-//! hyperplane normal to the tangent of its start; limit points in λ are passed without notice,
-//! and located afterwards where they are asked for.
+//! (λ/λ_scale)², which is independent of mesh and units. Each step solves on the hyperplane normal
+//! to the tangent at its start; limit points in λ are passed, and located afterwards if requested.
 
 #![allow(non_snake_case)]
 
@@ -20,11 +19,11 @@ use crate::linear_solver::{AutoSolver, LinearSolver};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
-/// Follows the equilibrium path of `system` from `q`, with the default solver. Loads that are there
-/// at the start are balanced first, as step 0.
+/// Follows the equilibrium path of `system` from `q`, with the default solver. Loads at the start
+/// are balanced first, as step 0.
 ///
 /// # Errors
-/// [`StaticsError`]: which step at which load failed, why, and with what residuals.
+/// [`StaticsError`] with the failed step, its load, the cause and the residuals.
 pub fn trace_path<Y: System + ?Sized>(
     system: &mut Y,
     q: &mut Vec<f64>,
@@ -44,7 +43,7 @@ pub(super) struct Position {
     pub d_lambda: f64,
 }
 
-/// The norm in which arc length is measured.
+/// The norm of the arc length.
 pub(super) struct Norm {
     /// Weight of each coordinate, 1/(n scale²).
     weights: Vec<f64>,
@@ -61,8 +60,8 @@ impl Norm {
     }
 
     /// Whether a step was corrected by more than its own length, or its displacements by more than
-    /// theirs: its end may lie on another part of the path, whose tangent tells nothing. Where
-    /// displacements are small beside the size of the structure a step is almost one of the load.
+    /// theirs: its end may lie on another part of the path. If displacements are small beside the
+    /// size of the structure, a step is almost a load step.
     fn strays(&self, from: &Position, to: &Position, ds: f64) -> bool {
         let (mut corrected, mut predicted) = (0.0, 0.0);
         let ends = to.q.iter().zip(&from.q).zip(&from.dq);
@@ -76,7 +75,7 @@ impl Norm {
     }
 }
 
-/// As [`trace_path`], with a linear solver of the caller's choice.
+/// As [`trace_path`], with another linear solver.
 ///
 /// # Errors
 /// As [`trace_path`].
@@ -123,7 +122,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
     let mut ds = options.first_step;
     let mut next = at.clone();
     let mut fresh = false;
-    // Changes of chart that no row has told of.
+    // Changes of chart not reported yet.
     let mut changes = 0;
     while out.summary.steps < options.max_steps {
         newton.history.clear();
@@ -133,7 +132,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
             let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
             changes += changed.charts;
             outcome = tangent(&mut newton, solver, system, &mut at, &norm);
-            // No smaller step has another tangent to begin with.
+            // A smaller step would begin with the same tangent.
             hopeless = outcome.is_err();
         }
         if outcome.is_ok() {
@@ -148,7 +147,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         }
         let bend = norm.dot((&at.dq, at.d_lambda), (&next.dq, next.d_lambda));
         outcome = match outcome {
-            // Whoever comes from the other end has to arrive as well.
+            // The last step must also arrive from its other end.
             Ok(())
                 if bend < SHARPEST_BEND
                     || norm.strays(&at, &next, ds)
@@ -185,7 +184,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         out.summary.steps += 1;
         out.summary.chart_changes += changes;
         let moved = !located.is_empty();
-        // What the row that ends the path has to tell besides its own.
+        // Counts that the last row reports besides its own.
         let mut untold: usize = iterations + located.iter().map(|l| l.iterations).sum::<usize>();
         for found in located {
             let Located {
@@ -225,7 +224,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         std::mem::swap(&mut at, &mut next);
         out.summary.t = at.lambda;
         if moved {
-            // Locating events has moved the system: bring it back.
+            // Locating events has moved the system: restore it.
             newton.evaluate(system, None, &at.q, at.lambda).ok();
         }
         let report = Step {
@@ -242,7 +241,7 @@ pub fn trace_path_with<Y: System + ?Sized>(
         if observer(system, &report).is_break() {
             break;
         }
-        // The tangent just found serves the next step, unless charts change.
+        // The next step uses this tangent, unless charts change.
         let changed = system.change_charts(at.lambda, &mut at.q, &mut at.dq, &mut []);
         changes = changed.charts;
         fresh = changed == ChartChanges::default();
@@ -254,15 +253,15 @@ pub fn trace_path_with<Y: System + ?Sized>(
     Ok(out)
 }
 
-/// Cosine between successive tangents below which a step is rejected: a path that turns by more than
-/// this within one step may have been left for another.
+/// Cosine between successive tangents below which a step is rejected: a path that turns by more
+/// within one step may be another one.
 pub(super) const SHARPEST_BEND: f64 = 0.6;
-/// Corrections of coordinates over their scales that are none of another part of the path.
+/// Corrections of coordinates over their scales that cannot be another part of the path.
 const LEAST: f64 = 1e-12;
 /// Cosine below which the next step is shorter.
 const GENTLE_BEND: f64 = 0.9;
 
-/// Unit tangent at a position, in the sense of the one it has.
+/// Unit tangent at a position, in the direction of its present one.
 pub(super) fn tangent<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
@@ -288,7 +287,7 @@ pub(super) fn tangent<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Predict along the tangent and correct on the hyperplane normal to it.
+/// Predicts along the tangent and corrects on the hyperplane normal to it.
 #[allow(clippy::too_many_arguments, reason = "a private step of one algorithm")]
 pub(super) fn advance<Y: System + ?Sized>(
     newton: &mut Newton,

@@ -1,12 +1,12 @@
-//! Why a static analysis failed.
+//! Errors of static analyses.
 
 use crate::failure::FailedStep;
 use crate::linear_solver::LinearError;
 
-/// Why a static analysis failed.
+/// Error of a static analysis.
 #[derive(Debug, thiserror::Error)]
 pub enum StaticsError {
-    /// An option that makes no sense.
+    /// An invalid option.
     #[error(
         "option {name} = {value:?} is not usable: it must be finite, steps positive, and tolerances at \
          most {}",
@@ -18,10 +18,10 @@ pub enum StaticsError {
         /// Its value.
         value: f64,
     },
-    /// The structure of the equations could not be analysed.
+    /// The linear solver cannot analyse the pattern.
     #[error("the linear solver cannot take this model: {source}")]
     Analysis {
-        /// Its reason.
+        /// The error of the solver.
         source: LinearError,
     },
     /// A step failed down to the smallest step size.

@@ -12,20 +12,20 @@ use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{ChartChanges, System};
 use std::ops::ControlFlow;
 
-/// From which load to which, and in what steps.
+/// Load range and step sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticOptions {
     /// Load parameter at the start.
     pub from: f64,
     /// Load parameter at the end.
     pub to: f64,
-    /// First step; the sign is that of `to − from` whatever is given.
+    /// First step; it takes the sign of `to − from`.
     pub first_step: f64,
-    /// A failed step is halved until it is smaller than this; then the analysis has failed.
+    /// A failed step is halved down to this size; then the analysis fails.
     pub min_step: f64,
     /// Largest step. Equal to `first_step` it gives equal steps (unless one fails).
     pub max_step: f64,
-    /// A step that took at most this many iterations is followed by one twice as large.
+    /// A step of at most this many iterations is followed by one twice as large.
     pub easy: usize,
     /// Newton's method.
     pub newton: NewtonOptions,
@@ -57,7 +57,7 @@ impl StaticOptions {
     }
 }
 
-/// What an analysis did.
+/// Counters and results of an analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Load parameter reached.
@@ -79,10 +79,10 @@ pub struct Summary {
 }
 
 /// Follows the equilibrium of `system` from `q` over the load range, with the default solver. Loads
-/// that are there at the start are balanced first, as step 0.
+/// at the start are balanced first, as step 0.
 ///
 /// # Errors
-/// [`StaticsError`]: which step at which load failed, why, and with what residuals.
+/// [`StaticsError`] with the failed step, its load, the cause and the residuals.
 pub fn solve_statics<Y: System + ?Sized>(
     system: &mut Y,
     q: &mut Vec<f64>,
@@ -92,7 +92,7 @@ pub fn solve_statics<Y: System + ?Sized>(
     solve_statics_with(&mut AutoSolver::new(), system, q, options, observer)
 }
 
-/// The equilibrium of `system` at the end of the load range, from coordinates that are zero.
+/// The equilibrium of `system` at the end of the load range, from zero coordinates.
 ///
 /// # Errors
 /// As [`solve_statics`].
@@ -107,7 +107,7 @@ pub fn equilibrium<Y: System + ?Sized>(
     Ok(q)
 }
 
-/// As [`solve_statics`], with a linear solver of the caller's choice.
+/// As [`solve_statics`], with another linear solver.
 ///
 /// # Errors
 /// As [`solve_statics`].
@@ -136,13 +136,13 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     let mut known = beginning.known;
     loop {
         let rest = options.to - summary.t;
-        // The last step absorbs a remainder that would be a tiny step of its own.
+        // The last step absorbs a tiny remainder.
         let last = rest.abs() <= dt.abs() * (1.0 + 1e-9);
         let t = if last { options.to } else { summary.t + dt };
         start.copy_from_slice(q);
         newton.history.clear();
         let predicted = predict(&mut newton, solver, system, q, [summary.t, t], known);
-        // No smaller step has another tangent to begin with, unless this one was extrapolated.
+        // A smaller step would begin with the same tangent, unless this one was extrapolated.
         let exact = known != Known::Evaluated || summary.steps == 0;
         let hopeless = exact && matches!(predicted, Err(Failure::Linear(_)));
         let outcome = predicted
@@ -161,8 +161,8 @@ pub fn solve_statics_with<Y: System + ?Sized>(
                 summary.chart_changes += chart_changes;
                 let step_size = t - summary.t;
                 summary.t = t;
-                // The next step begins with this factorisation; that of the last iteration was made
-                // at the iterate before. A singular tangent fails the next step, if there is one.
+                // The next step begins with this factorisation, made at the iterate before the
+                // last. A singular tangent fails the next step, if any.
                 known = Known::Evaluated;
                 let mut stability = None;
                 if system.is_symmetric() && newton.factorise(solver).is_ok() {
@@ -213,7 +213,7 @@ pub fn solve_statics_with<Y: System + ?Sized>(
     }
 }
 
-/// What is there of the tangent where a step begins.
+/// State of the tangent at the beginning of a step.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Known {
     Nothing,
@@ -238,8 +238,8 @@ fn predict<Y: System + ?Sized>(
     if known != Known::Factorised {
         newton.factorise(solver)?;
     }
-    // δq = K⁻¹ (r + r_λ Δλ): with r_λ a driven support bends the structure at once, where the
-    // residual alone would first tear at the element next to it.
+    // δq = K⁻¹ (r + r_λ Δλ): with r_λ a prescribed support bends the whole structure, while the
+    // residual alone would first strain the element next to it.
     for ((dq, r), rate) in newton.dq.iter_mut().zip(&newton.r).zip(&newton.r_lambda) {
         *dq = r + rate * (to - from);
     }
@@ -271,8 +271,8 @@ fn correct<Y: System + ?Sized>(
     newton.correct(system, solver, q, &mut lambda, None, previous)
 }
 
-/// Changes charts where that is due and restores equilibrium where an element's own
-/// discretisation depends on them, so that what is reported does not depend on the way there.
+/// Changes charts if needed, and restores equilibrium if the discretisation of an element depends
+/// on them, so that results do not depend on the path.
 pub(super) fn settle<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
@@ -281,7 +281,7 @@ pub(super) fn settle<Y: System + ?Sized>(
     t: f64,
 ) -> Result<usize, Failure> {
     let mut changes = 0;
-    // Where equilibrium moves an element back over its border the second round is the last.
+    // If equilibrium moves an element back over its border, the second round is the last.
     for _ in 0..2 {
         let changed = system.change_charts(t, q, &mut [], &mut []);
         changes += changed.charts;

@@ -1,9 +1,9 @@
 //! Events within a step along a path, located to round-off.
 //!
-//! Each trial is an equilibrium found from the start of the step, at another distance. A trial that
-//! does not converge, or an event function that does not come down to zero, says that the step
-//! was too large to know the path between its ends: then the step is rejected, like one that did not
-//! converge itself. What is reported is at the event, converged, and on the same path.
+//! Each trial is an equilibrium found from the start of the step, at another distance. If a trial
+//! does not converge, or an event function does not reach zero, the step was too large to know the
+//! path between its ends and is rejected, like one that did not converge. Reported states are at
+//! the event, converged, and on the same path.
 
 #![allow(non_snake_case)]
 
@@ -22,14 +22,14 @@ pub(super) struct Located {
     /// Distance from the step's start.
     pub s: f64,
     pub position: Position,
-    /// Linear solutions that finding it took.
+    /// Linear solutions to find it.
     pub iterations: usize,
-    /// How the iteration converged there.
+    /// History of the iterations there.
     pub history: Vec<Iteration>,
     pub unstable: Option<usize>,
 }
 
-/// Value of an event's function at a position: zero where it happens.
+/// Value of the event function at a position: zero at the event.
 fn event_value(event: Event, position: &Position) -> f64 {
     match event {
         Event::TurningPoint => position.d_lambda,
@@ -40,7 +40,7 @@ fn event_value(event: Event, position: &Position) -> f64 {
     }
 }
 
-/// Change of an event's function, relative to its change over the step, that counts as zero.
+/// Change of an event function, relative to its change over the step, that counts as zero.
 ///
 /// At a turning point K is singular and λ has no slope: 1e-7 there leaves λ exact to round-off
 /// and K solvable.
@@ -51,7 +51,7 @@ fn resolution(event: Event) -> f64 {
     }
 }
 
-/// Value of an event's function above which it has not been found, whatever the last bits do.
+/// Largest value of an event function at which the event counts as found.
 ///
 /// λ is off by the square of its slope at a turning point.
 fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f64 {
@@ -77,8 +77,8 @@ pub(super) fn locate<Y: System + ?Sized>(
     let mut found = Vec::new();
     for (index, &(event, _)) in options.events.iter().enumerate() {
         let (fa, fb) = (event_value(event, at), event_value(event, next));
-        // An event that cannot be evaluated (NaN) does not happen; one that happened at the start
-        // was reported with the step before.
+        // An event that cannot be evaluated (NaN) is ignored; one at the start was reported with
+        // the step before.
         if fa * fb < 0.0 || (fb == 0.0 && fa != 0.0) {
             let mut one = find(newton, solver, system, step, norm, event)?;
             let missed =
@@ -87,7 +87,7 @@ pub(super) fn locate<Y: System + ?Sized>(
             if event != Event::TurningPoint {
                 position.dq.copy_from_slice(&at.dq);
                 position.d_lambda = at.d_lambda;
-                // Where the tangent is singular its direction is not known.
+                // If the tangent is singular, its direction is unknown.
                 if tangent(newton, solver, system, position, norm).is_ok() {
                     one.unstable = unstable(newton, solver, system);
                 }
@@ -104,8 +104,8 @@ pub(super) fn locate<Y: System + ?Sized>(
     Ok(found)
 }
 
-/// Regula falsi with the Illinois modification; the best trial, even where the last bit cannot be
-/// resolved.
+/// Regula falsi with the Illinois modification; returns the best trial, even if the last bit cannot
+/// be resolved.
 fn find<Y: System + ?Sized>(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
@@ -127,7 +127,7 @@ fn find<Y: System + ?Sized>(
         history: Vec::new(),
         unstable: None,
     };
-    // The first trial is the end itself where the event happens there.
+    // The first trial is the end itself if the event is there.
     for _ in 0..60 {
         let s = if fb == 0.0 {
             ds
@@ -144,7 +144,7 @@ fn find<Y: System + ?Sized>(
         }
         best.iterations += newton.iterations();
         let history = newton.history.clone();
-        // Where a trial hits the turning point itself the tangent is singular.
+        // At the turning point itself the tangent is singular.
         if event == Event::TurningPoint
             && tangent(newton, solver, system, &mut trial, norm).is_err()
         {

@@ -7,23 +7,21 @@
 //! Both right-hand sides share one factorisation, so a step along a path costs one more solution
 //! than a step at a fixed load and passes limit points, where K alone is singular.
 //!
-//! The first iterations go the full way: a slender beam's first large correction bends it without
-//! its axis following, the axial residual explodes, and the next correction repairs it (no search
-//! that wants descent at once lets this pass; measured on the 45° bend, such a search needs five
-//! steps where full corrections need one). Whoever has not found the basin of quadratic
-//! convergence by then is damped by the natural monotonicity test: a trial is accepted when the
-//! residual or the simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton
-//! Methods for Nonlinear Problems, section 3.3). A trial outside the domain of a chart is damped
-//! at any time.
+//! The first corrections are full: the first large correction of a slender beam bends it without its
+//! axis following, the axial residual explodes, and the next correction repairs it (no line search
+//! allows this; measured on the 45° bend, such a search needs five steps instead of one). After that,
+//! corrections are damped by the natural monotonicity test: a trial is accepted if the residual or the
+//! simplified correction K⁻¹r at the new point is smaller (Deuflhard 2004, Newton Methods for Nonlinear
+//! Problems, section 3.3). A trial outside the domain of a chart is always damped.
 
 #![allow(non_snake_case)]
 
 use super::{Iteration, NewtonOptions, Summary};
 use crate::convergence::ConvergencePredictor;
-use crate::failure::{Along, FailedStep, Failure, FailureContext, Spent};
+use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
 use crate::linear_solver::LinearSolver;
 use crate::rounding::{allowed, inverse_scales, is_rounding, rounding_of_gaps};
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 /// A condition c·(q − q₀) + c_λ (λ − λ₀) = ds that replaces a fixed load.
 pub(super) struct Condition<'a> {
@@ -43,7 +41,7 @@ impl Condition<'_> {
     }
 }
 
-/// Buffers and history of an iteration, made once per analysis.
+/// Buffers and history of an iteration.
 #[derive(Default)]
 pub(super) struct Newton {
     pub r: Vec<f64>,
@@ -55,20 +53,19 @@ pub(super) struct Newton {
     pub q_lambda: Vec<f64>,
     trial: Vec<f64>,
     simplified: Vec<f64>,
-    /// 1 / typical size of each coordinate; zero of multipliers.
+    /// 1 / typical size of each coordinate; zero for multipliers.
     pub inverse_scale: Vec<f64>,
     pub history: Vec<Iteration>,
     pub evaluations: usize,
     pub factorisations: usize,
-    /// First residual per kind of a step that is not zero; that of a prediction is what it was made
-    /// for, the change of the loads.
+    /// First nonzero residual per quantity of a step; for a prediction, the change of the loads.
     unbalanced: [f64; 3],
     /// Whether there are gaps of multipliers, and the largest rounding error in them.
     has_gaps: bool,
     gaps: f64,
-    /// What the convergence test allows per kind.
+    /// Tolerance of the residual per quantity.
     allowed: [f64; 3],
-    /// Corrections of the history that are predictions, made before any residual was known.
+    /// Number of predictions in the history, made before any residual was known.
     predicted: usize,
     options: NewtonOptions,
 }
@@ -98,7 +95,7 @@ impl Newton {
         }
     }
 
-    /// Largest entry of a coordinate-like vector in units of the coordinates' scales.
+    /// Largest entry of a coordinate vector relative to the coordinates' scales.
     pub(super) fn size(&self, v: &[f64]) -> f64 {
         (v.iter().zip(&self.inverse_scale)).fold(0.0, |m: f64, (v, s)| {
             let x = (v * s).abs();
@@ -132,7 +129,7 @@ impl Newton {
         }
     }
 
-    /// The report on a step to `to` that failed.
+    /// Report of a failed step to `to`.
     pub(super) fn fail<Y: System + ?Sized>(
         &self,
         system: &Y,
@@ -146,13 +143,13 @@ impl Newton {
             S: &self.S,
             history: &self.history,
         };
-        let (along, span) = (Along::Load, [summary.t, to]);
+        let (parameter, span) = (StepParameter::Load, [summary.t, to]);
         let (steps, rejected) = (summary.steps, summary.rejected);
-        let spent = Spent {
+        let cost = Cost {
             evaluations: self.evaluations,
             factorisations: self.factorisations,
         };
-        let step = FailedStep::new(system, context, along, span, steps, rejected, spent);
+        let step = FailedStep::new(system, context, parameter, span, steps, rejected, cost);
         Box::new(step)
     }
 
@@ -174,18 +171,18 @@ impl Newton {
         self.history.iter().filter(|i| i.damping > 0.0).count()
     }
 
-    /// Largest entry per kind of a residual-like vector.
+    /// Largest entry per quantity of a residual vector.
     pub(super) fn largest<Y: System + ?Sized>(&self, system: &Y, r: &[f64]) -> [f64; 3] {
         let mut largest = [0.0_f64; 3];
         for (i, r) in r.iter().enumerate() {
-            let k = system.kind(i).index();
+            let k = system.quantity(i).index();
             largest[k] = largest[k].max(r.abs());
         }
         largest
     }
 
-    /// Whether the last correction left rounding errors only, which the next one cannot mend. The
-    /// prediction, by the tangent at another load, tells nothing of how corrections fall.
+    /// Whether the last correction left only rounding errors. A prediction, by the tangent at
+    /// another load, says nothing about convergence.
     fn is_rounding<Y: System + ?Sized>(
         &mut self,
         system: &Y,
@@ -200,7 +197,7 @@ impl Newton {
             }
     }
 
-    /// Residual per kind, and the worst of them over what the convergence test allows.
+    /// Residual per quantity, and the largest of them relative to the tolerance.
     fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
         let measures = system.scales().measures();
@@ -214,7 +211,7 @@ impl Newton {
             relative, absolute, ..
         } = self.options;
         let mut least = [absolute; 3];
-        least[Kind::Other.index()] = absolute.max(self.gaps);
+        least[Quantity::Other.index()] = absolute.max(self.gaps);
         self.allowed = allowed(measures, self.unbalanced, relative, least);
         for (most, allowed) in largest.iter().zip(self.allowed) {
             ratio = ratio.max(most / allowed);
@@ -222,8 +219,9 @@ impl Newton {
         (largest, ratio)
     }
 
-    /// Iterates (q, λ) from where they are; a first linear correction has been made already when
-    /// `history` is not empty, from the state `previous`. On success the tangent and r_λ at the solution are up to date.
+    /// Iterates (q, λ) from their present values; if `history` is not empty, a first linear
+    /// correction was made from the state `previous`. On success the tangent and r_λ at the
+    /// solution are up to date.
     pub(super) fn correct<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
@@ -250,8 +248,9 @@ impl Newton {
             let (residual, ratio) = self.test(system);
             let on_condition =
                 condition.is_none_or(|c| c.defect(q, *lambda).abs() <= 1e-9 * c.ds.abs() + 1e-14);
-            // One correction is made even where the prediction is in balance: a small load beside a
-            // large one, which measures it, would move by the tangent of the step before alone.
+            // One correction is made even if the prediction is in balance: a small load beside a
+            // large one that sets the tolerance would otherwise only see the tangent of the step
+            // before.
             let corrected = self.history.len() > self.predicted || ratio == 0.0;
             let balanced = corrected && (ratio <= 1.0 || self.is_rounding(system, q, residual));
             let stop = on_condition && balanced;
@@ -296,8 +295,8 @@ impl Newton {
         }
     }
 
-    /// Goes along `dq` as far as the natural monotonicity test allows; leaves q, λ and the
-    /// evaluation at the new point.
+    /// Steps along `dq` as far as the natural monotonicity test allows; updates q, λ and the
+    /// evaluation.
     fn damped_step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,

@@ -1,8 +1,8 @@
-//! What is asked of a path, and what it did.
+//! Options and results of path following.
 
 use super::{NewtonOptions, Summary};
 
-/// Something on the path to be located and reported.
+/// An event to locate and report on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// The load has a maximum or minimum.
@@ -29,16 +29,15 @@ pub struct ArcLengthOptions {
     pub max_step: f64,
     /// A failed step is halved until it is smaller than this.
     pub min_step: f64,
-    /// Steps at most.
+    /// Largest number of steps.
     pub max_steps: usize,
-    /// Change of the load parameter that counts as much as a change of the coordinates by their
-    /// scales.
+    /// Change of the load parameter that counts as much as a change of the coordinates by their scales.
     pub load_scale: f64,
-    /// Iterations a step should take; fewer make the next one larger, more make it smaller.
+    /// Desired number of iterations of a step; fewer make the next one larger, more make it smaller.
     pub target_iterations: usize,
-    /// Events to be located and reported, each with its index; `true` ends the path there.
+    /// Events to locate and report, each with whether it ends the path.
     pub events: Vec<(Event, bool)>,
-    /// Sense in which the load changes at the start: true for growing.
+    /// Direction of the load at the start: true for growing.
     pub forward: bool,
     /// Newton's method.
     pub newton: NewtonOptions,
@@ -61,11 +60,11 @@ impl Default for ArcLengthOptions {
     }
 }
 
-/// What a path did.
+/// Results of path following.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathSummary {
-    /// Counts as in load stepping; `finished` says that an ending event was reached.
+    /// Counters as in load stepping; `finished` says that an ending event was reached.
     pub summary: Summary,
-    /// Events in the order in which they were met: index and load parameter.
+    /// Events in order: index and load parameter.
     pub events: Vec<(usize, f64)>,
 }

@@ -1,19 +1,19 @@
-//! In how many directions an equilibrium is unstable.
+//! Number of unstable directions of an equilibrium.
 //!
-//! Of a conservative system the tangent K is the second derivative of the total potential, whose
+//! The tangent K of a conservative system is the second derivative of the total potential, whose
 //! minima are the stable equilibria: each negative eigenvalue is a direction in which the potential
 //! falls. At an equilibrium their number does not depend on the coordinates. A Lagrange multiplier
-//! adds a negative eigenvalue to those of K on the directions that its equation leaves free
-//! (saddle points: Nocedal & Wright 2006, Numerical Optimization, theorem 16.3), so that as many
-//! have to be taken away as there are equations.
+//! adds a negative eigenvalue to those of K on the directions that its equation leaves free (saddle
+//! points: Nocedal & Wright 2006, Numerical Optimization, theorem 16.3), so the number of equations
+//! is subtracted.
 
 use super::newton::Newton;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 
-/// Unstable directions at the state that was evaluated and factorised last.
+/// Number of unstable directions at the state evaluated and factorised last.
 ///
-/// `None` where the tangent is not symmetric, or the solver does not know.
+/// `None` if the tangent is not symmetric, or the solver does not provide it.
 pub(super) fn unstable<Y: System + ?Sized>(
     newton: &Newton,
     solver: &mut dyn LinearSolver,
@@ -29,7 +29,7 @@ pub(super) fn unstable<Y: System + ?Sized>(
         let n = pattern.size(block);
         let start = pattern.find(block, block)?;
         for (k, unknown) in pattern.unknowns(block).enumerate() {
-            // A multiplier whose equation is redundant stands alone with a diagonal of its own.
+            // A multiplier with a redundant equation has a diagonal entry and no others.
             let enforced = newton.S[start + k * (n + 1)] == 0.0;
             equations += usize::from(enforced && system.is_multiplier(unknown));
         }

@@ -1,8 +1,8 @@
-//! The equilibrium from which an analysis sets out.
+//! The initial equilibrium of an analysis.
 //!
-//! Loads that are there at the first load parameter already (dead weight, a constant pressure) have
-//! to be carried before anything grows: that equilibrium is solved for and reported as step 0.
-//! Where nothing acts at the start there is nothing to solve, and nothing is reported.
+//! Loads that act at the first load parameter (dead weight, a constant pressure) are balanced
+//! before they grow, and the equilibrium is reported as step 0. Without such loads nothing is
+//! solved or reported.
 
 use super::error::StaticsError;
 use super::load_steps::{Known, Summary, settle};
@@ -14,13 +14,13 @@ use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
 use std::ops::ControlFlow;
 
-/// What a beginning has left.
+/// Result of the initial equilibrium.
 pub(super) struct Beginning {
     pub known: Known,
     pub flow: ControlFlow<()>,
 }
 
-/// Balances the loads at `summary.t`, from `q`, and reports where there were any.
+/// Balances the loads at `summary.t`, from `q`, and reports the equilibrium if there are any.
 ///
 /// # Errors
 /// [`StaticsError::Step`] with the number 0.

@@ -1,4 +1,4 @@
-//! The first configuration: h(t, x) = 0 from a guess, before there are coordinates q.
+//! The first configuration: h(t, x) = 0 from a guess, before coordinates q exist.
 
 #![allow(non_snake_case)]
 
@@ -57,7 +57,7 @@ where
         if size <= CONVERGED || (size <= ROUNDING && size > 0.5 * before) {
             return check::<H, D, X, M>(constraint, t, x);
         }
-        // Where the rest of the equations contradict each other nothing converges.
+        // If the other equations contradict each other, nothing converges.
         if iteration + 1 == ITERATIONS {
             let i = at.x.iamax();
             return Err(ImplicitError::NotAssembled {
@@ -112,10 +112,10 @@ where
     Ok(x)
 }
 
-/// Distance (relative to sizes) at which gradients are looked at beside a solution.
+/// Distance (relative to sizes) at which gradients are evaluated beside a solution.
 const ASIDE: f64 = 1e-3;
-/// A gradient that is this much smaller at a solution than beside it vanishes there: where an equation
-/// only touches zero, Newton's method ends at about 1e-10 from there.
+/// A gradient smaller than this relative to its value beside the solution vanishes there: if an
+/// equation only touches zero, Newton's method ends about 1e-10 away.
 const VANISHES: f64 = 1e-5;
 
 /// Equations with a gradient J that vanishes at a solution x and does not beside it.

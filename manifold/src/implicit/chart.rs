@@ -1,4 +1,4 @@
-//! The choice of the coordinates q, and the matrix A⁻¹ that everything follows from.
+//! The choice of the coordinates q, and the matrix A⁻¹.
 
 #![allow(non_snake_case)]
 
@@ -10,18 +10,18 @@ use nalgebra::{SMatrix, SVector};
 /// condition number beyond its inverse is singular.
 pub(super) const RANK: f64 = 1e-8;
 
-/// Which coordinates q are, and which equations are used.
+/// Selection of the coordinates q and of the independent equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chart<const D: usize, const X: usize, const M: usize> {
     /// q = Lᵀ (x − x_ref).
     pub L: SMatrix<f64, X, D>,
-    /// The coordinates themselves where L picks them.
+    /// The selected coordinates if L picks some.
     pub independent: Option<[usize; D]>,
-    /// Equations that are used; the others follow from them.
+    /// Equations in use; the others follow from them.
     pub used: [bool; M],
 }
 
-/// A⁻¹ = [B | P], columns of P for equations that are not used being zero.
+/// A⁻¹ = [B | P], with zero columns of P for equations that are not in use.
 pub(super) struct Inverse<const D: usize, const X: usize, const M: usize> {
     pub B: SMatrix<f64, X, D>,
     pub P: SMatrix<f64, X, M>,
@@ -29,7 +29,7 @@ pub(super) struct Inverse<const D: usize, const X: usize, const M: usize> {
     pub condition: f64,
 }
 
-/// The chart of chosen coordinates; `None` where one is named twice or does not exist.
+/// The chart of selected coordinates; `None` if one is named twice or does not exist.
 pub(super) fn split<const D: usize, const X: usize, const M: usize>(
     independent: [usize; D],
     used: [bool; M],
@@ -61,9 +61,9 @@ where
     squares.sum::<f64>().sqrt()
 }
 
-/// What counts as one for each equation: the length of its row, or what it was before if that is
-/// more. A row that shrinks is a sign of a singular configuration, which no scaling may hide; one
-/// that vanishes among the others has no size of its own.
+/// Size of each equation: the length of its row, or its earlier maximum. A shrinking row indicates
+/// a singular configuration, which scaling must not hide; a row that vanishes beside the others has
+/// no size of its own.
 pub(super) fn sizes<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,

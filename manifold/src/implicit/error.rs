@@ -1,4 +1,4 @@
-//! Why equations do not make a map, with the names of equations and coordinates.
+//! Errors of implicit constraints, with the names of equations and coordinates.
 
 /// Why a constraint cannot be solved at its starting point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -9,28 +9,28 @@ pub enum ImplicitError {
         /// The first such equation.
         equation: String,
     },
-    /// Newton's method finds no configuration near the given one.
+    /// Newton's method found no configuration near the guess.
     #[error(
         "no configuration near the given one satisfies the equations: {equation} is {residual:.3e} \
          after {iterations} iterations; start closer, or the parts do not fit together"
     )]
     NotAssembled {
-        /// The equation that is worst.
+        /// The equation with the largest residual.
         equation: String,
         /// Its residual.
         residual: f64,
         /// Iterations made.
         iterations: usize,
     },
-    /// The same where something is driven.
+    /// Newton's method found no configuration, and some parameters are prescribed.
     #[error(
         "no configuration near the given one satisfies the equations where {driven} are driven to: \
          {equation} is {residual:.3e}; drive no more than is free, and from where the parts are drawn"
     )]
     Overdriven {
-        /// Names of the parameters.
+        /// Names of the prescribed parameters.
         driven: String,
-        /// The equation that is worst.
+        /// The equation with the largest residual.
         equation: String,
         /// Its residual.
         residual: f64,
@@ -45,7 +45,7 @@ pub enum ImplicitError {
         /// Its residual where the others vanish.
         residual: f64,
     },
-    /// An equation is not zero, and no coordinate changes it.
+    /// An equation is violated, and no coordinate changes it.
     #[error(
         "{equation} is {residual:.3e} and does not change with any coordinate at the point that was \
          given or reached: start from elsewhere"
@@ -56,7 +56,7 @@ pub enum ImplicitError {
         /// Its residual.
         residual: f64,
     },
-    /// No coordinate changes an equation where it is zero, but beside it some do.
+    /// No coordinate changes an equation at the solution, but some do beside it.
     #[error(
         "{equation} does not change with any coordinate where it is zero, though it does beside: it \
          touches zero there, as a square does; write it so that it goes through zero, or start from \
@@ -66,13 +66,13 @@ pub enum ImplicitError {
         /// The equation.
         equation: String,
     },
-    /// More independent equations than the number of coordinates q allows.
+    /// There are more independent equations than the number of coordinates q allows.
     #[error(
         "the equations have rank {rank} and leave {left} of {coordinates} coordinates free, not \
          {expected}: {equation} does not follow from the others; if it should, lengths do not fit"
     )]
     TooManyEquations {
-        /// The one that adds least to the others.
+        /// The equation that is closest to dependent.
         equation: String,
         /// Rank of h_x.
         rank: usize,
@@ -102,16 +102,16 @@ pub enum ImplicitError {
     },
 }
 
-/// Why a solved constraint cannot be evaluated at some q.
+/// Error of the evaluation of a solved constraint at some q.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Trouble {
-    /// Newton's method does not contract from the last converged state: q is too far from it.
+pub enum DomainError {
+    /// Newton's method does not contract: q is too far from the last converged state.
     #[error(
         "its equations find no solution near the last one; {equation} is {residual:.3e}: take smaller \
          steps"
     )]
     TooFar {
-        /// The equation that is worst.
+        /// The equation with the largest residual.
         equation: String,
         /// Its residual.
         residual: f64,
@@ -129,13 +129,13 @@ pub enum Trouble {
         /// Names of the coordinates concerned.
         coordinates: String,
     },
-    /// There is a singular configuration on the way from the last converged state.
+    /// There is a singular configuration between here and the last converged state.
     #[error(
-        "its equations, or its coordinates with them, become singular on the way there: take smaller \
+        "its equations, or its coordinates with them, become singular before it gets there: take smaller \
          steps"
     )]
     Crossed,
-    /// What drives the equations asks for what they do not allow.
+    /// A prescribed motion demands what the equations do not allow.
     #[error(
         "{driven} cannot get there: what is driven has come to the end of what the linkage reaches"
     )]
@@ -143,7 +143,7 @@ pub enum Trouble {
         /// Names of the parameters.
         driven: String,
     },
-    /// What drives the equations contradicts itself.
+    /// Prescribed motions contradict each other.
     #[error(
         "what drives {driven} contradicts itself: {equation} is {residual:.3e}; as the parts are \
          linked fewer of them are free: drive no more than is free"

@@ -4,19 +4,19 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Columns of a matrix in the order in which they add most to the span of those before: a QR
-/// factorisation with column pivoting.
+/// QR factorisation with column pivoting: columns in the order in which they add most to the span
+/// of the earlier ones.
 pub(super) struct Pivoted<const R: usize, const C: usize> {
     /// Columns, the largest first; only the first min(R, C) entries are pivots.
     pub order: [usize; C],
-    /// What of each column, in this order, is not in the span of those before: |r_kk|.
+    /// Part of each column, in this order, outside the span of the earlier ones: |r_kk|.
     pub left: [f64; C],
     /// Orthonormal basis of the span, column by column in the same order; zero beyond the rank.
     pub basis: SMatrix<f64, R, C>,
 }
 
 impl<const R: usize, const C: usize> Pivoted<R, C> {
-    /// How many columns are independent: what they add exceeds `tolerance` of the first.
+    /// Number of independent columns: those whose part exceeds `tolerance` of the first.
     pub(super) fn rank(&self, tolerance: f64) -> usize {
         let enough = |left: &&f64| **left > tolerance * self.left[0];
         self.left.iter().take_while(enough).count()
@@ -33,7 +33,7 @@ pub(super) fn pivoted<const R: usize, const C: usize>(A: &SMatrix<f64, R, C>) ->
     };
     for k in 0..C.min(R) {
         let norm = |c: usize| rest.column(c).norm_squared();
-        // The first of equal ones, so that the choice does not depend on rounding of ties only.
+        // The first of equal ones, so that rounding does not decide ties.
         let mut best = k;
         for j in k + 1..C {
             if norm(out.order[j]) > norm(out.order[best]) * (1.0 + 1e-12) {

@@ -1,10 +1,10 @@
-//! The map of an implicit constraint: φ over any numbers, and its derivatives in closed form.
+//! The map of an implicit constraint: φ over any number type, and its derivatives in closed form.
 
 #![allow(non_snake_case)]
 
 use super::{Equations, Implicit, Solved};
 use crate::jet::Taylor;
-use crate::map::{Kinematics, Map, Rewritten, Tangent, derived};
+use crate::map::{Kinematics, Map, Reparametrized, Tangent, derived};
 use crate::scalar::Scalar;
 use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
@@ -13,10 +13,10 @@ impl<H, const D: usize, const X: usize, const M: usize> Map<D, X> for Solved<H, 
 where
     H: Implicit<X, M>,
 {
-    /// The value by Newton's method. Over jets each further correction −P h, P of plain numbers, is
-    /// right to one order more; as many as the order of the jet make all derivatives exact.
+    /// The value by Newton's method. Over jets each further correction −P h, with a plain P, is
+    /// exact to one order more; as many as the order of the jet make all derivatives exact.
     ///
-    /// Not a number where the equations cannot be solved, and the margin is negative there.
+    /// Not a number if the equations cannot be solved; the margin is negative there.
     fn phi<S: Scalar>(&self, t: S, q: &SVector<S, D>) -> SVector<S, X> {
         let value = q.map(|q| q.re());
         let Ok(at) = self.solve(t.re(), &value) else {
@@ -40,8 +40,8 @@ where
         x
     }
 
-    /// Inverse condition number of A, less that at which it counts as singular; −1 where the
-    /// equations cannot be solved near the last converged state.
+    /// Inverse condition number of A, less the limit of singularity; −1 if the equations cannot be
+    /// solved near the last converged state.
     fn margin(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         match self.solve(t, q) {
             Ok(at) => 1.0 / at.inverse.condition - super::chart::RANK,
@@ -49,37 +49,37 @@ where
         }
     }
 
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        self.solve(t, q).err().map(|trouble| trouble.to_string())
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        self.solve(t, q).err().map(|error| error.to_string())
     }
 
-    /// Not a number where the equations cannot be solved.
+    /// Not a number if the equations cannot be solved.
     fn violation(&self, t: f64, q: &SVector<f64, D>) -> Option<f64> {
         let h = self.constraint.h(t, &Map::<D, X>::phi(self, t, q));
         let relative = h.iter().zip(&self.sizes).map(|(h, size)| (h / size).abs());
         Some(relative.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a }))
     }
 
-    /// The charts of x are what they are; the state is where Newton's method starts from next.
+    /// The charts of x are fixed; Newton's method starts from this state next.
     fn change_charts(&mut self, t: f64, q: &SVector<f64, D>) -> ChartChanges {
         self.remember(t, q);
         ChartChanges::default()
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         self.choice() != super::Choice::Fixed
     }
 
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         self.settle(t, q, v)
     }
 
-    fn note(&self) -> Option<String> {
+    fn describe(&self) -> Option<String> {
         let chart = match self.independent() {
             Some(independent) => {
                 let names = independent.map(|k| self.constraint.coordinate(k));
@@ -128,7 +128,7 @@ where
             };
         };
         let (x, B, P) = (at.x, at.inverse.B, at.inverse.P);
-        // h along t + τ and the motion x + ẋτ, of which two things are not known yet.
+        // h along t + τ and the motion x + ẋτ, with two unknown terms.
         let along = |x_dot: &SVector<f64, X>| {
             let time = Taylor {
                 v: t,

@@ -1,7 +1,7 @@
-//! Implicit constraints h(t, x) = 0, and the maps that the implicit function theorem makes of them.
+//! Implicit constraints h(t, x) = 0, and the maps that the implicit function theorem gives.
 //!
-//! Where a loop of rigid parts closes nobody can write x = φ(t, q); h(t, x) = 0 is easily written.
-//! Near a point at which h_x has full rank the D = X − rank coordinates
+//! A loop of rigid parts has no explicit map x = φ(t, q), but its equations h(t, x) = 0 are easily
+//! written. Near a point at which h_x has full rank the D = X − rank coordinates
 //!
 //! ```text
 //! q = Lᵀ (x − x_ref)
@@ -18,12 +18,12 @@
 //! K_σ(f) = −Bᵀ (Σ λ_i D²h_i) B,       λ = Pᵀ f
 //! ```
 //!
-//! −λ are the Lagrange multipliers of the constraint under the force f: the same forces that other
-//! formulations solve for.
+//! −λ are the Lagrange multipliers of the constraint under the force f, the same as in other
+//! formulations.
 //!
-//! A is watched by its condition number at converged states. Where another choice of L is better by
-//! more than [`GAIN`], the coordinates are rewritten ([`crate::map::Rewritten`]): x, ẋ and ẍ are kept and
-//! seen in the new chart, which is linear in them.
+//! The condition number of A is monitored at converged states. If another choice of L is better by
+//! more than [`GAIN`], the coordinates are reparametrized ([`crate::map::Reparametrized`]): x, ẋ
+//! and ẍ are kept, and the new coordinates are linear in them.
 
 #![allow(non_snake_case)]
 
@@ -37,26 +37,26 @@ mod names;
 mod solve;
 
 pub use closed::Closed;
-pub use error::{ImplicitError, Trouble};
+pub use error::{DomainError, ImplicitError};
 pub use solve::Solved;
 
 use crate::map::Map;
 use crate::scalar::Scalar;
 use nalgebra::SVector;
 
-/// Gain in the condition number of A that makes a chart change: hysteresis. [`Closed`] keeps charts that
-/// are good in themselves besides.
+/// Gain in the condition number of A that triggers a change of chart (hysteresis). [`Closed`] also
+/// keeps charts that are good enough.
 pub const GAIN: f64 = 2.0;
 
 /// An implicit holonomic constraint: M equations h(t, x) = 0 for X coordinates.
 ///
-/// Only [`Implicit::h`] has to be written; [`Solved`] is the map.
+/// Only [`Implicit::h`] is required; [`Solved`] is the map.
 pub trait Implicit<const X: usize, const M: usize>: Send + Sync {
     /// The left-hand sides of the equations h(t, x) = 0, in any units.
     fn h<S: Scalar>(&self, t: S, x: &SVector<S, X>) -> SVector<S, M>;
 
-    /// Typical size of coordinate `k`, in its unit: 1 for an angle, a length of the mechanism for
-    /// a length. Ranks and condition numbers are those of coordinates divided by their sizes.
+    /// Typical size of coordinate `k`, in its unit: 1 for an angle, a length of the mechanism for a
+    /// length. Ranks and condition numbers refer to coordinates divided by their sizes.
     fn size(&self, k: usize) -> f64 {
         let _ = k;
         1.0
@@ -91,22 +91,22 @@ impl<H: Implicit<X, M>, const X: usize, const M: usize> Implicit<X, M> for &H {
     }
 }
 
-/// How the coordinates q of a [`Solved`] constraint are chosen.
+/// Selection of the coordinates q of a [`Solved`] constraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// D of the coordinates x, those that leave the best conditioned equations for the others;
-    /// changed at a converged state where others are better by more than [`GAIN`].
+    /// D of the coordinates x, those with the best conditioned equations for the others; changed at
+    /// a converged state if others are better by more than [`GAIN`].
     #[default]
     Split,
-    /// As `Split`, but chosen once: for coordinates that are driven, or carry a spring.
+    /// As `Split`, but selected once: for coordinates that are prescribed or have a spring.
     Fixed,
-    /// Coordinates in the null space of h_x at one point, changed in the same way: for
+    /// Coordinates in the null space of h_x at one point, changed by the same rule: for
     /// configurations at which no split is good.
     Tangent,
 }
 
-/// The left-hand sides of an implicit constraint as the map x ↦ h(t, x), with the derivatives that
-/// every map has: for whoever enforces them otherwise.
+/// The left-hand sides of an implicit constraint as a map x ↦ h(t, x), with all derivatives, for
+/// other methods of enforcing them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equations<H>(pub H);
 

@@ -1,4 +1,4 @@
-//! Which equations depend on which, and which coordinates they leave undetermined, in words.
+//! Messages: which equations depend on which, and which coordinates they leave undetermined.
 
 #![allow(non_snake_case)]
 
@@ -7,7 +7,7 @@ use super::chart::{RANK, scaled};
 use super::factor::pivoted;
 use nalgebra::SMatrix;
 
-/// Coefficients and components below this are not worth naming.
+/// Coefficients and components below this are not named.
 const SMALL: f64 = 1e-4;
 
 /// Names joined as in a sentence.
@@ -19,7 +19,7 @@ pub(super) fn list(names: &[String]) -> String {
     }
 }
 
-/// Equations whose gradients are needed to write that of equation `i`: those that it depends on.
+/// Names of the equations on which equation `i` depends.
 pub(super) fn others<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
@@ -56,8 +56,8 @@ where
     }
 }
 
-/// The equations beyond the rank (the weakest if all `expected` are there), each with those that it
-/// depends on, and the coordinates that can move although the equations hold.
+/// Equations beyond the rank (the weakest if all `expected` are independent), each with those on
+/// which it depends, and the coordinates that can move while the equations hold.
 pub(super) fn dependences<H, const X: usize, const M: usize>(
     constraint: &H,
     J: &SMatrix<f64, M, X>,
@@ -79,8 +79,8 @@ where
             format!("{} depends on {others}", constraint.equation(i))
         })
         .collect();
-    // Directions across the gradients, of which there are more than expected: those that are new
-    // cannot be told from the others.
+    // There are more directions across the gradients than expected; the new ones cannot be told
+    // from the others.
     let mut projector = SMatrix::<f64, X, X>::identity();
     for k in 0..rank.min(expected) {
         let n = equations.basis.column(k).into_owned();

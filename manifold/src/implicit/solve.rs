@@ -2,18 +2,18 @@
 
 use super::assemble::{assemble, touching};
 use super::chart::{Chart, Inverse, RANK, best, invert, singular, sizes, split};
-use super::{Choice, Equations, GAIN, Implicit, ImplicitError, Trouble, names};
-use crate::map::{Map, Rewritten, derived};
+use super::{Choice, DomainError, Equations, GAIN, Implicit, ImplicitError, names};
+use crate::map::{Map, Reparametrized, derived};
 use nalgebra::{SMatrix, SVector};
 
-/// Residual of a redundant equation, as a relative change of coordinates, that counts as zero.
+/// Largest residual of a redundant equation, as a relative change of coordinates, that counts as zero.
 pub(super) const CONSISTENT: f64 = 1e-9;
-/// Corrections relative to the sizes of the coordinates that end Newton's method: the next one
-/// would be their square.
+/// Correction relative to the sizes of the coordinates that ends Newton's method; the next one
+/// would be its square.
 pub(super) const CONVERGED: f64 = 1e-13;
-/// Corrections that may be rounding errors where the condition number is large.
+/// Correction that may be rounding if the condition number is large.
 pub(super) const ROUNDING: f64 = 1e-10;
-/// Iterations from the last converged state at most.
+/// Largest number of iterations from the last converged state.
 const ITERATIONS: usize = 30;
 
 /// A solution of h(t, x) = 0 at given q.
@@ -24,13 +24,13 @@ pub(super) struct Solution<const D: usize, const X: usize, const M: usize> {
 
 /// An implicit constraint solved for X coordinates x = φ(t, q) in D = X − rank(h_x) of its own.
 ///
-/// q = 0 is the configuration at which it was made. D + M exceeds X by the number of redundant
-/// equations, which are found, dropped and named ([`Solved::redundant`]).
+/// q = 0 is the initial configuration. D + M exceeds X by the number of redundant equations, which
+/// are found, dropped and named ([`Solved::redundant`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solved<H, const D: usize, const X: usize, const M: usize> {
     pub(super) constraint: H,
     choice: Choice,
-    /// Where q = 0.
+    /// Configuration at q = 0.
     reference: SVector<f64, X>,
     /// The last converged x and B there: Newton's method starts from it.
     anchor: SVector<f64, X>,
@@ -53,7 +53,7 @@ where
         Self::with(constraint, t, guess, Choice::default())
     }
 
-    /// As [`Solved::new`], with the coordinates q chosen in another way.
+    /// As [`Solved::new`], with another choice of the coordinates q.
     ///
     /// # Errors
     /// As [`Solved::new`].
@@ -73,7 +73,7 @@ where
         let J = derived::tangent(&Equations(&constraint), t, &x).B;
         let sizes = sizes(&constraint, &J, &[0.0; M]);
         let found = best(&constraint, &J, &sizes, choice);
-        // Beside equations that do their part one that does not is redundant, or the position singular.
+        // An equation with a vanishing gradient is redundant, or the configuration is singular.
         let flat = touching(&constraint, t, &x, &J);
         let used = match &found {
             Some((chart, _)) => chart.used,
@@ -96,9 +96,9 @@ where
         })
     }
 
-    /// With these coordinates as q, kept until a better choice is due ([`Choice::Split`]) or for
-    /// good ([`Choice::Fixed`]); `None` where they do not determine the others. q = 0 stays where
-    /// it is: to be asked for before anything moves.
+    /// The same constraint with these coordinates as q, until a better choice is found
+    /// ([`Choice::Split`]) or for good ([`Choice::Fixed`]); `None` if they do not determine the
+    /// others. q = 0 stays the same configuration: to be called before anything moves.
     #[must_use]
     pub fn with_independent(mut self, t: f64, independent: [usize; D]) -> Option<Self> {
         let zero = SVector::zeros();
@@ -121,7 +121,7 @@ where
         self.chart.L.tr_mul(x_dot)
     }
 
-    /// The coordinates that q are; `None` in the tangent space.
+    /// The coordinates selected as q; `None` in the tangent space.
     pub fn independent(&self) -> Option<[usize; D]> {
         self.chart.independent
     }
@@ -131,25 +131,29 @@ where
         &self.constraint
     }
 
-    /// How q is chosen.
+    /// The choice of q.
     pub fn choice(&self) -> Choice {
         self.choice
     }
 
-    /// Names of the equations that are not used because they follow from the others.
+    /// Names of the redundant equations.
     pub fn redundant(&self) -> Vec<String> {
         let unused = (0..M).filter(|&i| !self.chart.used[i]);
         unused.map(|i| self.constraint.equation(i)).collect()
     }
 
-    /// Condition number of A at q; infinite where the equations cannot be solved.
+    /// Condition number of A at q; infinite if the equations cannot be solved.
     pub fn condition(&self, t: f64, q: &SVector<f64, D>) -> f64 {
         self.solve(t, q)
             .map_or(f64::INFINITY, |s| s.inverse.condition)
     }
 
     /// x at q, and A⁻¹ there.
-    pub(super) fn solve(&self, t: f64, q: &SVector<f64, D>) -> Result<Solution<D, X, M>, Trouble> {
+    pub(super) fn solve(
+        &self,
+        t: f64,
+        q: &SVector<f64, D>,
+    ) -> Result<Solution<D, X, M>, DomainError> {
         let residual = Equations(&self.constraint);
         let mut x = self.anchor + self.anchor_B * (q - self.coordinates(&self.anchor));
         let mut before = f64::INFINITY;
@@ -162,8 +166,8 @@ where
             let dx = inverse.B * (q - self.coordinates(&x)) - inverse.P * at.x;
             x += dx;
             let size = self.largest(&dx);
-            // Newton's method contracts near the branch of solutions that it started from; where
-            // it does not it may end on another one.
+            // Newton's method contracts near the branch of solutions on which it started; otherwise
+            // it may end on another one.
             let rounding = ROUNDING.max(f64::EPSILON * 10.0 * inverse.condition);
             let stalled = size <= rounding && size > 0.5 * before;
             if size <= CONVERGED || stalled {
@@ -188,11 +192,11 @@ where
             .fold(0.0, |a, b| if a > b { a } else { b + 0.0 * a })
     }
 
-    fn check_unused(&self, h: &SVector<f64, M>) -> Result<(), Trouble> {
+    fn check_unused(&self, h: &SVector<f64, M>) -> Result<(), DomainError> {
         for i in (0..M).filter(|&i| !self.chart.used[i]) {
             let allowed = CONSISTENT * self.sizes[i];
             if h[i].is_nan() || h[i].abs() > allowed {
-                return Err(Trouble::Inconsistent {
+                return Err(DomainError::Inconsistent {
                     equation: self.constraint.equation(i),
                     residual: h[i],
                 });
@@ -201,26 +205,26 @@ where
         Ok(())
     }
 
-    fn too_far(&self, h: &SVector<f64, M>) -> Trouble {
+    fn too_far(&self, h: &SVector<f64, M>) -> DomainError {
         let i = h.iamax();
-        Trouble::TooFar {
+        DomainError::TooFar {
             equation: self.constraint.equation(i),
             residual: h[i],
         }
     }
 
-    fn singular(&self, J: &SMatrix<f64, M, X>) -> Trouble {
+    fn singular(&self, J: &SMatrix<f64, M, X>) -> DomainError {
         let condition = invert(&self.constraint, &self.chart, J, &self.sizes)
             .map_or(f64::INFINITY, |i| i.condition);
         let (equations, coordinates) = names::dependences(&self.constraint, J, &self.sizes, X - D);
-        Trouble::Singular {
+        DomainError::Singular {
             condition,
             equations,
             coordinates,
         }
     }
 
-    /// Makes a converged state the one that Newton's method starts from.
+    /// Makes a converged state the start of Newton's method.
     pub(super) fn remember(&mut self, t: f64, q: &SVector<f64, D>) -> Option<Solution<D, X, M>> {
         let now = self.solve(t, q).ok()?;
         (self.anchor, self.anchor_B) = (now.x, now.inverse.B);
@@ -229,13 +233,13 @@ where
         Some(now)
     }
 
-    /// Changes the chart where that is due at a converged state, and starts from there from now on.
+    /// Changes the chart at a converged state if needed, and makes the state the new start.
     pub(super) fn settle(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let now = self.remember(t, q)?;
         if self.choice == Choice::Fixed {
             return None;
@@ -245,18 +249,18 @@ where
         if now.inverse.condition <= GAIN * inverse.condition {
             return None;
         }
-        Some(self.rewrite(t, q, v, chart, inverse.B))
+        Some(self.reparametrize(t, q, v, chart, inverse.B))
     }
 
-    /// Changes the chart at (q, q̇) whether that is due or not: to the coordinates `independent` as
-    /// q, or to the tangent space there. `None`, and no change, where they do not determine x.
+    /// Changes the chart at (q, q̇) in any case: to the coordinates `independent`, or to the tangent
+    /// space there. `None`, without a change, if they do not determine x.
     pub fn switch(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
         independent: Option<[usize; D]>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let now = self.remember(t, q)?;
         let J = derived::tangent(&Equations(&self.constraint), t, &now.x).B;
         let used = self.chart.used;
@@ -268,22 +272,22 @@ where
             },
         };
         let inverse = invert(&self.constraint, &chart, &J, &self.sizes)?;
-        (inverse.condition * RANK < 1.0).then(|| self.rewrite(t, q, v, chart, inverse.B))
+        (inverse.condition * RANK < 1.0).then(|| self.reparametrize(t, q, v, chart, inverse.B))
     }
 
-    /// q′ = L′ᵀ(x − x_ref) is linear in x: x, ẋ and ẍ are what they were.
-    fn rewrite(
+    /// q′ = L′ᵀ(x − x_ref) is linear in x: x, ẋ and ẍ do not change.
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
         chart: Chart<D, X, M>,
         B: SMatrix<f64, X, D>,
-    ) -> Rewritten<D> {
+    ) -> Reparametrized<D> {
         let k = self.kinematics(t, q, v, &SVector::zeros());
         self.chart = chart;
         self.anchor_B = B;
-        Rewritten {
+        Reparametrized {
             q: self.coordinates(&k.x),
             v: self.rates(&k.x_dot),
             B: chart.L.tr_mul(&k.B),

@@ -10,18 +10,18 @@
 //! | [`Phase`] | value, gradient, Hessian in coordinates and velocities, along a motion | an energy's force and K, C, M |
 //! | [`Trace`] | value, and in which variables it is not affine | where K_σ may differ from zero |
 //!
-//! All but the last are what the library runs a map or an energy over. `Grad<S, 1>` is also for its author:
-//! over any of them, S, it differentiates once more inside the function, up to [`MAX_ORDER`] in all.
-//! Deeper nests are refused when a program is built (not by `cargo check`).
+//! The library evaluates maps and energies over all but the last. `Grad<S, 1>` also serves inside a
+//! map or energy: over any of these types S it differentiates once more, up to [`MAX_ORDER`] in
+//! all. Deeper nests are rejected at build time (not by `cargo check`).
 //!
-//! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` is what `Moving<D>` is, only slower. The example
-//! `jet_speed` measures them against the num-dual crate, which is the oracle of their tests, and fails
-//! where they are not clearly faster. For a rigid link and a revolute joint num-dual was read to take 1.3
-//! to 2.0 times as long for B, Ḃ, B̈, 4.1 to 9.0 times for K_σ, and 3.0 to 5.4 times for all of them.
+//! `Grad` and `Taylor` nest: `Taylor<Grad<f64, D>>` equals `Moving<D>`, only slower. The example
+//! `jet_speed` measures them against the num-dual crate, the reference of their tests, and fails if
+//! they are not clearly faster. For a rigid link and a revolute joint num-dual took 1.3 to 2.0
+//! times as long for B, Ḃ, B̈, 4.1 to 9.0 times for K_σ, and 3.0 to 5.4 times for all of them.
 
 use crate::scalar::MAX_ORDER;
 
-/// Operators that follow from those of two jets and of a jet and a number.
+/// Operators derived from those of two jets and of a jet and a number.
 macro_rules! derived_operators {
     ([$($generics:tt)*] $type:ty) => {
         impl<$($generics)*> std::ops::Div<f64> for $type {

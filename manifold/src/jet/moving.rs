@@ -5,16 +5,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value x that moves: x, ẋ, ẍ along one motion, and the gradients of all three in `D` variables.
 ///
-/// What `Taylor<Grad<f64, D>>` is, with the chain, product and quotient rules multiplied out, and
-/// with two structures used wherever a map has them:
+/// Equals `Taylor<Grad<f64, D>>`, with the chain, product and quotient rules multiplied out and two
+/// structures exploited:
 ///
 /// - most values depend on a few variables only (the rotations of one frame): variables are taken
 ///   two by two, and pairs on which neither factor depends are left at zero;
-/// - the gradient of what is still affine in the variables does not move.
+/// - the gradient of a value that is affine in the variables is constant.
 ///
-/// The layout matters to the speed: with the marks between them, the compiler cannot join x and
-/// the gradients to one run of numbers, whose stores would straddle the pairs that the next
-/// operation loads.
+/// The layout matters for speed: with the marks between them, the compiler cannot join x and the
+/// gradients to one run of numbers, whose stores would straddle the pairs that the next operation
+/// loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(16))]
 pub struct Moving<const D: usize> {

@@ -6,18 +6,18 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its derivatives in `X` coordinates x and `V` velocities v, over the numbers `S`.
 ///
-/// What an energy needs to become a force with its tangents:
+/// Derivatives of an energy for its force and tangents:
 ///
 /// - a potential energy has no velocities: V = 0, S = `f64`;
 /// - a dissipation has both, S = `f64`;
 /// - a kinetic energy moves along its own motion, S = [`Grad<f64, 1>`](super::Grad) with the
-///   velocity of x and of v as derivatives. The Hessian in x alone is then not differentiated
-///   along the motion, no equation of motion asks for it: `xx` are plain numbers.
+///   velocity of x and of v as derivatives. The Hessian in x alone needs no derivative along the
+///   motion, as no equation of motion contains it: `xx` are plain numbers.
 ///
-/// `HX` and `HV` are `X` and `V` for the Hessian, or both 0 to leave it out. The gradient is the same
-/// to the last bit with it and without.
+/// `HX` and `HV` are `X` and `V` for the Hessian, or both 0 to omit it. The gradient is the same to
+/// the last bit with and without it.
 ///
-/// Most values depend on a few variables only (the rotation of one frame), so variables are taken
+/// Most values depend on a few variables only (the rotation of one frame), so variables are grouped
 /// in threes, and threes on which a value does not depend are left at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phase<S, const X: usize, const V: usize, const HX: usize, const HV: usize> {
@@ -266,7 +266,7 @@ impl<S: Scalar, const X: usize, const V: usize, const HX: usize, const HV: usize
         (out.seen, out.bent) = ([ax | bx, av | bv], true);
         each::<X>(ax | bx, |i| out.x[i] = self.x[i] * q + p * b.x[i]);
         each::<V>(av | bv, |i| out.v[i] = self.v[i] * q + p * b.v[i]);
-        // Gradient by gradient, both ways.
+        // The gradient of each with the other.
         for (f, g) in [(&self, &b), (&b, &self)] {
             let ([fx, fv], [gx, gv]) = (f.seen, g.seen);
             lower_across::<HX>(fx, gx, |i, j| {

@@ -1,14 +1,13 @@
-//! The structure of a map, found by running it once.
+//! The structure of a map, found by one evaluation.
 
 use crate::scalar::{MAX_ORDER, Scalar};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value that knows which variables it depends on, and in which of them it is not affine.
 ///
-/// Displacements enter most maps by a sum only. Second derivatives with them vanish whatever the
-/// point is, and whoever knows that need not compute them: K_σ costs with the square of the
-/// variables. Values are formed by the operations of [`Hess`](super::Hess), in the same order, so
-/// that both take the same branches.
+/// Displacements enter most maps by a sum only. Second derivatives with them vanish at every point
+/// and need not be computed: the cost of K_σ is quadratic in the variables. Values are formed by
+/// the operations of [`Hess`](super::Hess), in the same order, so that both take the same branches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace {
     v: f64,

@@ -1,8 +1,8 @@
-//! One map after another.
+//! Composition of two maps.
 
 #![allow(non_snake_case)]
 
-use super::{Kinematics, Map, Rewritten, Tangent};
+use super::{Kinematics, Map, Reparametrized, Tangent};
 use crate::scalar::Scalar;
 use crate::system::ChartChanges;
 use nalgebra::{SMatrix, SVector};
@@ -46,26 +46,26 @@ where
         }
     }
 
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
-        self.inner.rewrite(t, q, v)
+    ) -> Option<Reparametrized<D>> {
+        self.inner.reparametrize(t, q, v)
     }
 
-    fn rewrites(&self) -> bool {
-        self.inner.rewrites()
+    fn reparametrizes(&self) -> bool {
+        self.inner.reparametrizes()
     }
 
-    fn trouble(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
-        let inner = self.inner.trouble(t, q);
-        inner.or_else(|| self.outer.trouble(t, &self.inner.phi(t, q)))
+    fn domain_error(&self, t: f64, q: &SVector<f64, D>) -> Option<String> {
+        let inner = self.inner.domain_error(t, q);
+        inner.or_else(|| self.outer.domain_error(t, &self.inner.phi(t, q)))
     }
 
-    fn note(&self) -> Option<String> {
-        self.inner.note().or_else(|| self.outer.note())
+    fn describe(&self) -> Option<String> {
+        self.inner.describe().or_else(|| self.outer.describe())
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &SVector<f64, D>)>) {

@@ -1,4 +1,4 @@
-//! What every map gets from its φ alone; also the oracle for hand-derived closed forms.
+//! Everything that follows from φ by differentiation; the reference for hand-derived closed forms.
 
 use super::{Kinematics, Map, Tangent};
 use crate::jet::{Grad, Hess, Moving, Trace};
@@ -45,8 +45,8 @@ where
     }
 }
 
-/// Number of variables in which a Hessian is taken at once. Small jets are cheap to copy, and four
-/// hold the rotation of a frame and an angle; more variables meet block by block.
+/// Number of variables of one block of a Hessian. Small jets are cheap to copy, and four variables
+/// hold the rotation of a frame and an angle; more variables are combined block by block.
 const WIDTH: usize = 4;
 
 /// K_σ(f), the Hessian of f·φ, in the variables in which φ is not affine.
@@ -65,7 +65,7 @@ where
     if n <= WIDTH {
         write_block(map, t, q, f, bent, &mut K);
     } else {
-        // Every two halves of the width meet once.
+        // Every two halves of the width are combined once.
         for (i, first) in bent.chunks(WIDTH / 2).enumerate() {
             for second in bent.chunks(WIDTH / 2).skip(i + 1) {
                 let mut at = [0; WIDTH];
@@ -80,7 +80,7 @@ where
     K
 }
 
-/// The variables in which φ is not affine, and how many they are.
+/// The variables in which φ is not affine, and their number.
 fn bent_variables<M, const D: usize, const N: usize>(
     map: &M,
     t: f64,

@@ -1,13 +1,13 @@
-//! The object-safe boundary: maps of any dimensions behind a pointer.
+//! The object-safe interface to maps of any dimensions.
 
 #![allow(non_snake_case)]
 
 use super::Map;
-use crate::so3::Spins;
+use crate::so3::VelocityKind;
 use crate::system::{CHART_EDGE, ChartChanges};
 use nalgebra::SVector;
 
-/// Where the kinematics of a [`Parametrization`] go; matrices column by column, n×d.
+/// Output of [`Parametrization::kinematics`]; matrices column by column, n×d.
 #[allow(missing_docs, reason = "fields are the symbols of docs/notation.md")]
 pub struct KinematicsMut<'a> {
     pub x: &'a mut [f64],
@@ -18,13 +18,13 @@ pub struct KinematicsMut<'a> {
     pub B_ddot: &'a mut [f64],
 }
 
-/// A [`Map`] of any dimensions behind a pointer: slices outside, fixed sizes and no heap inside.
+/// An object-safe [`Map`] of any dimensions: slices outside, fixed sizes and no heap inside.
 ///
-/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known at run time only
-/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths that [`Parametrization::dims`]
-/// says; matrices are stored column by column.
+/// Implemented for every map by [`Map::boxed`], and by maps whose sizes are known only at run time
+/// ([`Closed`](crate::implicit::Closed)). Slices have the lengths of [`Parametrization::dims`];
+/// matrices are stored column by column.
 pub trait Parametrization: Send + Sync {
-    /// What the map is called in reports: the name of its type unless it has a better one.
+    /// Name of the map in reports; the name of its type by default.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
@@ -57,47 +57,46 @@ pub trait Parametrization: Send + Sync {
         true
     }
 
-    /// Whether φ is linear in q, so that K_σ(f) vanishes and nobody has to ask for it.
+    /// Whether φ is linear in q, so that K_σ(f) vanishes and is not evaluated.
     fn is_linear(&self) -> bool {
         false
     }
 
-    /// See [`Map::rewrite`]: the coordinates, their velocities and any number of accelerations are
-    /// changed in place; whether they were. Nothing to do by default.
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    /// See [`Map::reparametrize`]: transforms the coordinates, their velocities and any number of
+    /// accelerations in place; returns whether they changed. Nothing by default.
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let _ = (t, q, v, a);
         false
     }
 
-    /// See [`Map::rewrites`].
-    fn rewrites(&self) -> bool {
+    /// See [`Map::reparametrizes`].
+    fn reparametrizes(&self) -> bool {
         false
     }
 
-    /// See [`Map::spins`].
-    fn spins(&self) -> Option<Spins> {
+    /// See [`Map::velocity_kind`].
+    fn velocity_kind(&self) -> Option<VelocityKind> {
         None
     }
 
-    /// See [`Map::trouble`].
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+    /// See [`Map::domain_error`].
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         let _ = (t, q);
         None
     }
 
-    /// What makes steps from the last converged state fail though the map is defined there, in words
-    /// that follow "joint at node a: ": a singular configuration that is near. Nothing by default.
-    fn doubt(&self) -> Option<String> {
+    /// A warning about a nearby singular configuration, if any, to follow "joint at node a: ".
+    fn singularity_warning(&self) -> Option<String> {
         None
     }
 
-    /// See [`Map::note`].
-    fn note(&self) -> Option<String> {
+    /// See [`Map::describe`].
+    fn describe(&self) -> Option<String> {
         None
     }
 
-    /// See [`Map::overdue`]; both states are (q, q̇).
-    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+    /// See [`Map::overshoot`]; both states are (q, q̇).
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let _ = (h, from, to);
         None
     }
@@ -117,16 +116,15 @@ pub trait Parametrization: Send + Sync {
         let _ = at;
     }
 
-    /// What the map remembers of its way besides the coordinates, where it cannot be found from
-    /// them: what a checkpoint has to hold.
-    fn memory(&self) -> Vec<f64> {
+    /// State of the map besides the coordinates that cannot be found from them, for checkpoints.
+    fn save(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Goes on from what [`Parametrization::memory`] gave for the same map; false, and no change,
-    /// where that is not of this map.
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        memory.is_empty()
+    /// Restores the state from [`Parametrization::save`] of the same map; false, without a change,
+    /// if it belongs to another map.
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        saved.is_empty()
     }
 
     /// See [`Map::violation`].
@@ -135,8 +133,8 @@ pub trait Parametrization: Send + Sync {
         None
     }
 
-    /// The Lagrange multipliers of the equations behind the map under the covector `f` (n), where
-    /// there are equations; as many as there are.
+    /// Lagrange multipliers of the equations behind the map under the covector `f` (n), one per
+    /// equation.
     fn multipliers(&self, t: f64, q: &[f64], f: &[f64], lambda: &mut [f64]) {
         let _ = (t, q, f);
         lambda.fill(0.0);
@@ -152,7 +150,7 @@ pub trait Parametrization: Send + Sync {
     fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
 }
 
-/// The bridge from fixed sizes to slices.
+/// Adapter from fixed sizes to slices.
 pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
 
 impl<M, const D: usize, const N: usize> Parametrization for Erased<M, D, N>
@@ -187,9 +185,9 @@ where
         self.0.is_objective()
     }
 
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         let take = |x: &[f64]| SVector::<f64, D>::from_column_slice(x);
-        let Some(new) = self.0.rewrite(t, &take(q), &take(v)) else {
+        let Some(new) = self.0.reparametrize(t, &take(q), &take(v)) else {
             return false;
         };
         q.copy_from_slice(new.q.as_slice());
@@ -201,33 +199,33 @@ where
         true
     }
 
-    fn rewrites(&self) -> bool {
-        self.0.rewrites()
+    fn reparametrizes(&self) -> bool {
+        self.0.reparametrizes()
     }
 
-    fn spins(&self) -> Option<Spins> {
-        self.0.spins()
+    fn velocity_kind(&self) -> Option<VelocityKind> {
+        self.0.velocity_kind()
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.0.memory()
+    fn save(&self) -> Vec<f64> {
+        self.0.save()
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        self.0.recall(memory)
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.0.restore(saved)
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
-        self.0.trouble(t, &SVector::from_column_slice(q))
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
+        self.0.domain_error(t, &SVector::from_column_slice(q))
     }
 
-    fn note(&self) -> Option<String> {
-        self.0.note()
+    fn describe(&self) -> Option<String> {
+        self.0.describe()
     }
 
-    fn overdue(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
+    fn overshoot(&self, h: f64, from: [&[f64]; 2], to: [&[f64]; 2]) -> Option<(f64, usize)> {
         let [from, to] = [from, to].map(|x| x.map(SVector::from_column_slice));
-        self.0.overdue(h, from.each_ref(), to.each_ref())
+        self.0.overshoot(h, from.each_ref(), to.each_ref())
     }
 
     fn enter(&mut self, segment: usize) {

@@ -2,47 +2,46 @@
 
 #![allow(non_snake_case)]
 
-use super::{Map, Rewritten};
+use super::{Map, Reparametrized};
 use crate::quotients::Quotients;
 use crate::scalar::Scalar;
-use crate::so3::{self, Quaternion, Spins};
+use crate::so3::{self, Quaternion, VelocityKind};
 use crate::system::ChartChanges;
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// A frame whose coordinates are its displacement and the material rotation vector θ since the last
-/// converged step, (d, θ) ↦ (d, Ψ) with R(Ψ) = Rₙ R(θ).
+/// A frame whose coordinates are its displacement d and the material rotation vector θ since the
+/// last converged step, (d, θ) ↦ (d, Ψ) with R(Ψ) = Rₙ R(θ).
 ///
-/// After every step θ begins anew at zero, where θ̇ = Ω and θ̈ = Ω̇: the updated Lagrangian
-/// formulation of Cardona & Géradin 1988 (\[M04\] 3.3) for any scheme and any element, as a chart
-/// that is centred anew. With the angular velocities of θ,
+/// After every step θ restarts at zero, where θ̇ = Ω and θ̈ = Ω̇: the updated Lagrangian formulation
+/// of Cardona & Géradin 1988 (\[M04\] 3.3) for any scheme and any element. With the angular
+/// velocities of θ,
 ///
 /// ```text
 /// Ω = T(θ) θ̇,   Ω̇ = T(θ) θ̈ + Ṫ θ̇                                       [M04] (50)
 /// ```
 ///
 /// the new velocities and accelerations are exact. Only this map may use the coordinates θ
-/// ([`Map::rewrites`]): a node of six coordinates, three lengths and three angles; or of three, for a
-/// rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
+/// ([`Map::reparametrizes`]): six coordinates of a frame, three lengths and three angles, or three
+/// of a rotation alone, θ ↦ Ψ. D is 6 or 3 accordingly.
 ///
-/// Made by [`Increment::spinning`] its rates are spins from the first converged state on
-/// ([`Map::spins`]). With material ones, Ω and Ω̇ in place of θ̇ and θ̈, what a scheme of the
-/// generalised-α family adds up are the updates of the Lie-group method of Brüls, Cardona &
-/// Arnold 2012,
+/// With [`Increment::with_velocities`], the rates are angular velocities from the first converged
+/// state on ([`Map::velocity_kind`]). With material ones, Ω and Ω̇ instead of θ̇ and θ̈, the updates
+/// of the generalised-α family are those of the Lie-group method of Brüls, Cardona & Arnold 2012,
 ///
 /// ```text
 /// Rₙ₊₁ = Rₙ R(h Ωₙ + h²[(½−β) aₙ + β aₙ₊₁]),   Ωₙ₊₁ = Ωₙ + h[(1−γ) aₙ + γ aₙ₊₁]
 /// ```
 ///
-/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so that nothing changes when the chart is centred anew. With
-/// spatial ones the same sums are those of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones those of
-/// w and the material Ω̇, which stays as it is when the chart is centred anew.
+/// where θ̇ = Ω and θ̈ = Ω̇ at θ = 0, so recentring the chart changes nothing. With spatial ones the
+/// updates are sums of ω and ω̇, with R(…) on the left of Rₙ; with mixed ones, sums of w and of the
+/// material Ω̇, which recentring leaves unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
     /// Rₙ, as the quaternion of the branch of Ψ in use.
     turn: Quaternion<f64>,
-    /// What spins rates are once the chart is centred, and whether it has been.
-    spinning: Option<Spins>,
+    /// Angular velocities that replace the rates once the chart is centred, and whether it has been.
+    velocity_kind: Option<VelocityKind>,
     centred: bool,
 }
 
@@ -58,15 +57,15 @@ impl Increment {
     pub fn from(Psi: &Vector3<f64>) -> Self {
         Self {
             turn: so3::quaternion(Psi),
-            spinning: None,
+            velocity_kind: None,
             centred: false,
         }
     }
 
-    /// From the reference orientation, with spins for rates.
-    pub fn spinning(spins: Spins) -> Self {
+    /// The reference orientation, with angular velocities as rates.
+    pub fn with_velocities(kind: VelocityKind) -> Self {
         Self {
-            spinning: Some(spins),
+            velocity_kind: Some(kind),
             ..Self::default()
         }
     }
@@ -100,7 +99,7 @@ impl<const D: usize> Map<D, D> for Increment {
         (PI - theta(q).norm()).min(TAU - Psi)
     }
 
-    /// Its coordinates are no frame's.
+    /// Its coordinates belong to no frame.
     fn is_objective(&self) -> bool {
         false
     }
@@ -117,22 +116,22 @@ impl<const D: usize> Map<D, D> for Increment {
         }
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         true
     }
 
-    fn spins(&self) -> Option<Spins> {
-        self.spinning.filter(|_| self.centred)
+    fn velocity_kind(&self) -> Option<VelocityKind> {
+        self.velocity_kind.filter(|_| self.centred)
     }
 
     /// Rₙ as a quaternion (w, v), and whether the chart has been centred.
-    fn memory(&self) -> Vec<f64> {
+    fn save(&self) -> Vec<f64> {
         let Quaternion { w, v } = self.turn;
         vec![w, v.x, v.y, v.z, f64::from(u8::from(self.centred))]
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        let &[w, x, y, z, centred] = memory else {
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let &[w, x, y, z, centred] = saved else {
             return false;
         };
         let v = Vector3::new(x, y, z);
@@ -144,14 +143,14 @@ impl<const D: usize> Map<D, D> for Increment {
         unit
     }
 
-    fn rewrite(
+    fn reparametrize(
         &mut self,
         _t: f64,
         q: &SVector<f64, D>,
         v: &SVector<f64, D>,
-    ) -> Option<Rewritten<D>> {
+    ) -> Option<Reparametrized<D>> {
         let (theta, theta_dot) = (theta(q), self::theta(v));
-        let spins = Map::<D, D>::spins(self);
+        let kind = Map::<D, D>::velocity_kind(self);
         self.centred = true;
         if theta == Vector3::zeros() {
             return None;
@@ -162,24 +161,24 @@ impl<const D: usize> Map<D, D> for Increment {
             w: turned.w * scale,
             v: turned.v * scale,
         };
-        let mut new = Rewritten {
+        let mut new = Reparametrized {
             q: *q,
             v: *v,
             B: nalgebra::SMatrix::identity(),
             c: SVector::zeros(),
         };
         new.q.fixed_rows_mut::<3>(D - 3).fill(0.0);
-        // From rates or spins at θ to Ω and Ω̇.
-        let B = match spins {
-            Some(Spins::Material) => return Some(new),
-            Some(Spins::Spatial | Spins::Mixed) => so3::rotation(&theta).transpose(),
+        // From rates or angular velocities at θ to Ω and Ω̇.
+        let B = match kind {
+            Some(VelocityKind::Material) => return Some(new),
+            Some(VelocityKind::Spatial | VelocityKind::Mixed) => so3::rotation(&theta).transpose(),
             None => so3::tangent(&theta),
         };
         new.v.fixed_rows_mut::<3>(D - 3).copy_from(&(B * theta_dot));
-        if spins != Some(Spins::Mixed) {
+        if kind != Some(VelocityKind::Mixed) {
             new.B.fixed_view_mut::<3, 3>(D - 3, D - 3).copy_from(&B);
         }
-        if spins.is_none() {
+        if kind.is_none() {
             let c = so3::T_dot_psi_dot(&theta_dot, &theta, &Quotients::new(theta.norm()));
             new.c.fixed_rows_mut::<3>(D - 3).copy_from(&c);
         }

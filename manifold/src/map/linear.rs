@@ -1,4 +1,4 @@
-//! Coordinates that follow from others by a constant matrix: a choice among them, a gear.
+//! Coordinates that follow from others by a constant matrix: a selection, a gear.
 
 #![allow(non_snake_case)]
 
@@ -16,7 +16,7 @@ pub struct Linear<const D: usize, const N: usize> {
 }
 
 impl<const D: usize> Linear<D, 1> {
-    /// Coordinate `k` of D, less `origin`: x = q_k − origin. Zero where there is no such coordinate.
+    /// Coordinate `k` of D, less `origin`: x = q_k − origin. Zero if there is no such coordinate.
     pub fn pick(k: usize, origin: f64) -> Self {
         Self {
             A: SMatrix::from_fn(|_, j| f64::from(u8::from(j == k))),
@@ -24,8 +24,8 @@ impl<const D: usize> Linear<D, 1> {
         }
     }
 
-    /// The sum of coordinates with these factors: gears on crossed ways, an angle in the fixed
-    /// frame as the sum of relative ones.
+    /// The sum of coordinates with these factors: a gear, or an absolute angle as the sum of
+    /// relative ones.
     pub fn sum(factors: [f64; D], offset: f64) -> Self {
         Self {
             A: SMatrix::from_fn(|_, j| factors[j]),

@@ -156,7 +156,7 @@ pub fn log_factor<S: Scalar>(w: S) -> S {
     let x = 0.5 * (1.0 - c);
     let closed = |c: f64| 2.0 * c.acos() / ((1.0 - c) * (1.0 + c)).sqrt();
     if S::ORDER == 0 {
-        // acos and the root are accurate to the last position for any w < 1.
+        // acos and the root are accurate to the last digit for any w < 1.
         let value = if c < 1.0 {
             closed(c)
         } else {

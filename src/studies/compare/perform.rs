@@ -74,7 +74,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         return Err(CompareError::NoneBegins { name, why });
     }
     let reference = options.reference.unwrap_or_else(|| Scheme::radau().into());
-    if reference.order() < 2 || reference.scheme().claims().limit.is_some() {
+    if reference.order() < 2 || reference.scheme().properties().limit.is_some() {
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }

@@ -180,7 +180,7 @@ fn advance(
             integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
             // The same search once more, by a run that knows nothing of the first one.
             let mut anew = Progress {
-                kept: None,
+                invariants: None,
                 ..progress.clone()
             };
             let asked = model.assemblies();

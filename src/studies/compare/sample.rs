@@ -180,7 +180,7 @@ impl Sample {
         at: Point<'_>,
         defect: Option<f64>,
     ) -> Result<Self, SystemError> {
-        let audit = model.audit(at)?;
+        let audit = model.energies_and_momentum(at)?;
         let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
         let (kinetic, stored) = (audit.energies.kinetic, audit.energies.stored);
         Ok(Self {

@@ -4,7 +4,7 @@ use super::case::{CaseError, Context};
 use crate::input::{self, Plan};
 use crate::solve::{begin, point};
 use nalgebra::Vector3;
-use pullback_elements::model::{Audit, Model, NodeId, NodeState};
+use pullback_elements::model::{EnergiesAndMomentum, Model, NodeId, NodeState};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, Progress, Summary, integrate, start,
 };
@@ -17,7 +17,7 @@ pub(super) struct History {
     /// States of the watched nodes: those of one node at all times together.
     pub nodes: Vec<Vec<NodeState>>,
     /// Energies and momenta.
-    pub audits: Vec<Audit>,
+    pub audits: Vec<EnergiesAndMomentum>,
     /// What the integrator did.
     pub summary: Summary,
 }
@@ -30,7 +30,7 @@ impl History {
     }
 
     /// A quantity of the whole model over time.
-    pub fn audit(&self, of: impl Fn(&Audit) -> f64) -> Vec<(f64, f64)> {
+    pub fn audit(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
         let values = self.audits.iter().map(of);
         self.t.iter().copied().zip(values).collect()
     }
@@ -129,7 +129,7 @@ impl Context {
         };
         let mut failed = None;
         let mut record = |model: &mut Model, progress: &Progress| {
-            let audit = model.audit(point(progress))?;
+            let audit = model.energies_and_momentum(point(progress))?;
             history.t.push(progress.state.t);
             history.audits.push(audit);
             for (states, &id) in history.nodes.iter_mut().zip(&ids) {

@@ -98,7 +98,7 @@ fn settle<Y: System + ?Sized>(
 /// over the duration, or the largest velocity at the start.
 fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f64> {
     let scales = system.scales().coordinate;
-    let kind = |i: usize| system.kind(i).index();
+    let kind = |i: usize| system.quantity(i).index();
     let mut rates = scales.map(|scale| scale / time);
     for (i, v) in state.v.iter().enumerate() {
         rates[kind(i)] = rates[kind(i)].max(v.abs());

@@ -162,7 +162,7 @@ pub struct Point {
 /// # Errors
 /// [`DynamicsError::Option`] for an Ω that is not positive and finite.
 pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
-    let limit = scheme.claims().limit;
+    let limit = scheme.properties().limit;
     let expansion = expansion(scheme);
     let mut defect = closed_form(scheme, 1.0).map(|_| 0.0_f64);
     let mut points = Vec::with_capacity(Omegas.len());

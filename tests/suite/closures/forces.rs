@@ -414,7 +414,7 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     let end = offset(&mut b, "end", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, Closure::Multipliers).unwrap();
     let mut model = b.build().unwrap();
-    let note = model.notes()[0].clone();
+    let note = model.descriptions()[0].clone();
     assert!(note.contains("the gap along e1"), "{note}");
     let zero = vec![0.0; model.pattern().dim()];
     let mut progress = Progress::new(start(&model, 0.0, &zero, &zero).unwrap());

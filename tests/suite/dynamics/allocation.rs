@@ -16,7 +16,7 @@ use pullback::integrators::dynamics::{
 use pullback::manifold::implicit::{Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 
 fn section() -> Section {
@@ -55,8 +55,8 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
     let ground = b.node("ground", [9.0, 0.0, 0.0]).unwrap();
     b.support(ground, &Dof::ALL);
     let map = Solved::<_, 1, 2, 1>::new(Circle, 0.0, [1.0, 0.0]).unwrap();
-    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
-    let angles = [Kind::Angle; 2];
+    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
+    let angles = [Quantity::Angle; 2];
     let x = b
         .mapped_coordinates("x", &angles, map.boxed(), &[q])
         .unwrap();

@@ -160,7 +160,7 @@ fn free_beam_conserves(interpolation: Interpolation) {
             v: &v,
             a: &q,
         };
-        let first = model.audit(start).unwrap();
+        let first = model.energies_and_momentum(start).unwrap();
         assert!(first.momentum.linear.norm() > 0.9 && first.momentum.angular.norm() > 0.3);
         let energy = first.energies.kinetic;
         let mut largest = [0.0_f64; 2];
@@ -174,7 +174,7 @@ fn free_beam_conserves(interpolation: Interpolation) {
                 v: &s.v,
                 a: &s.a,
             };
-            let now = model.audit(at).unwrap();
+            let now = model.energies_and_momentum(at).unwrap();
             let total = now.energies.kinetic + now.energies.stored;
             stored = stored.max(now.energies.stored);
             largest[0] = largest[0].max((total - energy).abs());

@@ -89,7 +89,7 @@ fn spun(model: &Model) -> (Vec<f64>, RigidMotion) {
 
 /// The model's energy with the potential of its loads, and its momenta.
 fn audit(model: &mut Model, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
-    let audit = model.audit(at).unwrap();
+    let audit = model.energies_and_momentum(at).unwrap();
     let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
     (energy, [audit.momentum.linear, audit.momentum.angular])
 }
@@ -322,7 +322,7 @@ fn a_heavy_top_keeps_energy_and_vertical_momentum() {
         run(&mut model, &v, &options(scheme, 20.0, 4000), start, mask)
     };
     let (kept, progress) = go("em");
-    assert_eq!(progress.kept.unwrap().motions.len(), 1);
+    assert_eq!(progress.invariants.unwrap().motions.len(), 1);
     assert!(progress.summary.chart_changes > 10);
     assert!(kept[0] < 1e-13 && kept[2] < 1e-13, "{kept:?}");
     let (lost, _) = go("newmark");
@@ -410,7 +410,7 @@ fn a_swinging_cantilever_keeps_energy() {
         };
         for word in ["em", "em:0.8"] {
             let (kept, progress) = go(word);
-            assert!(progress.kept.unwrap().motions.is_empty());
+            assert!(progress.invariants.unwrap().motions.is_empty());
             assert!(kept[0] < 1e-13, "{word}: {kept:?}");
         }
         assert!(go("newmark").0[0] > 1e-5 && go("ga:0.8").0[0] > 1e-4);
@@ -459,7 +459,10 @@ fn what_a_load_has_left_is_kept() {
         [&q, &v],
         &options(em(), 4.0, 800),
         &mut |model, step| {
-            let (s, kept) = (&step.progress.state, step.progress.kept.as_ref().unwrap());
+            let (s, kept) = (
+                &step.progress.state,
+                step.progress.invariants.as_ref().unwrap(),
+            );
             let at = Point {
                 t: s.t,
                 q: &s.q,

@@ -140,7 +140,7 @@ fn jerk(from: f64) {
                 v: &state.v,
                 a: &state.a,
             };
-            let audit = model.audit(at).unwrap();
+            let audit = model.energies_and_momentum(at).unwrap();
             assert!(audit.momentum.angular.norm() < 1e-12, "at {}", state.t);
             // (2 + ½) Ω + ½ ω = 0 with the rate ω of the drive.
             let rate = if (from..from + 0.5).contains(&state.t) {

@@ -27,7 +27,7 @@ use pullback::integrators::statics::Iteration;
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::so3::Quaternion;
 use pullback::manifold::sparse::BlockPattern;
-use pullback::manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+use pullback::manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
@@ -44,7 +44,7 @@ impl Joint<1> for Screw {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Kind::Angle)]
+        [("angle", Quantity::Angle)]
     }
 }
 
@@ -60,7 +60,10 @@ impl Joint<2> for PinInSlot {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("displacement", Kind::Length), ("angle", Kind::Angle)]
+        [
+            ("displacement", Quantity::Length),
+            ("angle", Quantity::Angle),
+        ]
     }
 }
 
@@ -75,7 +78,7 @@ impl Joint<1> for PointOnCurve {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("displacement", Kind::Length)]
+        [("displacement", Quantity::Length)]
     }
 }
 
@@ -154,8 +157,8 @@ impl System for Plain {
         self.model.evaluate(at, Evaluation { S, ..out })
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        self.model.kind(i)
+    fn quantity(&self, i: usize) -> Quantity {
+        self.model.quantity(i)
     }
 
     fn name(&self, i: usize) -> String {

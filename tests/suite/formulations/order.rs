@@ -8,13 +8,13 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::model::{Model, ModelBuilder, NodeId};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::map::{Increment, Map};
-use pullback::manifold::system::{Kind, System};
+use pullback::manifold::system::{Quantity, System};
 
 /// A free symmetrical body with the angular velocity (3, 0, 4).
 fn body(updated: bool) -> (Model, NodeId, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let (node, rotation) = if updated {
-        let kinds = [[Kind::Length; 3], [Kind::Angle; 3]].concat();
+        let kinds = [[Quantity::Length; 3], [Quantity::Angle; 3]].concat();
         let own = b.coordinates("increment", &kinds).unwrap();
         let map = Map::<6, 6>::boxed(Increment::default());
         (b.mapped_node("O", [0.0; 3], map, &[own]).unwrap(), own)

@@ -14,7 +14,7 @@ use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Kind, System};
+use pullback::manifold::system::{Quantity, System};
 use std::ops::ControlFlow;
 
 // A chain of five bars -------------------------------------------------------------------------
@@ -86,9 +86,9 @@ fn a_chain_of_bars_closes() {
         let runs = [1000, 2000, 4000].map(|n| {
             let mut b = ModelBuilder::new();
             let ground = ground(&mut b);
-            let q = b.coordinates("q", &[Kind::Angle; 3]).unwrap();
+            let q = b.coordinates("q", &[Quantity::Angle; 3]).unwrap();
             let x = b
-                .mapped_coordinates("x", &[Kind::Angle; 5], map.boxed(), &[q])
+                .mapped_coordinates("x", &[Quantity::Angle; 5], map.boxed(), &[q])
                 .unwrap();
             let mut frame = ground;
             for k in 0..LINKS {
@@ -98,7 +98,8 @@ fn a_chain_of_bars_closes() {
                     factors[k - 1] = -1.0;
                 }
                 let turn = Linear::sum(factors, 0.0).boxed();
-                let turn = b.mapped_coordinates(format!("turn {k}"), &[Kind::Angle], turn, &[x]);
+                let turn =
+                    b.mapped_coordinates(format!("turn {k}"), &[Quantity::Angle], turn, &[x]);
                 frame = bar(&mut b, frame, [k as f64, 0.0, 0.0], turn.unwrap(), 1.0, 1.0);
             }
             let h = |x: &SVector<f64, LINKS>| Chain.h(0.0, x).amax();
@@ -167,17 +168,17 @@ impl Implicit<4, 4> for Parallelogram {
 fn carried(map: Solved<Parallelogram, 1, 4, 4>) -> (ModelBuilder, [NodeId; 2]) {
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
-    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Kind::Angle; 4], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 4], map.boxed(), &[q])
         .unwrap();
-    let cranks = [0, 1, 2].map(|k| pick::<4>(&mut b, x, k, Kind::Angle));
+    let cranks = [0, 1, 2].map(|k| pick::<4>(&mut b, x, k, Quantity::Angle));
     let first = bar(&mut b, ground, [0.0; 3], cranks[0], 1.0, 1.0);
     bar(&mut b, ground, [2.0, 0.0, 0.0], cranks[1], 1.0, 2.0);
     bar(&mut b, ground, [1.0, 0.0, 0.0], cranks[2], 1.0, 3.0);
     let turn = Linear::sum([-1.0, 0.0, 0.0, 1.0], 0.0).boxed();
     let turn = b
-        .mapped_coordinates("turn", &[Kind::Angle], turn, &[x])
+        .mapped_coordinates("turn", &[Quantity::Angle], turn, &[x])
         .unwrap();
     bar(&mut b, first, [1.0, 0.0, 0.0], turn, 2.0, 4.0);
     (b, [q, x])
@@ -225,8 +226,8 @@ fn a_beam_is_carried_by_a_loop() {
         let map = Solved::<_, 1, 4, 4>::new(Parallelogram { length: 1.0 }, 0.0, guess).unwrap();
         let mut b = ModelBuilder::new();
         let ground = ground(&mut b);
-        let q = b.coordinates("q", &[Kind::Angle]).unwrap();
-        let kinds = [Kind::Angle; 4];
+        let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
+        let kinds = [Quantity::Angle; 4];
         let x = b
             .mapped_coordinates("x", &kinds, map.boxed(), &[q])
             .unwrap();
@@ -274,7 +275,7 @@ fn over(known: &dyn Fn(f64) -> f64, rate: Option<f64>) -> (f64, Option<String>) 
     if rate.is_none() {
         b.prescribe_coordinate(q, 0, Box::new(Proportional(1.0)));
         // Something to be solved for.
-        let free = b.coordinates("free", &[Kind::Angle]).unwrap();
+        let free = b.coordinates("free", &[Quantity::Angle]).unwrap();
         let ground = b.find("ground").unwrap();
         bar(&mut b, ground, [9.0, 0.0, 0.0], free, 1.0, 1.0);
     }

@@ -41,7 +41,7 @@ fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) ->
         end: Vec::new(),
         residual: 0.0,
         drift: 0.0,
-        notes: model.notes().into_iter().map(|n| (0.0, n)).collect(),
+        notes: model.descriptions().into_iter().map(|n| (0.0, n)).collect(),
         progress: Progress::default(),
     };
     let tips = ["tip of the coupler", "tip of the rocker"].map(|n| model.find(n).unwrap());
@@ -56,7 +56,7 @@ fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) ->
         let [p, q] = tips.map(|n| model.node_state(n).position);
         let turn = model.node_state(frame).R - model.node_state(tips[1]).R;
         residual = residual.max((p - q).norm()).max(turn.norm());
-        let note = model.notes()[0].clone();
+        let note = model.descriptions()[0].clone();
         if notes.last().is_none_or(|last| last.1 != note) {
             notes.push((step.progress.state.t, note));
         }
@@ -67,7 +67,7 @@ fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) ->
             v: &s.v,
             a: &s.a,
         };
-        let audit = model.audit(at).unwrap();
+        let audit = model.energies_and_momentum(at).unwrap();
         let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
         drift = drift.max((energy - *start.get_or_insert(energy)).abs());
     });
@@ -135,9 +135,9 @@ fn a_driven_crank_takes_the_loop_along() {
     let mut model = b.build().unwrap();
     assert_eq!(model.pattern().dim(), 1);
     assert!(
-        model.notes()[0].contains("nothing is free"),
+        model.descriptions()[0].contains("nothing is free"),
         "{:?}",
-        model.notes()
+        model.descriptions()
     );
     let drawn = closed_form(CRANK_START);
     let options = tight(Scheme::default(), 2.5, 5e-3);
@@ -274,7 +274,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
                 v: &s.v,
                 a: &s.a,
             };
-            model.audit(at).unwrap();
+            model.energies_and_momentum(at).unwrap();
             let mut r = [0.0];
             let out_of = Evaluation {
                 r: &mut r,
@@ -377,7 +377,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
                 v: &s.v,
                 a: &s.a,
             };
-            let audit = model.audit(at).unwrap();
+            let audit = model.energies_and_momentum(at).unwrap();
             let [p, q] = names.map(|n| model.node_state(n).position);
             position = p;
             residual = residual.max((p - q).norm());

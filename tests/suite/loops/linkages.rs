@@ -19,8 +19,7 @@ use pullback::manifold::implicit::{Choice, Equations, Implicit, Solved};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 
 // Slider-crank ---------------------------------------------------------------------------------
 
@@ -65,9 +64,9 @@ fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
     let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
     // The crank turns with 12 rad/s at the start.
     let rate = map.rates(&Vector3::new(0.0, 12.0 * CRANK, 0.0));
-    let q = b.coordinates("q", &[Kind::Length]).unwrap();
+    let q = b.coordinates("q", &[Quantity::Length]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Length; 3], map.boxed(), &[q])
         .unwrap();
     slider_crank_bodies(&mut b, x);
     (b.build().unwrap(), x, rate.as_slice().to_vec())
@@ -75,10 +74,10 @@ fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
 
 /// Masses, weights and the spring on the coordinates (x, y, s).
 fn slider_crank_bodies(b: &mut ModelBuilder, x: NodeId) {
-    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(b, x, k, Kind::Length));
+    let [px, py, s] = [0, 1, 2].map(|k| pick::<3>(b, x, k, Quantity::Length));
     let zero = Linear::<1, 1>::ratio(0.0, 0.0).boxed();
     let height = b
-        .mapped_coordinates("0", &[Kind::Length], zero, &[s])
+        .mapped_coordinates("0", &[Quantity::Length], zero, &[s])
         .unwrap();
     for (name, at, m) in [("pin", [px, py], PIN), ("slider", [s, height], SLIDER)] {
         let frame = b.mapped_node(name, [0.0; 3], InPlane.boxed(), &at).unwrap();
@@ -116,9 +115,9 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
     let exact = slider_crank_exact(to);
     let go = |n: u32, p: Option<f64>| {
         let mut b = ModelBuilder::new();
-        let x = b.coordinates("x", &[Kind::Length; 3]).unwrap();
+        let x = b.coordinates("x", &[Quantity::Length; 3]).unwrap();
         let shifted = b
-            .mapped_coordinates("position", &[Kind::Length; 3], Shift(at).boxed(), &[x])
+            .mapped_coordinates("position", &[Quantity::Length; 3], Shift(at).boxed(), &[x])
             .unwrap();
         slider_crank_bodies(&mut b, shifted);
         match p {
@@ -277,16 +276,16 @@ fn four_bar() -> (Model, NodeId, Vec<f64>) {
     let rate = map.tangent(0.0, &SVector::zeros()).B[0].recip() * CRANK_RATE;
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
-    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Kind::Angle; 3], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 3], map.boxed(), &[q])
         .unwrap();
-    let crank = pick::<3>(&mut b, x, 0, Kind::Angle);
+    let crank = pick::<3>(&mut b, x, 0, Quantity::Angle);
     let relative = Linear::sum([-1.0, 1.0, 0.0], 0.0).boxed();
     let coupler = b
-        .mapped_coordinates("relative", &[Kind::Angle], relative, &[x])
+        .mapped_coordinates("relative", &[Quantity::Angle], relative, &[x])
         .unwrap();
-    let third = pick::<3>(&mut b, x, 2, Kind::Angle);
+    let third = pick::<3>(&mut b, x, 2, Quantity::Angle);
     let first = bar(&mut b, ground, [0.0; 3], crank, BARS[0], MASSES[0]);
     bar(
         &mut b,
@@ -350,11 +349,11 @@ fn coordinates_that_change_their_meaning_are_nobody_elses() {
     let build = |choice: Choice| {
         let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
         let mut b = ModelBuilder::new();
-        let q = b.coordinates("q", &[Kind::Length]).unwrap();
+        let q = b.coordinates("q", &[Quantity::Length]).unwrap();
         let x = b
-            .mapped_coordinates("x", &[Kind::Length; 3], map.boxed(), &[q])
+            .mapped_coordinates("x", &[Quantity::Length; 3], map.boxed(), &[q])
             .unwrap();
-        pick::<3>(&mut b, x, 0, Kind::Length);
+        pick::<3>(&mut b, x, 0, Quantity::Length);
         let law = CoordinateLaw {
             k: 1.0,
             ..CoordinateLaw::default()
@@ -364,7 +363,10 @@ fn coordinates_that_change_their_meaning_are_nobody_elses() {
         b.build().map(|_| ())
     };
     let error = build(Choice::Split).unwrap_err();
-    assert!(matches!(error, ModelError::Rewritten { .. }), "{error}");
+    assert!(
+        matches!(error, ModelError::Reparametrized { .. }),
+        "{error}"
+    );
     assert!(error.to_string().contains("element spring"), "{error}");
     assert_eq!(build(Choice::Fixed), Ok(()));
 }

@@ -9,7 +9,7 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
 use pullback::elements::model::{Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Evaluation, Kind, Point, System, Weights};
+use pullback::manifold::system::{Evaluation, Point, Quantity, System, Weights};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -24,7 +24,7 @@ impl Joint<1> for Counting {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 1] {
-        [("angle", Kind::Angle)]
+        [("angle", Quantity::Angle)]
     }
 }
 
@@ -64,7 +64,7 @@ fn hung(count: usize) -> [usize; 2] {
     // Four coordinates and six equations for each loop: none is solved together with another.
     let sizes = [mobility.loops, mobility.equations, mobility.coordinates];
     assert_eq!(sizes, [count, 6 * count, 4 * count + 1]);
-    assert_eq!(model.notes().len(), count);
+    assert_eq!(model.descriptions().len(), count);
     let n = model.pattern().dim();
     assert_eq!(model.pattern().len(), n * n);
     let mut S = vec![0.0; n * n];

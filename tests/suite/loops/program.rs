@@ -231,7 +231,7 @@ fn notes(text: &str) -> Vec<String> {
     pullback::input::assemble_text("model.toml", text)
         .unwrap()
         .model
-        .notes()
+        .descriptions()
 }
 
 #[test]

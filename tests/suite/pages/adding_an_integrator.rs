@@ -1,10 +1,10 @@
 //! docs/adding_an_integrator.md includes the source, and its scheme from outside does what it
-//! claims.
+//! properties.
 #![allow(clippy::unwrap_used)]
 
 use pullback::check;
 use pullback::integrators::dynamics::DynamicsError;
-use pullback::integrators::dynamics::scheme::{Claims, Scheme, Stage};
+use pullback::integrators::dynamics::scheme::{Scheme, SchemeProperties, Stage};
 
 const PAGE: &str = include_str!("../../../docs/adding_an_integrator.md");
 
@@ -42,12 +42,16 @@ fn its_lines_stand_where_it_says() {
 fn alexander() -> Result<Scheme, DynamicsError> {
     let gamma = 1.0 - 0.5 * 2.0_f64.sqrt();
     let rows = [[0.0, gamma, 0.0, 0.0], [0.0, 1.0 - gamma, gamma, 0.0]];
-    let claims = Claims {
+    let properties = SchemeProperties {
         order: 2,
         limit: None,
         symmetric: false,
     };
-    let scheme = Scheme::new("Alexander", &Stage::runge_kutta([gamma, 1.0], rows), claims)?;
+    let scheme = Scheme::new(
+        "Alexander",
+        &Stage::runge_kutta([gamma, 1.0], rows),
+        properties,
+    )?;
     Ok(scheme.under_multipliers([1, 1, 0]))
 }
 

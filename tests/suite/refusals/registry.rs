@@ -7,7 +7,7 @@ use crate::support::program::{directory, history, number, write};
 use pullback::elements::joint::Revolute;
 use pullback::input::{BoxedError, InputError};
 use pullback::manifold::map::{KinematicsMut, Parametrization};
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 use std::ffi::OsString;
 use std::path::Path;
@@ -42,9 +42,9 @@ impl Joint<3> for Bench {
 
     fn coordinates(&self) -> [JointCoordinate; 3] {
         [
-            ("left", Kind::Length),
-            ("right", Kind::Length),
-            ("turn", Kind::Angle),
+            ("left", Quantity::Length),
+            ("right", Quantity::Length),
+            ("turn", Quantity::Angle),
         ]
     }
 }
@@ -212,7 +212,7 @@ fn check_fails_on_a_wrong_joint_and_blames_its_block() {
     let registry = Registry::standard().joint("pin", move |at, _: Empty| {
         let angle = at
             .builder
-            .coordinates(format!("{} angle", at.name), &[Kind::Angle])?;
+            .coordinates(format!("{} angle", at.name), &[Quantity::Angle])?;
         let (position, map) = (at.builder.position(at.parent), Halved(JointMap::new(pin)));
         let nodes = [at.parent, angle];
         let frame = (at.builder).mapped_node(at.name, position.into(), Box::new(map), &nodes)?;

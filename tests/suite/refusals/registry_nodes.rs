@@ -1,7 +1,7 @@
 //! Nodes that a program's own joints release, where they are not of one coordinate each.
 
 use pullback::input::BoxedError;
-use pullback::manifold::system::Kind;
+use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 
 /// Two ways of one node: springs, drives and probes act on nodes of one coordinate.
@@ -14,7 +14,7 @@ impl Joint<2> for Pair {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("x", Kind::Length), ("y", Kind::Length)]
+        [("x", Quantity::Length), ("y", Quantity::Length)]
     }
 }
 
@@ -55,7 +55,7 @@ joint = "table"
 fn a_node_of_two_coordinates_is_not_one_of_a_name() {
     let registry = Registry::standard().joint("pair", |at, _: Empty| {
         let ways = format!("{} ways", at.name);
-        let ways = at.builder.coordinates(ways, &[Kind::Length; 2])?;
+        let ways = at.builder.coordinates(ways, &[Quantity::Length; 2])?;
         let frame = at
             .builder
             .add_joint_frame(at.name, at.parent, Pair, &[ways])?;

@@ -177,7 +177,9 @@ fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
             let options = tight(scheme, TO, part * STEP);
             chain.run(Vector3::zeros(), &options, &mut |model, step| {
                 let State { t, q, v, a, .. } = &step.progress.state;
-                let audit = model.audit(Point { t: *t, q, v, a }).unwrap();
+                let audit = model
+                    .energies_and_momentum(Point { t: *t, q, v, a })
+                    .unwrap();
                 let (p, L) = (audit.momentum.linear, audit.momentum.angular);
                 let energy = audit.energies.kinetic + audit.energies.stored;
                 let (p0, L0, e0) = *first.get_or_insert((p, L, energy));
@@ -215,7 +217,7 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         let mut all = Vec::new();
         let mut whole = make();
         let end = whole.run(Vector3::zeros(), &options, &mut |model, step| {
-            let memory = (model.map_memories(), model.element_charts());
+            let memory = (model.save_maps(), model.element_charts());
             all.push((step.progress.clone(), memory, step.step_size));
         });
         let landed = |k: &usize| all[*k].2 < 0.9 * STEP;
@@ -224,7 +226,7 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         for k in landings.into_iter().flat_map(|k| [k - 1, k, k + 1]) {
             let (progress, (maps, charts), _) = &all[k];
             let mut chain = make();
-            assert!(chain.model.recall_maps(maps));
+            assert!(chain.model.restore_maps(maps));
             chain.model.set_element_charts(charts);
             let mut progress = progress.clone();
             let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());

@@ -16,7 +16,7 @@ use pullback::manifold::implicit::{Choice, Implicit, Solved};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Kind, System};
+use pullback::manifold::system::{Quantity, System};
 use pullback::studies::gallery::{self, Comparison};
 
 // Lengths in m, masses in kg, moments of inertia in kg m².
@@ -91,13 +91,13 @@ pub type Loops = Solved<Squeezer, 1, 7, 6>;
 
 fn squeezer(map: Loops) -> (Model, NodeId) {
     let mut b = ModelBuilder::new();
-    let q = b.coordinates("q", &[Kind::Angle]).unwrap();
+    let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
-        .mapped_coordinates("x", &[Kind::Angle; 7], map.boxed(), &[q])
+        .mapped_coordinates("x", &[Quantity::Angle; 7], map.boxed(), &[q])
         .unwrap();
     let angles: [NodeId; 7] = std::array::from_fn(|k| {
         let pick = Linear::<7, 1>::pick(k, 0.0).boxed();
-        b.mapped_coordinates(NAMES[k], &[Kind::Angle], pick, &[x])
+        b.mapped_coordinates(NAMES[k], &[Quantity::Angle], pick, &[x])
             .unwrap()
     });
     let ground = b.node("ground", [0.0; 3]).unwrap();
@@ -162,13 +162,13 @@ pub fn run(map: Loops, steps: usize) -> Run {
         changes: Vec::new(),
         progress: Progress::default(),
     };
-    let (mut note, mut residual, mut changes) = (model.note(x), 0.0_f64, Vec::new());
+    let (mut note, mut residual, mut changes) = (model.describe(x), 0.0_f64, Vec::new());
     let mut end = [[0.0; 7]; 3];
     out.progress = observed(&mut model, [&zero, &zero], &options, &mut |model, _| {
         let motion: [[f64; 3]; 7] = std::array::from_fn(|k| model.coordinate_motion(x, k).unwrap());
         end = std::array::from_fn(|d| motion.map(|x| x[d]));
         residual = residual.max(Squeezer.h(0.0, &end[0].into()).amax());
-        let now = model.note(x);
+        let now = model.describe(x);
         if now != note {
             changes.extend(now.clone());
             note = now;
@@ -313,7 +313,7 @@ pub fn assert_choices(steps: [usize; 3], reference: &Angles) {
             let defect = run.progress.summary.energy.unwrap().largest_defect;
             println!(
                 "{:?}: {:?}, errors {:?}, energy {defect:.1e}, residual {:.1e}",
-                map.note(),
+                map.describe(),
                 run.changes,
                 errors(&run.end, reference),
                 run.residual

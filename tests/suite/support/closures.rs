@@ -93,6 +93,6 @@ pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
     let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.model.coordinate(n, 0)?));
     (
         job.model.released().filter_map(coordinate).collect(),
-        job.model.notes(),
+        job.model.descriptions(),
     )
 }

@@ -12,7 +12,7 @@ use pullback::integrators::dynamics::{
 use pullback::manifold::so3;
 use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{
-    ChartChanges, Evaluation, Kind, Point, Scales, System, SystemError,
+    ChartChanges, Evaluation, Point, Quantity, Scales, System, SystemError,
 };
 use std::ops::ControlFlow;
 
@@ -123,8 +123,8 @@ impl System for Flipped {
         }
     }
 
-    fn kind(&self, i: usize) -> Kind {
-        self.model.kind(i)
+    fn quantity(&self, i: usize) -> Quantity {
+        self.model.quantity(i)
     }
 
     fn name(&self, i: usize) -> String {

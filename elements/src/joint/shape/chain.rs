@@ -144,7 +144,7 @@ impl Chain {
     }
 
     /// Goes on to the line that takes over, or behind whose end u is found; whether that is another one.
-    pub fn hand_over(&mut self, u: f64) -> bool {
+    pub fn change_segments(&mut self, u: f64) -> bool {
         let before = self.line;
         let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);
         let inside = (self.lengths[before] - s).max(s - self.lengths[before + 1]) <= HAIR * end;

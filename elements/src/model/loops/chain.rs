@@ -1,4 +1,4 @@
-//! The two chains of joints that a loop is made of.
+//! The two chains of joints of a loop.
 
 use super::link::Read;
 use super::set::{self, Inputs};
@@ -6,21 +6,21 @@ use super::tree::Tree;
 use super::{Closing, Held};
 use crate::model::{ModelError, Node, NodeForm, Source};
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
-/// A loop: its two frames, and where their chains meet.
+/// A loop: its two frames, and the frame where their chains meet.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    /// The frame that is attached to the closing joint, and the frame that it is one with.
+    /// The frame that is attached to the closing joint, and the frame that coincides with it.
     pub frame: u32,
     pub child: u32,
-    /// The frame that carries both chains; none where they end at different ones that are held.
+    /// The frame that carries both chains; `None` if they end at different held frames.
     pub root: Option<u32>,
-    /// Held frames at which they end then.
+    /// The held frames in this case.
     pub ends: [Option<u32>; 2],
 }
 
-/// The frames that a frame follows, one after the other, itself first.
+/// The frames above a frame, itself first.
 pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     let mut out = vec![n];
     let mut at = n;
@@ -39,11 +39,11 @@ pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
 }
 
 impl Chain {
-    /// The chains of the frames that are one.
+    /// The chains of the coinciding frames.
     ///
     /// # Errors
-    /// [`ModelError::LooseLoop`] where one of them ends at a frame that neither carries the other
-    /// nor is held.
+    /// [`ModelError::LooseLoop`] if one of them ends at a frame that neither carries the other nor
+    /// is held.
     pub(super) fn find(
         nodes: &[Node],
         closing: Closing,
@@ -80,10 +80,10 @@ impl Chain {
         })
     }
 
-    /// Lets the chains go on above their root, to the frame that it is attached to.
+    /// Extends the chains above their root, to its parent frame.
     ///
     /// # Errors
-    /// [`ModelError::LooseLoop`] where it is attached to several.
+    /// [`ModelError::LooseLoop`] if it has several parents.
     pub(super) fn lengthen(&mut self, nodes: &[Node]) -> Result<(), ModelError> {
         let Some(root) = self.root else { return Ok(()) };
         self.root = upwards(nodes, root).get(1).copied();
@@ -94,7 +94,7 @@ impl Chain {
     }
 }
 
-/// A chain of joints that ends at a frame where none can end.
+/// Error of a chain of joints with an invalid end.
 fn loose(nodes: &[Node], frame: u32, end: u32) -> ModelError {
     ModelError::LooseLoop {
         joint: nodes[frame as usize].name.clone(),
@@ -102,7 +102,7 @@ fn loose(nodes: &[Node], frame: u32, end: u32) -> ModelError {
     }
 }
 
-/// Whether a frame follows from coordinates alone.
+/// Whether a frame follows from scalar coordinates alone.
 fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
     match &nodes[n as usize].source {
         Source::Own => false,
@@ -113,7 +113,7 @@ fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
     }
 }
 
-/// The own nodes that are no frames, along both chains below the root.
+/// The own scalar coordinate nodes along both chains below the root.
 pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
     let mut out = Vec::new();
     let mut waiting = vec![chain.frame, chain.child];
@@ -132,8 +132,8 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
     out
 }
 
-/// Whether the equations of a loop depend on where its root is. They do not where every joint's
-/// pose turns and moves with its parent, which is nearly always so.
+/// Whether the equations of a loop depend on the position of its root. They do not if the pose of
+/// every joint is objective, as in nearly all cases.
 pub(super) fn root_matters(
     nodes: &[Node],
     chain: &Chain,
@@ -160,15 +160,15 @@ pub(super) fn root_matters(
     [0.3, 1.1, 2.9].iter().any(|&s| {
         let mut y: Vec<f64> = (0..inputs.count).map(|k| far(k, s)).collect();
         for &(n, first) in &inputs.nodes {
-            let kinds = (first..).zip(nodes[n as usize].kinds.iter());
-            for (k, _) in kinds.filter(|(_, kind)| **kind == Kind::Length) {
+            let quantities = (first..).zip(nodes[n as usize].quantities.iter());
+            for (k, _) in quantities.filter(|(_, quantity)| **quantity == Quantity::Length) {
                 y[k] *= length;
             }
         }
         let there = value(&y);
         y[..6].fill(0.0);
         let here = value(&y);
-        // The same equations to rounding; values that are none say nothing against that.
+        // Equal to rounding; NaN counts as equal.
         there
             .iter()
             .zip(&here)

@@ -1,4 +1,4 @@
-//! One map along a chain of joints, and the chain rule.
+//! One map in a chain of joints, and the chain rule.
 
 #![allow(non_snake_case)]
 #![allow(
@@ -8,29 +8,28 @@
 
 use pullback_manifold::map::Parametrization;
 
-/// Where a link of a chain reads its coordinates.
+/// Source of the coordinates of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Read {
-    /// From the inputs of the tree, from this one on.
+    /// Inputs of the tree, from this index on.
     Input(usize),
-    /// From nowhere: they are zero and stay so.
+    /// Constant zeros.
     Nothing,
-    /// From another link, made before.
+    /// An earlier link.
     Link(usize),
 }
 
-/// One map along a chain, with what it gives.
+/// One map in a chain, with its results.
 pub(super) struct Link {
     pub map: Box<dyn Parametrization>,
-    /// Where the coordinates come from, and how many there.
+    /// Sources of the coordinates, and the number of each.
     pub reads: Vec<(Read, usize)>,
-    /// The inputs that it depends on, ascending, and for each read the positions of those of its source
-    /// among them.
+    /// Inputs that it depends on, ascending, and for each source the indices of its inputs among them.
     pub columns: Vec<usize>,
     pub positions: Vec<Vec<usize>>,
     pub n: usize,
     pub d: usize,
-    /// Coordinates and their rates, values and theirs.
+    /// Coordinates and their rates, values and their rates.
     pub q: [Vec<f64>; 3],
     pub x: [Vec<f64>; 3],
     /// B, Ḃ, B̈ with respect to the coordinates, and to the inputs in `columns`.
@@ -39,7 +38,7 @@ pub(super) struct Link {
     pub r: Vec<f64>,
 }
 
-/// What stands before the second factor of a product of operators of two orders.
+/// Factors of a product of operators of two orders.
 const BINOMIAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
 
 impl Link {
@@ -59,7 +58,7 @@ impl Link {
         }
     }
 
-    /// Operators with respect to the inputs, by the chain rule.
+    /// Computes operators with respect to the inputs, by the chain rule.
     pub(super) fn chain(&mut self, before: &[Self], orders: usize) {
         let n = self.n;
         for k in 0..orders {

@@ -1,13 +1,13 @@
-//! Closed loops of joints: frames that are one and the same ([`ModelBuilder::close`]).
+//! Closed loops of joints: frames that coincide ([`ModelBuilder::close`]).
 //!
-//! Where the second frame is still free it is attached to the first from now on: an ordinary joint. Where
-//! its coordinates are used up (it is attached to something else, or is held) the two chains of joints
-//! make a loop: the joint coordinates of the loop become the unknowns x of the equations that the
-//! frames coincide ([`Coincide`]), and follow from D coordinates q of their own
+//! If the second frame is free, it is attached to the first: an ordinary joint. If its coordinates
+//! are in use (it is attached to something else, or is held), the two chains of joints make a loop:
+//! the joint coordinates of the loop become the unknowns x of the equations that the frames
+//! coincide ([`Coincide`]), and follow from D independent coordinates q
 //! ([`Closed`](pullback_manifold::implicit::Closed), \[M04\] (171)–(173)):
 //!
 //! ```text
-//! q, driven coordinates  →  x (Closed)  →  joint coordinates (Part)  →  frames (JointMap)
+//! q, prescribed coordinates  →  x (Closed)  →  joint coordinates (Part)  →  frames (JointMap)
 //! ```
 //!
 //! Loops that share a joint coordinate are solved together.
@@ -21,7 +21,7 @@ mod tree;
 
 use super::builder::{ModelBuilder, NodeId};
 use super::closures::Closure;
-use super::dependence::Dependence;
+use super::mapped_node::MappedNode;
 use super::{ModelError, Node, Source};
 use crate::joint::{JointMap, Offset};
 use crate::time::TimeFunction;
@@ -32,7 +32,7 @@ use set::close_set;
 use std::collections::{BTreeSet, HashMap, HashSet};
 pub(super) use tree::Coincide;
 
-/// What the equations of a frame at a joint are called, in the order of [`Coincide`].
+/// Names of the equations of a frame at a joint, in the order of [`Coincide`].
 pub(super) const EQUATIONS: [&str; 6] = [
     "the gap along e1",
     "the gap along e2",
@@ -42,10 +42,10 @@ pub(super) const EQUATIONS: [&str; 6] = [
     "the misalignment about e3",
 ];
 
-/// Distance of the positions of two frames that are one, relative to the size of the model.
+/// Largest distance of coinciding frames as drawn, relative to the size of the model.
 const APART: f64 = 1e-9;
 
-/// Two frames that are one: the one that is attached to the closing joint, and its child.
+/// Two coinciding frames: the one that is attached to the closing joint, and its child.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closing {
     pub frame: NodeId,
@@ -53,21 +53,21 @@ pub(super) struct Closing {
     pub by: Closure,
 }
 
-/// A part of the report on how loops close: in words, or the map that has more to say.
+/// A part of the report on loops: text, or a map with a description.
 #[derive(Clone, Debug)]
 pub(super) struct Report {
     pub words: String,
     pub map: Option<u32>,
     /// Closing frame and child of each loop, in the order of the equations.
     pub closures: Vec<(u32, u32)>,
-    /// For each of them the frames at which its chains end.
+    /// For each of them the frames at the ends of its chains.
     pub roots: Vec<[Option<u32>; 3]>,
     /// The element that enforces it.
     pub element: Option<u32>,
 }
 
 impl Report {
-    /// Words, and nothing else.
+    /// A report with text only.
     pub(super) fn say(words: String) -> Self {
         Self {
             words,
@@ -80,46 +80,45 @@ impl Report {
 }
 
 impl ModelBuilder {
-    /// Makes two frames one and the same: `frame`, which is attached to a joint as a rule, and `child`.
+    /// Makes two frames coincide: `frame`, usually attached to a joint, and `child`.
     ///
-    /// A child that is free is attached to the frame from now on. One that is attached to something else, or
-    /// is held, closes a loop: the builder then makes the coordinates of the joints along the loop
-    /// follow from as many independent ones as it leaves free, which change in the run where others
-    /// become better. [`Model::notes`](super::Model::notes) tells what became of it.
+    /// A free child is attached to the frame. One that is attached to something else, or is held,
+    /// closes a loop: the builder then makes the coordinates of the joints along the loop follow from
+    /// as many independent ones as are free. The independent ones change during a run if others become
+    /// better. [`Model::descriptions`](super::Model::descriptions) reports the result.
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
-    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnMaster`],
+    /// When the model is built: [`ModelError::Apart`], [`ModelError::OwnParent`],
     /// [`ModelError::LooseLoop`], [`ModelError::Loop`], [`ModelError::Rigid`],
     /// [`ModelError::AllDriven`].
     pub fn close(&mut self, frame: NodeId, child: NodeId) -> Result<(), ModelError> {
         self.close_by(frame, child, Closure::Map)
     }
 
-    /// Says what value coordinate `k` of a node should have when the loops that it belongs to are
-    /// assembled: kept where the loops close with it, a first guess where not. Nothing happens to
-    /// coordinates that belong to no loop.
+    /// Sets the desired initial value of coordinate `k` of a node in loops: kept if the loops close
+    /// with it, a first guess otherwise. Ignored for coordinates outside of loops.
     pub fn start(&mut self, node: NodeId, k: usize, value: f64) {
         self.starts.insert((node, k), value);
     }
 
-    /// Says that a loop should rather leave this joint coordinate free, and let others follow from it:
-    /// it does so where that is about as good. Coordinates with a spring, a motor or a value to start
-    /// with are preferred already; next come those near the root of the loop.
+    /// Prefers this joint coordinate as an independent one of its loop, if it is about as good as
+    /// others. Coordinates with a spring, a motor or an initial value are preferred by default;
+    /// next come those near the root of the loop.
     pub fn prefer(&mut self, node: NodeId) {
         self.preferred.insert(node);
     }
 }
 
-/// What is said about the coordinates of loops.
-pub(super) struct Wishes<'a> {
-    /// Values that they should start with.
+/// Preferences for the coordinates of loops.
+pub(super) struct StartPreferences<'a> {
+    /// Desired initial values.
     pub starts: &'a HashMap<(NodeId, usize), f64>,
-    /// Those that should rather be left free.
+    /// Preferred independent coordinates.
     pub preferred: HashSet<NodeId>,
 }
 
-/// What prescribes the coordinates of the builder's nodes.
+/// Prescribed coordinates of the builder's nodes.
 pub(super) struct Held<'a>(pub &'a [(NodeId, usize, Box<dyn TimeFunction>)]);
 
 impl Held<'_> {
@@ -135,7 +134,7 @@ impl Held<'_> {
         self.0.iter().any(|(n, ..)| n.0 as usize == node)
     }
 
-    /// Whether a node stays where it is drawn.
+    /// Whether a node is fixed as drawn.
     pub(super) fn still(&self, node: usize, dim: usize) -> bool {
         (0..dim).all(|k| self.function(node, k).and_then(TimeFunction::constant) == Some(0.0))
     }
@@ -150,12 +149,12 @@ fn follows(nodes: &[Node], n: u32, from: u32) -> bool {
         }
 }
 
-/// Closes what is to be closed: nodes of the loops' coordinates are added behind the others.
+/// Closes all loops; adds nodes of the loops' coordinates after the others.
 pub(super) fn close(
     nodes: &mut Vec<Node>,
     closings: &[Closing],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Result<Vec<Report>, ModelError> {
     let mut reports = Vec::new();
@@ -166,7 +165,7 @@ pub(super) fn close(
         if let Source::Mapped(d) = &a.source
             && d.segments.iter().flatten().any(|&m| m == child.0)
         {
-            return Err(ModelError::OwnMaster {
+            return Err(ModelError::OwnParent {
                 joint: a.name.clone(),
                 child: b.name.clone(),
             });
@@ -189,30 +188,30 @@ pub(super) fn close(
         let same = JointMap::new(Offset {
             c: Vector3::zeros(),
         });
-        let dependence = Dependence::new(Box::new(same), vec![vec![frame.0]], 6);
-        nodes[child.0 as usize].source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(Box::new(same), vec![vec![frame.0]], 6);
+        nodes[child.0 as usize].source = Source::Mapped(Box::new(mapped));
     }
     for set in connected(nodes, &loops, held, length)? {
-        reports.push(close_set(nodes, &set, held, wishes, length)?);
+        reports.push(close_set(nodes, &set, held, preferences, length)?);
     }
     Ok(reports)
 }
 
-/// Where the coordinates of loops would start if maps closed them: node, number and value of each.
-/// Nothing of loops that no map can close, over beams or bodies that fly. Where there are none of
-/// these also the values of coordinates that no loop moves.
+/// Initial coordinates of loops if closed by maps: node, index and value of each. Loops that no map
+/// can close, over beams or bodies that fly, are omitted; if there are none of these, the result
+/// includes the values of coordinates outside of loops.
 pub(super) fn positions(
     nodes: &[Node],
     closings: &[Closing],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Vec<(u32, usize, f64)> {
     let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
     let mut copies: Vec<Node> = nodes.iter().map(Node::duplicate).collect();
-    if close(&mut copies, &closings, held, wishes, length).is_err() {
+    if close(&mut copies, &closings, held, preferences, length).is_err() {
         return Vec::new();
     }
     let mut known = HashMap::new();
@@ -220,12 +219,15 @@ pub(super) fn positions(
     for n in (0..nodes.len() as u32).filter(|&n| nodes[n as usize].is_own()) {
         if copies[n as usize].is_own() {
             if closings.len() == all {
-                let own = wishes.starts.iter().filter(|((node, _), _)| node.0 == n);
+                let own = preferences
+                    .starts
+                    .iter()
+                    .filter(|((node, _), _)| node.0 == n);
                 positions.extend(own.map(|(&(_, k), &x)| (n, k, x)));
             }
             continue;
         }
-        let Some(x) = value(&copies, n, held, wishes.starts, &mut known) else {
+        let Some(x) = value(&copies, n, held, preferences.starts, &mut known) else {
             return Vec::new();
         };
         positions.extend(x.into_iter().enumerate().map(|(k, x)| (n, k, x)));
@@ -233,8 +235,8 @@ pub(super) fn positions(
     positions
 }
 
-/// The coordinates of a node at t = 0 with everything free where it starts, as drawn or with its
-/// value; none outside of the domain of a map.
+/// The coordinates of a node at t = 0 with all free coordinates at their start, as drawn or with a
+/// value; `None` outside the domain of a map.
 fn value(
     nodes: &[Node],
     n: u32,
@@ -273,10 +275,10 @@ fn value(
 /// Free coordinates of loops that share some, and the numbers of these loops.
 type Set = (BTreeSet<u32>, Vec<usize>);
 
-/// The loops in sets that share a free coordinate, each with the two chains to its root.
+/// Groups loops into sets that share a free coordinate, each with the two chains to its root.
 ///
-/// Where a loop reads a root that follows from coordinates of its own set, or of a set that in turn
-/// reads a root that follows from its own, the chains go on above that root.
+/// If a loop reads a root that follows from coordinates of its own set, or of a set that in turn
+/// reads a root that follows from its own, the chains are extended above that root.
 fn connected(
     nodes: &[Node],
     loops: &[Closing],
@@ -295,7 +297,7 @@ fn connected(
     }
 }
 
-/// The loops in sets that share a free coordinate.
+/// Groups loops into sets that share a free coordinate.
 fn sharing(nodes: &[Node], chains: &[Chain], held: &Held<'_>) -> Vec<Set> {
     let mut sets: Vec<Set> = Vec::new();
     for (k, chain) in chains.iter().enumerate() {
@@ -318,7 +320,7 @@ fn sharing(nodes: &[Node], chains: &[Chain], held: &Held<'_>) -> Vec<Set> {
     sets
 }
 
-/// A loop that reads its root, which follows from its own coordinates, if only through other sets.
+/// A loop whose root follows from its own coordinates, directly or through other sets.
 fn circular(
     nodes: &[Node],
     chains: &[Chain],
@@ -326,7 +328,7 @@ fn circular(
     held: &Held<'_>,
     length: f64,
 ) -> Option<usize> {
-    // Which sets each loop needs for its root.
+    // The sets that each loop needs for its root.
     let needs = |k: usize| -> Vec<usize> {
         let Some(root) = chains[k].root else {
             return Vec::new();

@@ -1,32 +1,32 @@
-//! A set of loops that share coordinates: what follows from what, and its equations.
+//! A set of loops that share coordinates: dependencies and equations.
 
 use super::chain::{self, Chain, coordinates};
 use super::link::Read;
 use super::tree::{Coincide, Part, Tree};
-use super::{APART, EQUATIONS, Held, Report, Wishes};
+use super::{APART, EQUATIONS, Held, Report, StartPreferences};
 use crate::model::builder::NodeId;
-use crate::model::dependence::Dependence;
+use crate::model::mapped_node::MappedNode;
 use crate::model::{ModelError, NONE, Node, NodeForm, Source, assembly};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
 use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
 use pullback_manifold::map::Parametrization;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 use std::collections::HashMap;
 
 /// The inputs of a set of loops: first the parameters, then the unknowns.
 pub(super) struct Inputs {
     /// Nodes of the parameters and of the unknowns, with their first input.
     pub(super) nodes: Vec<(u32, usize)>,
-    /// How many inputs are parameters, and how many there are.
+    /// Number of inputs that are parameters, and of all inputs.
     parameters: usize,
     pub(super) count: usize,
-    /// How many of the nodes are parameters.
+    /// Number of nodes that are parameters.
     given: usize,
 }
 
 impl Inputs {
-    /// Sorts own coordinate nodes, and roots that matter, into parameters and unknowns.
+    /// Sorts own coordinate nodes, and required roots, into parameters and unknowns.
     pub(super) fn new(nodes: &[Node], own: &[u32], roots: &[u32], held: &Held<'_>) -> Self {
         let moves = |n: &&u32| !held.still(**n as usize, nodes[**n as usize].dim);
         let given = |n: &&u32| roots.contains(n) || held.any(**n as usize);
@@ -57,7 +57,7 @@ impl Inputs {
     }
 }
 
-/// The equations of chains as a tree of copies of their maps.
+/// The equations of chains, as a tree of copies of their maps.
 pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
     let mut tree = Tree::new(inputs.count);
     let mut made: HashMap<(u32, u32), Read> = HashMap::new();
@@ -75,7 +75,7 @@ pub(super) fn tree(nodes: &[Node], chains: &[Chain], inputs: &Inputs) -> Tree {
     tree
 }
 
-/// Adds the map of node n, and of those that it follows, up to the root.
+/// Adds the map of node n, and of those above it, up to the root.
 fn add(
     nodes: &[Node],
     n: u32,
@@ -105,8 +105,7 @@ fn add(
     read
 }
 
-/// Loops in which no joint coordinate is left to follow from others: fine where the frames are one as
-/// they are drawn.
+/// Loops without dependent joint coordinates: valid if the frames coincide as drawn.
 fn nothing_follows(
     nodes: &[Node],
     chains: &[Chain],
@@ -143,7 +142,7 @@ fn nothing_follows(
     )))
 }
 
-/// What there is to say about values that coordinates should have and that do not fit together.
+/// Report on desired values that are inconsistent.
 fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters: usize) -> String {
     let mut words = String::new();
     for (k, x) in map.displaced() {
@@ -159,7 +158,7 @@ fn displaced(nodes: &[Node], unknown: &[(u32, usize)], map: &Closed, parameters:
     words
 }
 
-/// What there is to say about frames that are one and are drawn apart.
+/// Report on frames that coincide but are drawn apart.
 fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     let mut words = String::new();
     for chain in chains {
@@ -172,9 +171,9 @@ fn drawn_apart(nodes: &[Node], chains: &[Chain], length: f64) -> String {
     words
 }
 
-/// How gladly a coordinate is left free: more than a half where something is said about it, and more
-/// near the root of its loop.
-fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> f64 {
+/// Preference of a coordinate as an independent one: above a half if requested by the user, and
+/// larger near the root of its loop.
+fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPreferences<'_>) -> f64 {
     let depth = chains.iter().flat_map(|chain| {
         [chain.frame, chain.child].into_iter().filter_map(|end| {
             let path = chain::upwards(nodes, end);
@@ -188,19 +187,19 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, wishes: &Wishes<'_>) -> 
         })
     });
     let near = 0.5 / (1 + depth.min().unwrap_or(0)) as f64;
-    if wishes.preferred.contains(&NodeId(n)) {
+    if preferences.preferred.contains(&NodeId(n)) {
         0.5 + near
     } else {
         near
     }
 }
 
-/// Closes a set of loops: its coordinates, and what there is to say about it.
+/// Closes a set of loops; returns its report.
 pub(super) fn close_set(
     nodes: &mut Vec<Node>,
     chains: &[Chain],
     held: &Held<'_>,
-    wishes: &Wishes<'_>,
+    preferences: &StartPreferences<'_>,
     length: f64,
 ) -> Result<Report, ModelError> {
     let mut own: Vec<u32> = chains.iter().flat_map(|c| coordinates(nodes, c)).collect();
@@ -221,19 +220,23 @@ pub(super) fn close_set(
         .collect();
     let joints = joints.join(", ");
     let mut about = Description::default();
-    let mut kinds = Vec::new();
+    let mut quantities = Vec::new();
     for &(n, first) in unknown {
         let node = &nodes[n as usize];
         if node.form == NodeForm::Rotation {
             about.rotations.push(first - inputs.parameters);
         }
-        for (k, &kind) in node.kinds.iter().enumerate() {
-            kinds.push(kind);
+        for (k, &quantity) in node.quantities.iter().enumerate() {
+            quantities.push(quantity);
             about.unknowns.push(Unknown {
                 name: node.coordinate_name(k),
-                size: if kind == Kind::Length { length } else { 1.0 },
-                start: wishes.starts.get(&(NodeId(n), k)).copied(),
-                preference: preference(nodes, chains, n, wishes),
+                size: if quantity == Quantity::Length {
+                    length
+                } else {
+                    1.0
+                },
+                start: preferences.starts.get(&(NodeId(n), k)).copied(),
+                preference: preference(nodes, chains, n, preferences),
             });
         }
     }
@@ -266,16 +269,16 @@ pub(super) fn close_set(
         displaced(nodes, unknown, &map, inputs.parameters),
         drawn_apart(nodes, chains, length),
     );
-    let (count, D) = (kinds.len(), map.freedoms());
+    let (count, D) = (quantities.len(), map.freedoms());
     let first = map.independent().and_then(|k| k.first().copied());
-    let kind = first.map_or(Kind::Angle, |k| kinds[k]);
+    let quantity = first.map_or(Quantity::Angle, |k| quantities[k]);
     let mut parents: Vec<u32> = given.iter().map(|&(n, _)| n).collect();
     if D > 0 {
         let name = format!("loop of {joints}");
         nodes.push(Node::new(
             name,
             NodeForm::Coordinates,
-            &vec![kind; D],
+            &vec![quantity; D],
             Source::Own,
         ));
         parents.insert(0, nodes.len() as u32 - 1);
@@ -287,10 +290,10 @@ pub(super) fn close_set(
             limit: assembly::MAX_NODES,
         });
     }
-    let all = Dependence::new(Box::new(map), vec![parents], D + p.len());
+    let all = MappedNode::new(Box::new(map), vec![parents], D + p.len());
     let source = Source::Mapped(Box::new(all));
     let name = format!("coordinates of {joints}");
-    nodes.push(Node::new(name, NodeForm::Coordinates, &kinds, source));
+    nodes.push(Node::new(name, NodeForm::Coordinates, &quantities, source));
     let x = nodes.len() as u32 - 1;
     for &(n, first) in unknown {
         let node = &mut nodes[n as usize];
@@ -299,8 +302,8 @@ pub(super) fn close_set(
             first: first - inputs.parameters,
             len: node.dim,
         };
-        let dependence = Dependence::new(Box::new(part), vec![vec![x]], count);
-        node.source = Source::Mapped(Box::new(dependence));
+        let mapped = MappedNode::new(Box::new(part), vec![vec![x]], count);
+        node.source = Source::Mapped(Box::new(mapped));
     }
     Ok(Report {
         words: format!(

@@ -1,4 +1,4 @@
-//! The equations of closed loops: the maps along the chains of their joints, composed.
+//! The equations of closed loops: compositions of the maps along their chains.
 
 #![allow(non_snake_case)]
 #![allow(
@@ -14,9 +14,9 @@ use pullback_manifold::scalar::Scalar;
 use pullback_manifold::system::ChartChanges;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Two frames are one: what frame b sees of the gap to frame a, and twice the vector part of the
-/// quaternion with a positive scalar part that turns b into a: the branches of the rotation vectors
-/// do not matter.
+/// Two coinciding frames: the gap to frame a in the axes of frame b, and twice the vector part of
+/// the quaternion with a positive scalar part that rotates b to a; independent of the branches of
+/// the rotation vectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::model) struct Coincide {
     /// From b to a in the reference configuration.
@@ -34,7 +34,7 @@ impl Map<12, 6> for Coincide {
     }
 }
 
-/// A tree of maps from common inputs; the values are those of its last links, the closures.
+/// A tree of maps from common inputs; its values are those of its last links, the closures.
 #[derive(Default)]
 pub(super) struct Tree(Mutex<Inner>);
 
@@ -57,7 +57,7 @@ impl Tree {
         }))
     }
 
-    /// Adds a link; its number.
+    /// Adds a link; returns its index.
     pub(super) fn link(
         &mut self,
         map: Box<dyn Parametrization>,
@@ -99,7 +99,7 @@ impl Tree {
         tree.links.len() - 1
     }
 
-    /// Adds the equations that two frames are one.
+    /// Adds the equations that two frames coincide.
     pub(super) fn close(&mut self, between: Coincide, frames: [Read; 2]) {
         self.link(between.boxed(), frames.map(|r| (r, 6)).to_vec());
         let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -112,7 +112,7 @@ impl Tree {
 }
 
 impl Inner {
-    /// All links at y, their tangents where `rates` is absent and their kinematics where not.
+    /// Evaluates all links at y: tangents without `rates`, kinematics with them.
     fn evaluate(&mut self, t: f64, y: &[f64], rates: Option<[&[f64]; 2]>) {
         let orders = if rates.is_some() { 3 } else { 1 };
         let [v, a] = rates.unwrap_or([&[], &[]]);
@@ -179,8 +179,7 @@ impl Inner {
             let (d, columns) = (link.d, &link.columns);
             let own = &mut self.K[..d * d];
             link.map.geometric_stiffness(t, &link.q[0], &link.r, own);
-            // Operators of the coordinates with respect to the inputs, and Bᵀ r to where they
-            // come from.
+            // Operators of the coordinates with respect to the inputs, and Bᵀ r for their sources.
             let stack = &mut self.stack[..d * columns.len()];
             stack.fill(0.0);
             let mut column = 0;
@@ -237,7 +236,7 @@ impl Parametrization for Tree {
         Box::new(copy)
     }
 
-    /// Each link chooses the branch of its rotation vector, from the root outwards.
+    /// Chooses the branch of the rotation vector of each link, from the root outwards.
     fn change_charts(&mut self, t: f64, y: &[f64]) -> ChartChanges {
         let tree = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         let mut all = ChartChanges::default();
@@ -285,10 +284,10 @@ impl Parametrization for Tree {
     }
 }
 
-/// Some of the unknowns of a loop, one after the other, as the coordinates of a node.
+/// Some consecutive unknowns of a loop, as the coordinates of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Part {
-    /// How many there are, the first of them, and how many of them.
+    /// Number of all unknowns, index of the first one, and their number.
     pub of: usize,
     pub first: usize,
     pub len: usize,

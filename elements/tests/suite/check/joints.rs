@@ -8,7 +8,7 @@ use pullback_elements::joint::{Joint, JointCoordinate, Pose};
 use pullback_elements::model::{Dof, ModelBuilder};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::{Kind, Point};
+use pullback_manifold::system::{Point, Quantity};
 use std::f64::consts::FRAC_PI_2;
 
 type Posed<S> = (Vector3<S>, Quaternion<S>);
@@ -51,31 +51,31 @@ fn long<S: Scalar>(angle: S) -> Posed<S> {
     (Vector3::zeros(), Quaternion { w: half.cos(), v })
 }
 
-joint!(Right, 1, |q| about(q[0]), [("a", Kind::Angle)]);
+joint!(Right, 1, |q| about(q[0]), [("a", Quantity::Angle)]);
 joint!(
     Twins,
     2,
     |q| (along(q[1]), about(q[0]).1),
-    [("a", Kind::Angle), ("a", Kind::Length)]
+    [("a", Quantity::Angle), ("a", Quantity::Length)]
 );
-joint!(Long, 1, |q| long(q[0]), [("a", Kind::Angle)]);
+joint!(Long, 1, |q| long(q[0]), [("a", Quantity::Angle)]);
 joint!(
     Idle,
     2,
     |q| about(q[0]),
-    [("a", Kind::Angle), ("b", Kind::Length)]
+    [("a", Quantity::Angle), ("b", Quantity::Length)]
 );
 joint!(
     Turning,
     1,
     |q| (along(q[0] * q[0]), still()),
-    [("s", Kind::Other)]
+    [("s", Quantity::Other)]
 );
 joint!(
     Root,
     1,
     |q| (along((q[0] * q[0]).sqrt()) + Vector3::z() * q[0], still()),
-    [("w", Kind::Length)]
+    [("w", Quantity::Length)]
 );
 
 const NAMED: &str = "coordinates have names of their own";

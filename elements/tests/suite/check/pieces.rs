@@ -12,7 +12,7 @@ use pullback_elements::model::{ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::map::{Kinematics, Map, Motion, derived};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{ChartChanges, Kind};
+use pullback_manifold::system::{ChartChanges, Quantity};
 
 /// What is wrong on the second line of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +57,8 @@ impl Map<13, 6> for Along {
         self.0.segment()
     }
 
-    fn overdue(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
-        self.0.overdue(h, from, to)
+    fn overshoot(&self, h: f64, from: Motion<'_, 13>, to: Motion<'_, 13>) -> Option<(f64, usize)> {
+        self.0.overshoot(h, from, to)
     }
 
     fn enter(&mut self, segment: usize) {
@@ -67,12 +67,12 @@ impl Map<13, 6> for Along {
         }
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.0.memory()
+    fn save(&self) -> Vec<f64> {
+        self.0.save()
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        self.0.recall(memory)
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.0.restore(saved)
     }
 
     fn kinematics(
@@ -105,7 +105,7 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
     for (k, node) in nodes.iter().enumerate() {
         b.element(format!("b{k}"), body(), &[*node]).unwrap();
     }
-    let way = b.coordinates("way", &[Kind::Length]).unwrap();
+    let way = b.coordinates("way", &[Quantity::Length]).unwrap();
     let chain = Chain::new(&positions.map(Vector3::from), 0.7).unwrap();
     let start = chain.start();
     let map = Along(Slide::new(chain, interpolation), planted);

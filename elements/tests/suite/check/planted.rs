@@ -14,7 +14,7 @@ use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,7 +278,7 @@ fn a_joint_with_an_axis_fixed_in_space() {
     let mut b = ModelBuilder::new();
     let base = b.node("base", [0.0; 3]).unwrap();
     b.element("base", body(), &[base]).unwrap();
-    let angle = b.coordinates("hinge angle", &[Kind::Angle]).unwrap();
+    let angle = b.coordinates("hinge angle", &[Quantity::Angle]).unwrap();
     let nodes = [base, angle];
     let hinge = b
         .mapped_node("hinge", [0.0; 3], Fixed.boxed(), &nodes)

@@ -13,7 +13,7 @@ use pullback_elements::joint::{
 use pullback_manifold::map::{KinematicsMut, Map, Parametrization, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::{self, Quaternion};
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
 #[test]
 fn every_joint_obeys_the_laws_of_a_map() {
@@ -61,7 +61,7 @@ impl Joint<2> for Rheonomic {
     }
 
     fn coordinates(&self) -> [JointCoordinate; 2] {
-        [("u", Kind::Length), ("a", Kind::Angle)]
+        [("u", Quantity::Length), ("a", Quantity::Angle)]
     }
 }
 

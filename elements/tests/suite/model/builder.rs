@@ -9,7 +9,7 @@ use pullback_elements::model::{
     Arc, Axis, Dof, Model, ModelBuilder, ModelError, NodeId, Straight, frame_along,
 };
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Kind, System};
+use pullback_manifold::system::{Quantity, System};
 use std::time::Instant;
 
 fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Model {
@@ -75,9 +75,11 @@ fn structures_that_can_move_as_rigid_bodies() {
 #[test]
 fn unknowns_have_numbers_names_and_kinds() {
     let (mut b, ends) = simple();
-    let hinge = b.coordinates("hinge", &[Kind::Angle, Kind::Other]).unwrap();
+    let hinge = b
+        .coordinates("hinge", &[Quantity::Angle, Quantity::Other])
+        .unwrap();
     // Six coordinates that a joint releases are no frame: their charts are never changed.
-    let six = b.coordinates("six", &[Kind::Other; 6]).unwrap();
+    let six = b.coordinates("six", &[Quantity::Other; 6]).unwrap();
     b.element("idle", Idle(14), &[ends[1], hinge, six]).unwrap();
     b.support(ends[0], &[Dof::X, Dof::RX]);
     let mut model = b.build().unwrap();
@@ -90,16 +92,16 @@ fn unknowns_have_numbers_names_and_kinds() {
     assert_eq!(model.name(9), "node b, rotation about e3");
     assert_eq!(model.name(11), "hinge, coordinate 2");
     assert_eq!(model.name(12), "six, coordinate 1");
-    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.kind(i));
+    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.quantity(i));
     assert_eq!(
         kinds,
         [
-            Kind::Length,
-            Kind::Angle,
-            Kind::Angle,
-            Kind::Angle,
-            Kind::Other,
-            Kind::Other
+            Quantity::Length,
+            Quantity::Angle,
+            Quantity::Angle,
+            Quantity::Angle,
+            Quantity::Other,
+            Quantity::Other
         ]
     );
     assert_eq!(model.frames().count(), 2);

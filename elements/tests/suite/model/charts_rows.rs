@@ -45,11 +45,11 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     );
     let mut r = [0.0; 12];
     m.evaluate(at(&now), Evaluation::residual(&mut r)).unwrap();
-    let stored = m.audit(at(&now)).unwrap().energies.stored;
+    let stored = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
     let sections = m.section_states(0.0);
     let changes = m.change_charts(0.0, &mut now, &mut [], &mut []);
     assert_eq!((changes.charts, changes.residual), (2, true));
-    let told = m.audit(at(&now)).unwrap().energies.stored;
+    let told = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
     assert!((told / stored - 1.0).abs() < 1e-12, "{told}, not {stored}");
     for ((_, a), (_, b)) in m.section_states(0.0).iter().zip(&sections) {
         let gap = (a.N - b.N).norm() / b.N.norm() + (a.M - b.M).norm() / b.M.norm();
@@ -57,6 +57,6 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     }
     // The next step begins in the other chart.
     m.evaluate(at(&now), Evaluation::residual(&mut r)).unwrap();
-    let other = m.audit(at(&now)).unwrap().energies.stored;
+    let other = m.energies_and_momentum(at(&now)).unwrap().energies.stored;
     assert!((other / stored - 1.0).abs() > 1e-6, "{other}, {stored}");
 }

@@ -13,7 +13,7 @@ use pullback_elements::time::{Constant, Proportional};
 use pullback_manifold::implicit::{Choice, Implicit, Solved};
 use pullback_manifold::map::{Linear, Map};
 use pullback_manifold::scalar::Scalar;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, SystemError, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError, Weights};
 
 #[track_caller]
 fn says<T>(outcome: Result<T, ModelError>, message: &str) {
@@ -37,7 +37,7 @@ fn nodes_that_cannot_be() {
         "node a is defined twice; give each node its own name",
     );
     says(
-        b.coordinates("b", &[Kind::Angle]),
+        b.coordinates("b", &[Quantity::Angle]),
         "node b is defined twice; give each node its own name",
     );
     says(
@@ -138,10 +138,10 @@ fn coordinates_that_follow_from_coordinates_that_follow() {
     for (choice, message) in cases {
         let (mut b, _) = simple();
         let map = Solved::<_, 1, 2, 1>::with(Circle, 0.0, [0.8, 0.6], choice).unwrap();
-        let q = b.coordinates("q", &[Kind::Other]).unwrap();
-        let both = b.mapped_coordinates("bead", &[Kind::Length; 2], map.boxed(), &[q]);
+        let q = b.coordinates("q", &[Quantity::Other]).unwrap();
+        let both = b.mapped_coordinates("bead", &[Quantity::Length; 2], map.boxed(), &[q]);
         let pick = Linear::<2, 1>::pick(0, 0.8).boxed();
-        let x = b.mapped_coordinates("bead x", &[Kind::Length], pick, &[both.unwrap()]);
+        let x = b.mapped_coordinates("bead x", &[Quantity::Length], pick, &[both.unwrap()]);
         b.prescribe_coordinate(x.unwrap(), 0, Box::new(Constant(0.1)));
         says(b.build(), message);
     }
@@ -215,7 +215,7 @@ fn supports_that_cannot_be() {
     );
     // A coordinate that a node does not have is not that of the next node.
     let (mut b, ends) = simple();
-    let angle = b.coordinates("hinge", &[Kind::Angle]).unwrap();
+    let angle = b.coordinates("hinge", &[Quantity::Angle]).unwrap();
     b.element("hinge spring", Idle(7), &[angle, ends[0]])
         .unwrap();
     b.support(angle, &[Dof::Y]);

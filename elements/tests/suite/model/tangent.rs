@@ -9,7 +9,7 @@ use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Evaluation, Kind, Point, System, Weights};
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
 use std::f64::consts::PI;
 
 fn sine(amplitude: f64) -> Sine {
@@ -164,7 +164,7 @@ fn nodes_that_follow_through_maps() {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let corner = b.node("corner", [1.0, 0.0, 0.0]).unwrap();
-    let angle = b.coordinates("angle", &[Kind::Angle]).unwrap();
+    let angle = b.coordinates("angle", &[Quantity::Angle]).unwrap();
     let offset = Offset([0.0, 0.3, 0.4]).boxed();
     let dependent = b
         .mapped_node("dependent", [1.0, 0.3, 0.4], offset, &[corner])

@@ -1,7 +1,7 @@
 //! Bathe's composite scheme: the trapezoidal rule, then three-point backward differences.
 
 use super::generalised_alpha::within;
-use super::{Claims, Family, Scheme, Stage};
+use super::{Family, Scheme, SchemeProperties, Stage};
 use crate::dynamics::DynamicsError;
 use std::f64::consts::SQRT_2;
 
@@ -15,9 +15,9 @@ impl Scheme {
     /// ```
     ///
     /// Of order 2 and L-stable; with γ = 2 − √2 both substeps have the same tangent for constant K.
-    /// With multipliers accelerations are of order 1: the differences of a given q(t) leave q̇ₙ
-    /// off by e = −(1−γ) h²/6 q⃛ at the ends of steps, the trapezoidal rule then q̇_γ by −γ² h²/6 q⃛ − e,
-    /// and of these errors q̈ₙ₊₁ has the differences, −h/2 q⃛ at γ = 1/2 say.
+    /// With multipliers accelerations are of order 1: the differences of a given q(t) have the
+    /// error e = −(1−γ) h²/6 q⃛ in q̇ₙ at the ends of steps, the trapezoidal rule then −γ² h²/6 q⃛ − e
+    /// in q̇_γ, and q̈ₙ₊₁ has the differences of these errors, −h/2 q⃛ at γ = 1/2.
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] unless 0.01 ≤ γ ≤ 0.99.
@@ -33,7 +33,7 @@ impl Scheme {
         let w = 0.5 / (2.0 - gamma);
         let half = 0.5 * gamma;
         let rows = [[half, half, 0.0, 0.0], [w, w, last, 0.0]];
-        let claims = Claims {
+        let properties = SchemeProperties {
             order: 2,
             limit: None,
             symmetric: false,
@@ -45,18 +45,19 @@ impl Scheme {
                 "Bathe",
                 "bathe",
                 &Stage::runge_kutta([gamma, 1.0], rows),
-                claims,
+                properties,
             )
         }
     }
 }
 
-/// Its line in the list.
+/// Its entry in the list of schemes.
 pub(super) const BATHE: Family = Family {
     word: "bathe",
     long: "bathe",
     usage: "bathe (gamma = 2 - sqrt 2), or bathe:GAMMA, where its first substep ends, in [0.01, 0.99]",
-    // Its own formulas for q̇ = λq, h = 1: z q_γ by the trapezoidal rule, z qₙ₊₁ = c₁ + c₂ q_γ + c₃ qₙ₊₁.
+    // Its published formulas for q̇ = λq, h = 1: z q_γ by the trapezoidal rule, z qₙ₊₁ = c₁ + c₂ q_γ
+    // + c₃ qₙ₊₁.
     stability: Some(|scheme, z| {
         let gamma = scheme.stages()[0].c;
         let middle = (1.0 + z * (0.5 * gamma)) / (1.0 - z * (0.5 * gamma));

@@ -1,6 +1,6 @@
 //! The explicit central difference.
 
-use super::{Claims, Family, Scheme};
+use super::{Family, Scheme, SchemeProperties};
 
 /// The central difference.
 pub(super) const CENTRAL_DIFFERENCE: Family = Family {
@@ -21,10 +21,13 @@ impl Scheme {
         let numbers = [0.0, 0.0, 0.0, 0.5];
         let word = "central-difference";
         let scheme = Self::newmark_form("central difference", word, [None; 2], numbers);
-        let claims = Claims {
+        let properties = SchemeProperties {
             limit: Some(2.0),
-            ..scheme.claims
+            ..scheme.properties
         };
-        Self { claims, ..scheme }
+        Self {
+            properties,
+            ..scheme
+        }
     }
 }

@@ -1,6 +1,6 @@
-//! Schemes that keep energy and momenta by projection.
+//! Schemes that conserve energy and momenta by projection.
 
-use super::{Claims, Family, Scheme};
+use super::{Family, Scheme, SchemeProperties};
 
 /// The energy-momentum projection of the generalised-α family.
 pub(super) const ENERGY_MOMENTUM: Family = Family {
@@ -17,34 +17,35 @@ pub(super) const ENERGY_MOMENTUM: Family = Family {
 };
 
 impl Scheme {
-    /// The scheme with its steps projected back to the energy and the momenta that the motion has
-    /// (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.4; the idea of constraining a
-    /// scheme to its integrals is that of Hughes, Caughey & Liu 1978, with momenta and numerical
-    /// damping Kuhl & Ramm 1996).
+    /// Projects the steps of a scheme onto the energy and the momenta of the motion (Hairer, Lubich
+    /// & Wanner, *Geometric Numerical Integration*, IV.4; the idea of constraining a scheme to its
+    /// integrals is that of Hughes, Caughey & Liu 1978, with momenta and numerical damping Kuhl &
+    /// Ramm 1996).
     ///
-    /// What is kept: kinetic and stored energy with the potential of steady loads, exactly where nothing
-    /// else works; within what dampers and other loads may have done
-    /// ([`Kept::unsure`](crate::dynamics::Kept::unsure)) where they do; not at all while something is
-    /// driven, when the energy is known no better than by the step. And the momenta along the symmetries of the system
-    /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)), those of a free model,
-    /// of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
+    /// Kinetic and stored energy with the potential of steady loads are conserved exactly if nothing
+    /// else does work, within the possible work of dampers and other loads
+    /// ([`Invariants::unsure`](crate::dynamics::Invariants::unsure)), and not at all while a motion is
+    /// prescribed, when the energy is only known to the accuracy of the step. So are the momenta along
+    /// the symmetries of the system
+    /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)): those of a free model,
+    /// or of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
     pub(super) fn keeping(self, argument: Option<f64>) -> Self {
-        let claims = Claims {
+        let properties = SchemeProperties {
             symmetric: false,
-            ..self.claims
+            ..self.properties
         };
         Self {
             name: "energy-momentum",
             word: "em",
             arguments: [argument, None],
-            claims,
+            properties,
             keeps: true,
             ..self
         }
     }
 
-    /// Whether its steps are projected back to the energy and the momenta of the motion.
+    /// Whether steps are projected onto the energy and the momenta of the motion.
     pub fn keeps_energy(&self) -> bool {
         self.keeps
     }

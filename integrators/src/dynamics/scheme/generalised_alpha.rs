@@ -1,6 +1,6 @@
 //! The generalised-α family: Newmark, HHT, WBZ and Chung & Hulbert's method.
 
-use super::{Claims, Family, Scheme, Stage};
+use super::{Family, Scheme, SchemeProperties, Stage};
 use crate::dynamics::DynamicsError;
 
 /// Newmark's scheme.
@@ -32,7 +32,7 @@ pub(super) const HHT: Family = Family {
                 [0.5, 1.0],
             )
             .and_then(|()| Scheme::hht(((rho - 1.0) / (rho + 1.0)).max(-1.0 / 3.0)))
-            // It keeps the word that it was asked for by.
+            // Output shows the requested word.
             .map(|scheme| Scheme {
                 arguments: [Some(rho), None],
                 ..scheme
@@ -67,8 +67,8 @@ pub(super) const CHUNG_HULBERT: Family = Family {
     },
 };
 
-/// Coefficients of the generalised-α family with the algorithmic acceleration a carried along
-/// (Arnold & Brüls 2007; \[M04\] ch. 5):
+/// Coefficients of the generalised-α family with the algorithmic acceleration a (Arnold & Brüls
+/// 2007; \[M04\] ch. 5):
 ///
 /// ```text
 /// (1−α_m) aₙ₊₁ + α_m aₙ = (1−α_f) q̈ₙ₊₁ + α_f q̈ₙ
@@ -109,7 +109,7 @@ impl Scheme {
         let numbers = [0.0, 0.0, beta, gamma];
         let mut scheme = Self::newmark_form("Newmark", "newmark", arguments, numbers);
         let lacking = 0.5 * gamma - beta;
-        scheme.claims.limit = (lacking > 0.0).then(|| lacking.sqrt().recip());
+        scheme.properties.limit = (lacking > 0.0).then(|| lacking.sqrt().recip());
         Ok(scheme)
     }
 
@@ -165,7 +165,7 @@ impl Scheme {
             v: [1.0 - gamma, gamma, 0.0, 0.0],
         };
         let second = (gamma - 0.5 + alpha_m - alpha_f).abs() < 1e-14;
-        let claims = Claims {
+        let properties = SchemeProperties {
             order: 1 + usize::from(second),
             limit: None,
             symmetric: second && alpha_m == alpha_f,
@@ -174,7 +174,7 @@ impl Scheme {
             arguments,
             alpha_m,
             alpha_f,
-            ..Self::table(name, word, &[stage], claims)
+            ..Self::table(name, word, &[stage], properties)
         }
     }
 
@@ -199,7 +199,7 @@ pub(super) fn within(
     value: f64,
     [from, to]: [f64; 2],
 ) -> Result<(), DynamicsError> {
-    // Written so that a value that is not a number is refused.
+    // NaN is rejected.
     if value >= from && value <= to {
         Ok(())
     } else {

@@ -5,26 +5,26 @@ use crate::dynamics::DynamicsError;
 use num_complex::Complex;
 use std::str::FromStr;
 
-/// The value R(z) of a scheme's stability function.
+/// The stability function R(z) of a scheme.
 pub type Stability = fn(&Scheme, Complex<f64>) -> Complex<f64>;
 
-/// Schemes that differ in numbers, by the word that makes them: `word`, or `word:number` ...
+/// A family of schemes with numbers, written `word`, `word:number` ...
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
     /// The word on command lines and in model files.
     pub word: &'static str,
-    /// Another one, written in full.
+    /// The same word written in full.
     pub long: &'static str,
-    /// How it is used, with the ranges of its numbers.
+    /// Usage, with the ranges of the numbers.
     pub usage: &'static str,
-    /// The stability function R(z) of a Runge-Kutta method, z = λh for ẏ = λy, from where it is
-    /// published; the generalised-α family has its characteristic polynomial instead.
+    /// The published stability function R(z) of a Runge-Kutta method, z = λh for ẏ = λy; the
+    /// generalised-α family has its characteristic polynomial instead.
     pub stability: Option<Stability>,
-    /// The scheme with these numbers; `None` when there are too many or too few of them.
+    /// The scheme with these numbers; `None` if there are too many or too few.
     pub make: fn(&[f64]) -> Option<Result<Scheme, DynamicsError>>,
 }
 
-/// All schemes of the library. A new one is its own file and its line here.
+/// All schemes of the library. A new scheme is a file and an entry here.
 pub static SCHEMES: &[Family] = &[
     super::generalised_alpha::NEWMARK,
     super::generalised_alpha::HHT,
@@ -37,7 +37,7 @@ pub static SCHEMES: &[Family] = &[
 ];
 
 impl Scheme {
-    /// Its line in the list; `None` for a scheme from elsewhere.
+    /// Entry in the list; `None` for a scheme that is not in it.
     pub fn family(&self) -> Option<&'static Family> {
         SCHEMES.iter().find(|family| family.word == self.word)
     }
@@ -45,14 +45,14 @@ impl Scheme {
     /// The scheme of a word of [`SCHEMES`] (either one) with these numbers.
     ///
     /// # Errors
-    /// [`DynamicsError::Word`] for a word or a number of numbers that no scheme has,
+    /// [`DynamicsError::Word`] for an unknown word or a wrong number of numbers,
     /// [`DynamicsError::Parameter`] for a number outside its range.
     pub fn named(word: &str, numbers: &[f64]) -> Result<Self, DynamicsError> {
         let refuse = |problem: String| DynamicsError::Word {
             word: word.to_owned(),
             problem,
         };
-        // Either spelling: "generalized-alpha", too.
+        // Accepts "generalized-alpha" as well.
         let long = word.replace("ized", "ised");
         let family = SCHEMES.iter().find(|f| f.word == word || f.long == long);
         let Some(family) = family else {

@@ -1,18 +1,18 @@
 //! Time integration schemes: tables of one step routine.
 //!
-//! A step of size h has stages at the times tₙ + cᵢ h, in each of which equilibrium holds,
-//! r(tᵢ, qᵢ, q̇ᵢ, q̈ᵢ) = 0. A stage's coordinates and velocities are those at tₙ and weighted
-//! accelerations y, y₀ the old one and yⱼ those of the stages:
+//! A step of size h has stages at the times tₙ + cᵢ h, in each of which equilibrium holds, r(tᵢ,
+//! qᵢ, q̇ᵢ, q̈ᵢ) = 0. Coordinates and velocities of a stage are those at tₙ plus weighted
+//! accelerations y, with y₀ the old one and yⱼ those of the stages:
 //!
 //! ```text
 //! qᵢ = qₙ + cᵢ h q̇ₙ + h² Σ Qᵢⱼ yⱼ,      q̇ᵢ = q̇ₙ + h Σ Vᵢⱼ yⱼ
 //! ```
 //!
-//! The last stage is the new state. Stages that need each other's accelerations are solved
-//! together, all others one after the other; a stage whose coordinates do not need its own
+//! The last stage is the new state. Stages that depend on each other's accelerations are solved
+//! together, all others one after the other; a stage whose coordinates do not depend on its own
 //! acceleration is explicit. So Newmark's scheme, composite schemes, Runge-Kutta methods and the
-//! central difference are tables ([`Stage`]), and runs, retries, statistics, checkpoints and changes
-//! of chart know nothing of them.
+//! central difference are tables ([`Stage`]), and runs, retries, statistics, checkpoints and
+//! changes of chart are independent of them.
 
 #![allow(non_snake_case)]
 
@@ -30,15 +30,15 @@ use super::DynamicsError;
 use std::fmt;
 use std::ops::Range;
 
-/// Stages that a step may have.
+/// Largest number of stages of a step.
 pub const STAGES: usize = 3;
 
-/// A stage of a step: the row of a table. See the [module](self).
+/// A stage of a step: one row of a table. See the [module](self).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
-    /// Its position c in the step, 1 at the end.
+    /// Position c in the step, 1 at the end.
     pub c: f64,
-    /// Weights Q of h² y in the coordinates: of the old acceleration, then of those of the stages.
+    /// Weights Q of h² y in the coordinates: old acceleration, then those of the stages.
     pub q: [f64; 1 + STAGES],
     /// Weights V of h y in the velocities, in the same order.
     pub v: [f64; 1 + STAGES],
@@ -46,9 +46,9 @@ pub struct Stage {
 
 impl Stage {
     /// The stages of a Runge-Kutta method for (q, q̇)˙ = (q̇, q̈): the weights of its table for the
-    /// velocities, their product with themselves for the coordinates. A first stage at the beginning
-    /// of the step is the old acceleration, and no row: it is the first column, which is zero
-    /// for methods without one. The method ends in its last stage (stiffly accurate).
+    /// velocities, their product with themselves for the coordinates. A first stage at the
+    /// beginning of the step is the old acceleration, not a row: it is the first column, zero for
+    /// methods without one. The method ends in its last stage (stiffly accurate).
     pub fn runge_kutta<const S: usize>(c: [f64; S], A: [[f64; 1 + STAGES]; S]) -> [Self; S] {
         std::array::from_fn(|i| {
             let mut q = [0.0; 1 + STAGES];
@@ -63,10 +63,9 @@ impl Stage {
     }
 }
 
-/// What a scheme is said to do; the conformance kit ([`check::scheme`](crate::check::scheme))
-/// measures it.
+/// Stated properties of a scheme; the conformance kit measures them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Claims {
+pub struct SchemeProperties {
     /// Order of accuracy of coordinates and velocities.
     pub order: usize,
     /// Largest Ω = ω h at which undamped vibrations do not grow; `None` for a scheme that is
@@ -76,15 +75,15 @@ pub struct Claims {
     pub symmetric: bool,
 }
 
-/// A time integration scheme: a table of stages with the generalised-α method's filter of
-/// accelerations,
+/// A time integration scheme: a table of stages, with the filter of accelerations of the
+/// generalised-α method,
 ///
 /// ```text
 /// (1−α_m) yₙ₊₁ + α_m yₙ = (1−α_f) q̈ₙ₊₁ + α_f q̈ₙ                  [M04] ch. 5, Arnold & Brüls 2007
 /// ```
 ///
-/// y = q̈ for all others. Made by its constructors, by [`Scheme::new`] from a table, or from a word
-/// such as `ga:0.8` ([`SCHEMES`] has all of them):
+/// and y = q̈ for all others. Created by its constructors, by [`Scheme::new`] from a table, or from
+/// a word of [`SCHEMES`] such as `ga:0.8`:
 ///
 /// ```
 /// # use pullback_integrators::dynamics::Scheme;
@@ -100,7 +99,7 @@ pub struct Scheme {
     pub name: &'static str,
     word: &'static str,
     arguments: [Option<f64>; 2],
-    claims: Claims,
+    properties: SchemeProperties,
     alpha_m: f64,
     alpha_f: f64,
     stages: [Stage; STAGES],
@@ -120,15 +119,15 @@ impl Scheme {
     /// A scheme by its table, y = q̈.
     ///
     /// # Errors
-    /// [`DynamicsError::Table`] for a table that is none: no stages or too many, weights that are
-    /// not finite or belong to no stage, the name of another scheme, an end that is not at c = 1, stages that cannot be solved
-    /// for their accelerations.
+    /// [`DynamicsError::Table`] for an invalid table: no stages or too many, weights that are not
+    /// finite or belong to no stage, the name of another scheme, an end other than c = 1, stages
+    /// that cannot be solved for their accelerations.
     pub fn new(
         name: &'static str,
         stages: &[Stage],
-        claims: Claims,
+        properties: SchemeProperties,
     ) -> Result<Self, DynamicsError> {
-        let scheme = Self::table(name, name, stages, claims);
+        let scheme = Self::table(name, name, stages, properties);
         match scheme.problem(stages.len()) {
             None => Ok(scheme),
             Some(problem) => Err(DynamicsError::Table { name, problem }),
@@ -165,7 +164,12 @@ impl Scheme {
         }
     }
 
-    fn table(name: &'static str, word: &'static str, stages: &[Stage], claims: Claims) -> Self {
+    fn table(
+        name: &'static str,
+        word: &'static str,
+        stages: &[Stage],
+        properties: SchemeProperties,
+    ) -> Self {
         let count = stages.len().min(STAGES);
         let mut all = [Stage::default(); STAGES];
         all[..count].copy_from_slice(&stages[..count]);
@@ -173,7 +177,7 @@ impl Scheme {
             name,
             word,
             arguments: [None; 2],
-            claims,
+            properties,
             alpha_m: 0.0,
             alpha_f: 0.0,
             stages: all,
@@ -183,30 +187,29 @@ impl Scheme {
         }
     }
 
-    /// The rows of its table.
+    /// The rows of the table.
     pub fn stages(&self) -> &[Stage] {
         &self.stages[..self.count]
     }
 
-    /// What it is said to do.
-    pub fn claims(&self) -> Claims {
-        self.claims
+    /// Stated properties.
+    pub fn properties(&self) -> SchemeProperties {
+        self.properties
     }
 
     /// Order of accuracy.
     pub fn order(&self) -> usize {
-        self.claims.order
+        self.properties.order
     }
 
-    /// Orders of accuracy of positions, velocities and accelerations where multipliers hold equations
-    /// between the coordinates (index 3), which some schemes differentiate with a loss.
+    /// Orders of accuracy of positions, velocities and accelerations with multipliers, whose
+    /// equations between coordinates (index 3) reduce the order of some schemes.
     pub fn orders_with_multipliers(&self) -> [usize; 3] {
         self.held.unwrap_or([self.order(); 3])
     }
 
-    /// The same scheme, said to have these orders of positions, velocities and accelerations where multipliers
-    /// hold equations; an order of zero where they do not converge. Without this they are
-    /// said to be those without multipliers.
+    /// The same scheme with stated orders of positions, velocities and accelerations with
+    /// multipliers; zero if they do not converge. By default they equal those without multipliers.
     #[must_use]
     pub fn under_multipliers(self, orders: [usize; 3]) -> Self {
         Self {
@@ -215,11 +218,11 @@ impl Scheme {
         }
     }
 
-    /// Spectral radius ρ∞ at infinite frequencies: by what factor a disturbance of the velocities
-    /// and accelerations of coordinates that are held in place (by infinite stiffness, or by
-    /// multipliers) changes in a step. Infinite for an explicit scheme, which holds nothing.
+    /// Spectral radius ρ∞ at infinite frequencies: factor per step of a disturbance of the
+    /// velocities and accelerations of coordinates that are held (by infinite stiffness, or by
+    /// multipliers). Infinite for an explicit scheme.
     pub fn spectral_radius(&self) -> f64 {
-        // With q held, (h q̇, h² y) is multiplied by a matrix, and q̈ by −α_f/(1−α_f) besides.
+        // With q fixed, (h q̇, h² y) is multiplied by a matrix, and q̈ by −α_f/(1−α_f).
         let mut columns = [[0.0; 2]; 2];
         for (k, column) in columns.iter_mut().enumerate() {
             let v = if k == 0 { 1.0 } else { 0.0 };
@@ -254,12 +257,12 @@ impl Scheme {
         largest.max((self.alpha_f / (1.0 - self.alpha_f)).abs())
     }
 
-    /// Whether its local error can be estimated, as adaptive steps want it: it is of order 1 or 2.
+    /// Whether the local error can be estimated for adaptive steps: the order is 1 or 2.
     pub fn estimates_error(&self) -> bool {
         self.error_factor().is_some()
     }
 
-    /// Stages that are solved together, from the first to the last.
+    /// Groups of stages that are solved together, in order.
     pub(crate) fn groups(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let mut start = 0;
         std::iter::from_fn(move || {
@@ -291,13 +294,13 @@ impl Scheme {
         ]
     }
 
-    /// By how much of a step y is later than the stage that it belongs to: α_m − α_f for the
-    /// generalised-α method, and otherwise nothing.
+    /// Delay of y after its stage, as a part of a step: α_m − α_f for the generalised-α method,
+    /// otherwise zero.
     pub fn lateness(&self) -> f64 {
         self.alpha_m - self.alpha_f
     }
 
-    /// Factor of h³ q⃛ in the local error of qₙ₊₁ where accelerations are linear in time: β − 1/6 for
+    /// Factor of h³ q⃛ in the local error of qₙ₊₁ for accelerations linear in time: β − 1/6 for
     /// Newmark (Zienkiewicz & Xie 1991), β + (α_m − α_f)/2 − 1/6 for the generalised-α method.
     pub fn cubic_error(&self) -> f64 {
         let end = self.stages()[self.count - 1];
@@ -307,16 +310,16 @@ impl Scheme {
         end.q[0] * late + sum - 1.0 / 6.0
     }
 
-    /// Factor of h²(yₙ₊₁ − yₙ) in the estimate of the local error of qₙ₊₁. `None` where it vanishes:
-    /// the scheme is of a higher order, and this no estimate of its error.
+    /// Factor of h²(yₙ₊₁ − yₙ) in the estimate of the local error of qₙ₊₁. `None` if it vanishes,
+    /// as for a scheme of higher order.
     pub(super) fn error_factor(&self) -> Option<f64> {
         let factor = self.cubic_error().abs();
         (factor > 1e-12).then_some(factor)
     }
 }
 
-/// The inverse of the weights of the accelerations of a group of stages in its coordinates; `None`
-/// where they are singular, as those of an explicit stage are.
+/// Inverse of the weights of the accelerations of a group of stages in its coordinates; `None` if
+/// they are singular, as for an explicit stage.
 pub(super) fn inverse(stages: &[Stage], group: &Range<usize>) -> Option<[[f64; STAGES]; STAGES]> {
     let n = group.len();
     let (mut A, mut X) = ([[0.0; STAGES]; STAGES], [[0.0; STAGES]; STAGES]);
@@ -348,7 +351,7 @@ pub(super) fn inverse(stages: &[Stage], group: &Range<usize>) -> Option<[[f64; S
 }
 
 impl fmt::Display for Scheme {
-    /// The word that makes it, such as `ga:0.8`.
+    /// The word of the scheme, such as `ga:0.8`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.word)?;
         let arguments = self.arguments.iter().flatten();
@@ -364,10 +367,10 @@ mod tests {
     fn factors_of_the_local_error_are_those_of_taylors_series() {
         let factor = |word: &str| word.parse::<Scheme>().ok()?.error_factor();
         let newmark = |beta: f64| (beta - 1.0 / 6.0).abs();
-        // 1/12 + Δ²/4 where β is the one that damps best, Δ = α_m − α_f.
+        // 1/12 + Δ²/4 with the best damping β, Δ = α_m − α_f.
         let filtered = |delta: f64| 1.0 / 12.0 + 0.25 * delta * delta;
         let radius = |rho: f64| filtered((rho - 1.0) / (rho + 1.0));
-        // What Σ Q c of the trapezoidal rule up to γ and the differences from there lacks of 1/6.
+        // Σ Q c of the trapezoidal rule up to γ and the differences from there, less 1/6.
         let bathe = |g: f64| ((g * g - 2.0 * g + 2.0) / (4.0 * (2.0 - g)) - 1.0 / 6.0).abs();
         for (word, expected) in [
             ("newmark", 1.0 / 12.0),

@@ -1,6 +1,6 @@
 //! The two-stage Radau IIA method.
 
-use super::{Claims, Family, Scheme, Stage};
+use super::{Family, Scheme, SchemeProperties, Stage};
 
 /// Radau IIA.
 pub(super) const RADAU: Family = Family {
@@ -23,7 +23,7 @@ impl Scheme {
             [0.0, 5.0 / 12.0, -1.0 / 12.0, 0.0],
             [0.0, 3.0 / 4.0, 1.0 / 4.0, 0.0],
         ];
-        let claims = Claims {
+        let properties = SchemeProperties {
             order: 3,
             limit: None,
             symmetric: false,
@@ -31,7 +31,7 @@ impl Scheme {
         let stages = Stage::runge_kutta([1.0 / 3.0, 1.0], rows);
         Self {
             held: Some([3, 2, 1]),
-            ..Self::table("Radau IIA", "radau", &stages, claims)
+            ..Self::table("Radau IIA", "radau", &stages, properties)
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Row sums of |L||U|, block by block: what a bound on rounding errors is made of.
+//! Row sums of |L||U|, block by block, for bounds on rounding errors.
 
 use super::{by_size, columns};
 
@@ -102,7 +102,7 @@ fn product_any(m: usize, n: usize, l: &[f64], v: &[f64]) -> f64 {
         .fold(0.0, larger)
 }
 
-/// The larger of two. A NaN may get lost: it goes on into a later pivot, where it is noticed.
+/// The larger of two. A NaN may get lost: it propagates to a later pivot, where it is detected.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

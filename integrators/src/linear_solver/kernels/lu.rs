@@ -2,13 +2,13 @@
 
 use super::columns_mut;
 
-/// Rows are left in place as long as the diagonal is at least this part of its column.
+/// Rows are not interchanged as long as the diagonal is at least this part of its column.
 ///
 /// A lone large entry would win under plain partial pivoting only to gain growth by a factor 10,
 /// and an interchange costs the symmetry and a branch nobody predicts.
 const KEEP_DIAGONAL: f64 = 0.1;
 
-/// What a diagonal block's factorisation found.
+/// Result of the factorisation of a diagonal block.
 pub(in crate::linear_solver) struct Pivots {
     /// Smallest pivot, or 0 if one is NaN.
     pub smallest: f64,
@@ -40,8 +40,8 @@ fn lu_fixed<const N: usize>(d: &mut [f64], swaps: &mut [u32], floor: f64) -> Piv
     let Some(block) = columns_mut::<N, N>(d) else {
         return pivots;
     };
-    // Spelled out, so that every step has constant extents: a diagonal block is on the critical
-    // path of a chain, where nothing else can be done meanwhile.
+    // Unrolled, so that every step has constant extents: a diagonal block is on the critical path
+    // of a chain.
     let mut d = *block;
     step::<N, 0>(&mut d, swaps, floor, &mut pivots);
     step::<N, 1>(&mut d, swaps, floor, &mut pivots);
@@ -155,7 +155,7 @@ impl Pivots {
             pivot = floor.copysign(pivot);
         }
         let size = pivot.abs();
-        // Comparisons arranged so that NaN ends up as the smallest and stays there.
+        // NaN counts as smallest.
         self.smallest = if size >= self.smallest {
             self.smallest
         } else {

@@ -1,9 +1,8 @@
 //! Dense kernels on small column-major blocks.
 //!
-//! Every kernel exists once, generic over its extents. [`by_size!`] calls it with constant extents
-//! for the sizes that occur in practice (1: joint coordinates, 3: planar or spherical, 6: nodes),
-//! where the compiler unrolls and keeps columns in registers, and a twin with extents known at run
-//! time does the rest.
+//! Every kernel exists once, generic over its extents. [`by_size!`] calls it with constant extents for
+//! common sizes (1: joint coordinates, 3: planar or spherical, 6: nodes), where the compiler unrolls
+//! and keeps columns in registers, and a version with extents known at run time for all others.
 //!
 //! A panel's blocks below the diagonal are kept as `L` (m × n) and those to its right transposed,
 //! `Uᵀ` (m × n too), so that all kernels run down contiguous columns of length m.

@@ -1,4 +1,4 @@
-//! What is subtracted from later blocks and from vectors.
+//! Updates of later blocks and of vectors.
 
 use super::{by_size, columns, columns_mut};
 

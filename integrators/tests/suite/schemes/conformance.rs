@@ -1,8 +1,8 @@
-//! Every scheme of the list does what it claims, and the kit tells where one does not.
+//! Every scheme of the list does what it properties, and the kit tells where one does not.
 
 use pullback_conformance as check;
 use pullback_integrators::dynamics::Scheme;
-use pullback_integrators::dynamics::scheme::{Claims, SCHEMES, Stage};
+use pullback_integrators::dynamics::scheme::{SCHEMES, SchemeProperties, Stage};
 
 #[test]
 fn every_scheme_of_the_list_does_what_it_claims() {
@@ -43,13 +43,13 @@ fn every_scheme_of_the_list_does_what_it_claims() {
 const MULTIPLIERS: &str = "orders with multipliers";
 
 /// Laws that a table fails with these claims.
-fn failures(stages: &[Stage], claims: Claims) -> Vec<String> {
-    broken(&Scheme::new("trial", stages, claims).unwrap())
+fn failures(stages: &[Stage], properties: SchemeProperties) -> Vec<String> {
+    broken(&Scheme::new("trial", stages, properties).unwrap())
 }
 
 /// The same of a composite scheme, of which the accelerations lose an order under multipliers.
-fn composite_failures(stages: &[Stage], claims: Claims) -> Vec<String> {
-    let scheme = Scheme::new("trial", stages, claims).unwrap();
+fn composite_failures(stages: &[Stage], properties: SchemeProperties) -> Vec<String> {
+    let scheme = Scheme::new("trial", stages, properties).unwrap();
     broken(&scheme.under_multipliers([2, 2, 1]))
 }
 
@@ -61,8 +61,8 @@ fn broken(scheme: &Scheme) -> Vec<String> {
     laws
 }
 
-fn second(limit: Option<f64>, symmetric: bool) -> Claims {
-    Claims {
+fn second(limit: Option<f64>, symmetric: bool) -> SchemeProperties {
+    SchemeProperties {
         order: 2,
         limit,
         symmetric,
@@ -126,7 +126,7 @@ fn wrong_schemes_are_caught_by_the_law_they_break() {
     let reversed = composite_failures(&composite(1.0 / 3.0, 0.5), second(None, true));
     assert_eq!(reversed, all(&["time reversal"]));
     // A third order that is none.
-    let third = Claims {
+    let third = SchemeProperties {
         order: 3,
         ..second(None, false)
     };

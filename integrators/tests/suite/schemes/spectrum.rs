@@ -54,7 +54,7 @@ fn the_step_routine_has_the_characteristic_polynomials_of_theory() {
     for word in WORDS {
         let scheme = scheme(word);
         // Far beyond its limit an explicit step multiplies rounding errors by Ω⁴.
-        let most = scheme.claims().limit.map_or(1e6, |limit| 1.5 * limit);
+        let most = scheme.properties().limit.map_or(1e6, |limit| 1.5 * limit);
         for Omega in logarithmic(1e-3, most, 46) {
             let theory = closed_form(&scheme, Omega).unwrap();
             let found = by_steps(&scheme, Omega);

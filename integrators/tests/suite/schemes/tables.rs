@@ -1,7 +1,7 @@
 //! Words, tables and limits of the schemes.
 
 use pullback_integrators::dynamics::Scheme;
-use pullback_integrators::dynamics::scheme::{Claims, SCHEMES, Stage};
+use pullback_integrators::dynamics::scheme::{SCHEMES, SchemeProperties, Stage};
 
 #[test]
 fn words_make_schemes_and_schemes_say_their_words() {
@@ -41,7 +41,7 @@ fn words_make_schemes_and_schemes_say_their_words() {
         (0.25, 0.5, None),
         (0.3, 0.6, None),
     ] {
-        let claimed = Scheme::newmark(beta, gamma).unwrap().claims().limit;
+        let claimed = Scheme::newmark(beta, gamma).unwrap().properties().limit;
         let gap = claimed.zip(limit).map(|(a, b)| (a - b).abs());
         assert_eq!(claimed.is_some(), limit.is_some(), "{beta} {gamma}");
         assert!(gap.is_none_or(|gap| gap < 1e-12), "{claimed:?} {limit:?}");
@@ -96,7 +96,7 @@ fn words_that_make_none_are_refused_with_what_there_is() {
 
 #[test]
 fn tables_that_are_none_are_refused() {
-    let claims = Claims {
+    let properties = SchemeProperties {
         order: 1,
         limit: None,
         symmetric: false,
@@ -106,7 +106,7 @@ fn tables_that_are_none_are_refused() {
         q: [0.0, 1.0, 0.0, 0.0],
         v: [0.0, 1.0, 0.0, 0.0],
     };
-    assert!(Scheme::new("Euler", &[good], claims).is_ok());
+    assert!(Scheme::new("Euler", &[good], properties).is_ok());
     let q = [0.0, 1.0, 1.0, 0.0];
     for (stages, text) in [
         (&[][..], "no stages"),
@@ -122,12 +122,12 @@ fn tables_that_are_none_are_refused() {
         (&[Stage { q, ..good }], "a stage that it does not have"),
         (&[Stage { q, ..good }; 2], "singular"),
     ] {
-        let error = Scheme::new("trial", stages, claims)
+        let error = Scheme::new("trial", stages, properties)
             .unwrap_err()
             .to_string();
         assert!(error.contains(text), "{error}");
     }
-    let error = Scheme::new("bathe", &[good], claims).unwrap_err();
+    let error = Scheme::new("bathe", &[good], properties).unwrap_err();
     assert!(error.to_string().contains("has this name"), "{error}");
 }
 

@@ -6,7 +6,7 @@ use pullback_integrators::dynamics::{
     DynamicOptions, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Kind, Point, System, SystemError};
+use pullback_manifold::system::{Energies, Evaluation, Point, Quantity, System, SystemError};
 use std::ops::ControlFlow;
 
 /// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
@@ -93,8 +93,8 @@ impl System for Pendulum {
         Ok(())
     }
 
-    fn kind(&self, _: usize) -> Kind {
-        Kind::Angle
+    fn quantity(&self, _: usize) -> Quantity {
+        Quantity::Angle
     }
 }
 

@@ -4,7 +4,7 @@
 
 use pullback_integrators::statics::NewtonOptions;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Kind, Point, Scales, System, SystemError};
+use pullback_manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
 
 /// One coordinate with the equilibrium λ P = f(w), given f and f′.
 pub struct Scalar {
@@ -44,8 +44,8 @@ impl System for Scalar {
         Ok(())
     }
 
-    fn kind(&self, _: usize) -> Kind {
-        Kind::Length
+    fn quantity(&self, _: usize) -> Quantity {
+        Quantity::Length
     }
 
     fn is_symmetric(&self) -> bool {

@@ -10,27 +10,26 @@ use crate::so3;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// A split whose condition number is larger than that of the tangent space by this factor is not
-/// good.
+/// A split with a condition number larger than that of the tangent space by this factor is poor.
 ///
-/// There is always one that is worse by √(1 + D(X − D)) at most (Gu & Eisenstat 1996, SIAM J. Sci. Comput. 17):
-/// 30 for a hundred unknowns, a tenth of which are free. Pivoting misses it by this much for matrices like
-/// Kahan's only, whose columns look ever less independent one after the other; linkages have none.
+/// The best split is worse by √(1 + D(X − D)) at most (Gu & Eisenstat 1996, SIAM J. Sci. Comput.
+/// 17): 30 for a hundred unknowns with a tenth of them free. Pivoting misses it by this factor only
+/// for matrices like Kahan's, whose columns are less and less independent; linkages have none.
 const POOR: f64 = 1e3;
-/// Condition number of preferred coordinates, relative to that of the best ones, up to which they are
+/// Largest condition number of preferred coordinates, relative to the best ones, at which they are
 /// taken at the start.
 const PREFERRED: f64 = 10.0;
-/// Preference of 1 makes an unknown look less dependent by this factor.
+/// A preference of 1 makes an unknown appear less dependent by this factor.
 const WEIGHT: f64 = 1e-3;
-/// A condition number, for each unknown, up to which coordinates are good enough to be kept whatever
-/// others there are: a scheme conserves energy in one set of coordinates, and every change costs some.
-/// (The condition number of the identity is one for each unknown.)
+/// Condition number, per unknown, up to which coordinates are kept even if others are better: a
+/// scheme conserves energy in one set of coordinates, and every change costs some. (The condition
+/// number of the identity is one per unknown.)
 const BAD: f64 = 10.0;
 
 impl Core {
-    /// What counts as one for each equation: the length of its row, or what it was before if that
-    /// is more. A row that shrinks is a sign of a singular configuration, which no scaling may hide;
-    /// one that vanishes among the others has no size of its own.
+    /// Size of each equation: the length of its row, or its earlier maximum. A shrinking row
+    /// indicates a singular configuration, which scaling must not hide; a row that vanishes beside
+    /// the others has no size of its own.
     pub(super) fn measure(&mut self) {
         let (p, X, M) = (self.p, self.X, self.M);
         for i in 0..M {
@@ -48,8 +47,8 @@ impl Core {
         }
     }
 
-    /// h_xᵀ with equations and coordinates over their sizes, into the workspace, factorised for the
-    /// most independent equations.
+    /// Writes h_xᵀ, scaled by the sizes of equations and coordinates, to the workspace and
+    /// factorises it for the most independent equations.
     pub(super) fn rank_equations(&mut self) {
         let (p, X, M) = (self.p, self.X, self.M);
         let w = &mut self.work;
@@ -62,13 +61,13 @@ impl Core {
         w.equations.run(X, &w.scaled);
     }
 
-    /// The best equations and coordinates at h_y as it stands, into the trial chart, with A⁻¹ for
-    /// them in the workspace; the condition number, infinite where there are none.
+    /// The best equations and coordinates at the present h_y, into the trial chart, with A⁻¹ in the
+    /// workspace; returns the condition number, infinite if there are none.
     pub(super) fn best(&mut self, choice: Choice) -> f64 {
         self.best_by(choice, |_| 1.0)
     }
 
-    /// As [`Core::best`], where unknowns look less dependent by a factor.
+    /// As [`Core::best`], with a weight for each unknown.
     fn best_by(&mut self, choice: Choice, weight: impl Fn(&Unknown) -> f64) -> f64 {
         let (X, M, D) = (self.X, self.M, self.D);
         self.rank_equations();
@@ -105,7 +104,7 @@ impl Core {
             }
             chart.independent = None;
         } else {
-            // Coordinates that the used equations determine best are dependent; the rest is q.
+            // Coordinates that the equations in use determine best are dependent; the rest is q.
             let rows = X - D;
             let mut columns = std::mem::take(&mut w.rows);
             columns.clear();
@@ -138,7 +137,7 @@ impl Core {
         }
     }
 
-    /// The best split; where none is good, the tangent space.
+    /// The best split, or the tangent space if none is good.
     pub(super) fn choose(&mut self) -> f64 {
         let split = self.best(Choice::Split);
         if split < POOR {
@@ -152,7 +151,7 @@ impl Core {
         }
     }
 
-    /// As [`Core::choose`], with unknowns that are preferred among those that are about as good: all
+    /// As [`Core::choose`], preferring some unknowns among those that are about as good: all
     /// preferences first, then the strong ones alone.
     pub(super) fn choose_first(&mut self) -> f64 {
         let best = self.choose();
@@ -178,7 +177,7 @@ impl Core {
         self.factorise(true)
     }
 
-    /// Makes a converged state the one that Newton's method starts from.
+    /// Makes a converged state the start of Newton's method.
     pub(super) fn remember(&mut self, t: f64, q: &[f64]) -> bool {
         if self.solve(t, q).is_err() {
             return false;
@@ -190,7 +189,7 @@ impl Core {
         self.refresh(t, q)
     }
 
-    /// Changes the chart where that is due at a converged state, and starts from there from now on.
+    /// Changes the chart at a converged state if needed, and makes the state the new start.
     pub(super) fn settle(
         &mut self,
         t: f64,
@@ -209,13 +208,13 @@ impl Core {
         }
         if !turned {
             let best = self.choose();
-            // What stands in the workspace belongs to the trial chart.
+            // The workspace holds the trial chart.
             if now <= GAIN * best {
                 self.refresh(t, q);
                 return false;
             }
         }
-        self.rewrite(t, None, q, v, a)
+        self.reparametrize(t, None, q, v, a)
     }
 
     pub(super) fn switch(
@@ -230,13 +229,13 @@ impl Core {
         if !independent.is_none_or(fits) || !self.remember(t, q) {
             return false;
         }
-        self.rewrite(t, Some(independent), q, v, a)
+        self.reparametrize(t, Some(independent), q, v, a)
     }
 
-    /// Takes (q, p), velocities and accelerations to another chart: the best one, or the one
-    /// `wanted`. q′ = L′ᵀ(x − x_ref) is linear in x; x, ẋ and ẍ stay, but for rotation vectors
-    /// beyond π, which go to their complements.
-    fn rewrite(
+    /// Transforms (q, p), velocities and accelerations to the best chart, or to the one `wanted`.
+    /// q′ = L′ᵀ(x − x_ref) is linear in x; x, ẋ and ẍ stay the same, but rotation vectors beyond π
+    /// change to their complements.
+    fn reparametrize(
         &mut self,
         t: f64,
         wanted: Option<Option<&[usize]>>,
@@ -295,7 +294,7 @@ impl Core {
         self.refresh(t, q)
     }
 
-    /// Trial chart of chosen coordinates with the equations in use.
+    /// Trial chart of selected coordinates with the equations in use.
     fn split(&mut self, independent: &[usize]) -> f64 {
         let mut trial = Chart {
             L: vec![0.0; self.X * self.D],
@@ -314,7 +313,7 @@ impl Core {
         }
     }
 
-    /// Rotation vectors beyond π to their complements, with rates.
+    /// Changes rotation vectors beyond π to their complements, with rates.
     fn turn(&self, x: &mut [f64], x_dot: &mut [f64], x_ddot: &mut [Vec<f64>]) {
         for &k in &self.about.rotations {
             let three = |x: &[f64]| Vector3::new(x[k], x[k + 1], x[k + 2]);
@@ -335,8 +334,8 @@ impl Core {
         }
     }
 
-    /// The state besides (q, p): anchor, chart and sizes, as numbers.
-    pub(super) fn memory(&self) -> Vec<f64> {
+    /// State besides (q, p), as numbers: anchor, chart and sizes.
+    pub(super) fn save(&self) -> Vec<f64> {
         let mut out = vec![self.anchor.t];
         out.extend(&self.anchor.q);
         out.extend(&self.anchor.x);
@@ -347,14 +346,14 @@ impl Core {
         out
     }
 
-    /// Goes on from what [`Core::memory`] gave; false, and no change, for anything else.
-    pub(super) fn recall(&mut self, memory: &[f64]) -> bool {
+    /// Restores the state from [`Core::save`]; false, without a change, for anything else.
+    pub(super) fn restore(&mut self, saved: &[f64]) -> bool {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
-        let before = self.memory();
-        if memory.len() != before.len() || !memory.iter().all(|x| x.is_finite()) {
+        let before = self.save();
+        if saved.len() != before.len() || !saved.iter().all(|x| x.is_finite()) {
             return false;
         }
-        let mut rest = memory;
+        let mut rest = saved;
         let mut take = |n: usize| -> &[f64] {
             let (head, tail) = rest.split_at(n);
             rest = tail;
@@ -380,7 +379,7 @@ impl Core {
         used == X - D && complete && self.refresh(t, &q)
     }
 
-    pub(super) fn note(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let names = |k: &Vec<usize>| {
             let names: Vec<&str> = k
                 .iter()

@@ -4,29 +4,28 @@ mod derivatives;
 
 use super::super::chart::RANK;
 use super::super::solve::{CONSISTENT, CONVERGED, ROUNDING};
-use super::super::{Choice, Trouble};
+use super::super::{Choice, DomainError};
 use super::Description;
 use super::dense::{Inverse, Pivoted, norm, product};
 use crate::map::Parametrization;
 
-/// Condition number for each unknown, of the best chart there is, from which a singular configuration
-/// is close.
+/// Condition number per unknown, of the best chart, beyond which a singular configuration is near.
 const CLOSE: f64 = 20.0;
-/// Iterations from the last converged state at most.
+/// Largest number of iterations from the last converged state.
 const ITERATIONS: usize = 30;
 
-/// Which coordinates q are, and which equations are used.
+/// Selection of the coordinates q and of the independent equations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Chart {
     /// q = Lᵀ (x − x_ref); X×D.
     pub L: Vec<f64>,
-    /// The unknowns themselves where L picks them.
+    /// The selected unknowns if L picks some.
     pub independent: Option<Vec<usize>>,
-    /// Equations that are used; the others follow from them.
+    /// Equations in use; the others follow from them.
     pub used: Vec<bool>,
 }
 
-/// The map's state, and what was found last.
+/// State of the map, and the last solution.
 pub(super) struct Core {
     pub h: Box<dyn Parametrization>,
     pub about: Description,
@@ -34,16 +33,16 @@ pub(super) struct Core {
     pub X: usize,
     pub M: usize,
     pub D: usize,
-    /// Where q = 0.
+    /// Configuration at q = 0.
     pub reference: Vec<f64>,
     pub chart: Chart,
-    /// The last converged (q, p), x, its derivatives Y by them and P by the equations: Newton's method
-    /// starts from it.
+    /// The last converged (q, p), x, its derivatives Y by them and P by the equations, from which
+    /// Newton's method starts.
     pub anchor: Anchor,
     /// Largest length of each row of h_x so far.
     pub sizes: Vec<f64>,
     pub work: Work,
-    /// Room for the anchor while the way from it is walked in parts.
+    /// Copy of the anchor while the path from it is followed in parts.
     pub parked: Anchor,
 }
 
@@ -56,10 +55,10 @@ pub(super) struct Anchor {
     pub P: Vec<f64>,
 }
 
-/// What was found last, and room to work.
+/// The last solution, and scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work {
-    /// Time and (q, p) of what stands here, where something does.
+    /// Time and (q, p) of the present content, if any.
     t: f64,
     q: Vec<f64>,
     valid: bool,
@@ -97,7 +96,7 @@ pub(super) struct Work {
     pub equations: Pivoted,
     pub columns: Pivoted,
     pub trial: Chart,
-    /// Where the next part of a way ends.
+    /// End of the next part of a path.
     pub stop: Vec<f64>,
 }
 
@@ -118,7 +117,7 @@ impl Clone for Core {
 }
 
 impl Core {
-    /// Makes room for everything.
+    /// Allocates all buffers.
     pub(super) fn reserve(&mut self) {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let (N, Q) = (p + X, D + p);
@@ -167,8 +166,8 @@ impl Core {
         self.h.tangent(t, &w.y, &mut w.h, &mut w.J);
     }
 
-    /// A⁻¹ in a chart at h_y as it stands, into the workspace; the condition number of A with rows
-    /// of unit length and coordinates over their sizes, infinite where it is singular.
+    /// A⁻¹ in a chart at the present h_y, into the workspace; returns the condition number of A
+    /// with rows of unit length and scaled coordinates, infinite if it is singular.
     pub(super) fn factorise(&mut self, trial: bool) -> f64 {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let about = &self.about;
@@ -224,8 +223,8 @@ impl Core {
         w.Y[X * D..].iter_mut().for_each(|y| *y = -*y);
     }
 
-    /// x at (q, p) into the workspace, with A⁻¹; nothing to do where it stands there already.
-    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+    /// Solves for x at (q, p), with A⁻¹, into the workspace; returns at once if it is there already.
+    pub(super) fn solve(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
         if self.work.valid && self.work.t == t && self.work.q == q {
             return Ok(());
         }
@@ -246,7 +245,7 @@ impl Core {
         Ok(())
     }
 
-    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+    pub(super) fn search(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let w = &mut self.work;
         w.y[..p].copy_from_slice(&q[D..]);
@@ -288,8 +287,8 @@ impl Core {
                     relative + 0.0 * size
                 };
             }
-            // Newton's method contracts near the branch of solutions that it started from; where
-            // it does not it may end on another one.
+            // Newton's method contracts near the branch of solutions on which it started; otherwise
+            // it may end on another one.
             let rounding = ROUNDING.max(f64::EPSILON * 10.0 * condition);
             if size <= CONVERGED || (size <= rounding && size > 0.5 * before) {
                 return self.check_unused();
@@ -300,25 +299,26 @@ impl Core {
             before = size;
         }
         let i = self.worst();
-        Err(Trouble::TooFar {
+        Err(DomainError::TooFar {
             equation: self.about.equations[i].name.clone(),
             residual: self.work.h[i],
         })
     }
 
-    /// The largest residual at x(q, p) over what counts as one; not a number where there is no x.
+    /// Largest residual at x(q, p) relative to the sizes of the equations; not a number if there is
+    /// no x.
     pub(super) fn violation(&mut self, t: f64, q: &[f64]) -> f64 {
         if self.solve(t, q).is_err() {
             return f64::NAN;
         }
-        // Newton's method leaves the residual from before its last correction.
+        // Newton's method leaves the residual before its last correction.
         self.linearise(t);
         self.work.valid = false;
         let worst = self.worst();
         (self.work.h[worst] / self.about.equations[worst].size).abs()
     }
 
-    /// The equation that is worst, of what counts as one for it.
+    /// The equation with the largest residual relative to its size.
     pub(super) fn worst(&self) -> usize {
         let off = |i: usize| (self.work.h[i] / self.about.equations[i].size).abs();
         let mut worst = 0;
@@ -330,11 +330,11 @@ impl Core {
         worst
     }
 
-    fn check_unused(&self) -> Result<(), Trouble> {
+    fn check_unused(&self) -> Result<(), DomainError> {
         for i in (0..self.M).filter(|&i| !self.chart.used[i]) {
             let h = self.work.h[i];
             if h.is_nan() || h.abs() > CONSISTENT * self.sizes[i] {
-                return Err(Trouble::Inconsistent {
+                return Err(DomainError::Inconsistent {
                     equation: self.about.equations[i].name.clone(),
                     residual: h,
                 });
@@ -343,9 +343,8 @@ impl Core {
         Ok(())
     }
 
-    /// The singular configuration that a state is close to, if it is: no chart has a fair condition
-    /// number there.
-    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<Trouble> {
+    /// The singular configuration near a state, if any: no chart has a fair condition number there.
+    pub(super) fn close_to_singular(&mut self, at: &Anchor) -> Option<DomainError> {
         let rank = self.X - self.D;
         if rank == 0 {
             return None;
@@ -360,25 +359,25 @@ impl Core {
             return None;
         }
         let (equations, coordinates) = self.dependences_beyond(rank - 1, rank);
-        Some(Trouble::Singular {
+        Some(DomainError::Singular {
             condition,
             equations,
             coordinates,
         })
     }
 
-    fn singular(&mut self) -> Trouble {
+    fn singular(&mut self) -> DomainError {
         let condition = self.work.condition;
         let (equations, coordinates) = self.dependences(self.X - self.D);
-        Trouble::Singular {
+        DomainError::Singular {
             condition,
             equations,
             coordinates,
         }
     }
 
-    /// Makes A⁻¹ and everything else that of x exactly as it stands in the workspace, which is
-    /// what Newton's method starts from next; false where A is singular there.
+    /// Updates A⁻¹ and all operators to the x in the workspace, where Newton's method starts next;
+    /// false if A is singular there.
     pub(super) fn refresh(&mut self, t: f64, q: &[f64]) -> bool {
         self.work.valid = false;
         self.linearise(t);

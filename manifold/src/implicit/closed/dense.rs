@@ -1,4 +1,4 @@
-//! Small matrices whose sizes are known at run time only, column by column in slices.
+//! Small matrices of sizes known only at run time, column by column in slices.
 
 #![allow(non_snake_case)]
 
@@ -34,7 +34,7 @@ pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Four sums side by side: the loop is then done by vectors.
+/// Four sums side by side, for vector instructions.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (mut a, mut b) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -47,34 +47,34 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest.map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// x −= (d·x) d; false where there is nothing along d.
+/// x −= (d·x) d; false if x has no component along d.
 fn subtract(d: &[f64], x: &mut [f64]) -> bool {
     let along = dot(d, x);
     x.iter_mut().zip(d).for_each(|(x, d)| *x -= along * d);
     along != 0.0
 }
 
-/// Columns of a matrix in the order in which they add most to the span of those before: a QR
-/// factorisation with column pivoting, in buffers made once.
+/// QR factorisation with column pivoting, in preallocated buffers: columns in the order in which
+/// they add most to the span of the earlier ones.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pivoted {
     rows: usize,
     rest: Vec<f64>,
-    /// What of each column is left, squared.
+    /// Remaining part of each column, squared.
     squares: Vec<f64>,
     /// The rows of each column that may not be zero.
     ranges: Vec<Range<usize>>,
     /// Columns, the largest first; only the first `steps` entries are pivots.
     pub order: Vec<usize>,
-    /// What of each column, in this order, is not in the span of those before: |r_kk|.
+    /// Part of each column, in this order, outside the span of the earlier ones: |r_kk|.
     pub left: Vec<f64>,
     /// Orthonormal basis of the span, column by column in the same order; zero beyond the rank.
     pub basis: Vec<f64>,
 }
 
 impl Pivoted {
-    /// Factorises `A`, of `rows` rows. A column of which little is left is made
-    /// orthogonal twice, which is enough.
+    /// Factorises `A`, of `rows` rows. A column with a small remainder is orthogonalised twice,
+    /// which is enough.
     pub(super) fn run(&mut self, rows: usize, A: &[f64]) {
         let columns = A.len().checked_div(rows).unwrap_or(0);
         let steps = rows.min(columns);
@@ -98,7 +98,7 @@ impl Pivoted {
             self.ranges.push(first..last + 1);
         }
         for k in 0..steps {
-            // The first of equal ones, so that rounding does not decide between ties.
+            // The first of equal ones, so that rounding does not decide ties.
             let mut best = k;
             for j in k + 1..columns {
                 let now = self.squares[self.order[best]];
@@ -137,7 +137,7 @@ impl Pivoted {
         }
     }
 
-    /// How many columns are independent: what they add exceeds `tolerance` of the first.
+    /// Number of independent columns: those whose part exceeds `tolerance` of the first.
     pub(super) fn rank(&self, tolerance: f64) -> usize {
         let first = self.left.first().copied().unwrap_or(0.0);
         let enough = |left: &&f64| **left > tolerance * first;
@@ -150,17 +150,16 @@ impl Pivoted {
     }
 }
 
-/// The inverse of a matrix, by triangular factors of which only what is not zero is walked through:
-/// every equation has few unknowns.
+/// Inverse of a matrix by sparse triangular factors: every equation has few unknowns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Inverse {
-    /// Row of the matrix behind each row of the factors.
+    /// Row of the matrix for each row of the factors.
     rows: Vec<usize>,
     lower: Entries,
     upper: Entries,
 }
 
-/// What is not zero of a triangular matrix without its diagonal: row and value, column by column.
+/// Nonzeros of a triangular matrix without its diagonal: row and value, column by column.
 #[derive(Clone, Debug, Default)]
 struct Entries {
     starts: Vec<usize>,
@@ -178,7 +177,7 @@ impl Entries {
         &self.entries[self.starts[column]..self.starts[column + 1]]
     }
 
-    /// The next column: what is not zero among `rows` of a full one.
+    /// Appends a column: the nonzeros among `rows` of a full one.
     fn push(&mut self, rows: std::ops::Range<usize>, column: &[f64]) {
         let all = rows.map(|i| (i, column[i]));
         self.entries.extend(all.filter(|(_, a)| *a != 0.0));
@@ -187,7 +186,7 @@ impl Entries {
 }
 
 impl Inverse {
-    /// Room for any factors of an n×n matrix.
+    /// Reserves space for any factors of an n×n matrix.
     pub(super) fn reserve(&mut self, n: usize) {
         self.rows.reserve(n);
         for part in [&mut self.lower, &mut self.upper] {
@@ -235,7 +234,7 @@ impl Inverse {
         true
     }
 
-    /// Triangular factors in the place of `A`.
+    /// Factorises `A` in place.
     fn factorise(&mut self, n: usize, A: &mut [f64]) -> bool {
         self.rows.clear();
         self.rows.extend(0..n);

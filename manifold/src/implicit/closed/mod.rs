@@ -1,15 +1,15 @@
-//! Implicit constraints whose sizes are known at run time only: loops of joints.
+//! Implicit constraints of sizes known only at run time: loops of joints.
 //!
-//! The same mathematics as [`Solved`](super::Solved), with two more things. The equations
-//! h(t, p, x) = 0 have **parameters** p beside the unknowns x: driven coordinates, the frame that
-//! carries the loop. They stand behind q among the coordinates of the map (q, p) ↦ x, and
+//! Extends [`Solved`](super::Solved) in two respects. The equations h(t, p, x) = 0 have
+//! **parameters** p beside the unknowns x: prescribed coordinates, the frame that carries the loop.
+//! They follow q in the coordinates of the map (q, p) ↦ x, and
 //!
 //! ```text
 //! ∂x/∂p = −P h_p       Z = [0 1; B_q B_p] = ∂(p, x)/∂(q, p)
 //! Ḃ = −P ḣ_y Z         B̈ = −P (ḧ_y Z + 2 ḣ_y Ż)         K_σ(f) = −Zᵀ (Σ λ_i D²h_i) Z
 //! ```
 //!
-//! with y = (p, x). And how many of the x are free is found by the rank of h_x, not given.
+//! with y = (p, x). The number of free x is found from the rank of h_x.
 
 #![allow(non_snake_case)]
 #![allow(
@@ -24,7 +24,7 @@ mod names;
 mod start;
 mod walk;
 
-use super::{ImplicitError, Trouble};
+use super::{DomainError, ImplicitError};
 use crate::map::{KinematicsMut, Parametrization};
 use crate::system::ChartChanges;
 pub(super) use start::aside;
@@ -37,10 +37,10 @@ pub struct Unknown {
     pub name: String,
     /// Typical size in its unit: 1 for an angle, a length of the mechanism for a length.
     pub size: f64,
-    /// A value that it should start with.
+    /// Desired initial value.
     pub start: Option<f64>,
-    /// Between 0 and 1: how gladly it is taken for one of the q at the start, where the condition
-    /// number allows that.
+    /// Preference as an independent coordinate at the start, from 0 to 1, as far as the condition
+    /// number allows.
     pub preference: f64,
 }
 
@@ -49,37 +49,37 @@ pub struct Unknown {
 pub struct Equation {
     /// Name, for messages.
     pub name: String,
-    /// What counts as one in its unit: 1 for an angle, a length of the mechanism for a gap.
+    /// Size in its unit: 1 for an angle, a length of the mechanism for a gap.
     pub size: f64,
 }
 
-/// Names and sizes of what a [`Closed`] constraint is made of.
+/// Names and sizes for a [`Closed`] constraint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
     /// The unknowns x.
     pub unknowns: Vec<Unknown>,
-    /// First of each three unknowns that are a rotation vector: they change their chart at ψ > π.
+    /// First of each three unknowns that are a rotation vector; its chart changes at ψ > π.
     pub rotations: Vec<usize>,
     /// The equations.
     pub equations: Vec<Equation>,
-    /// What each of the parameters p belongs to, for messages.
+    /// Name of the owner of each parameter p, for messages.
     pub parameters: Vec<String>,
 }
 
 /// The map (q, p) ↦ x of equations h(t, p, x) = 0, solved for x in D = X − rank(h_x) of its own
 /// coordinates and the parameters p.
 ///
-/// q = 0 is the configuration at which it was made. The split of x into q and dependent coordinates
-/// is changed in the run as for [`Solved`](super::Solved), but only where it has become bad; where no split is good q are coordinates
-/// in the tangent space.
+/// q = 0 is the initial configuration. The split of x into q and dependent coordinates changes
+/// during a run as for [`Solved`](super::Solved), but only when it becomes bad; if no split is
+/// good, q are coordinates in the tangent space.
 pub struct Closed(Mutex<core::Core>);
 
 impl Closed {
     /// Assembles the equations at time `t` and parameters `p`: `h` takes (p, x) to the residuals.
     ///
-    /// The unknowns start at zero, or where [`Unknown::start`] says. If they are closed at zero,
-    /// those values are approached in steps, so that the mechanism stays on its branch. Of values that
-    /// do not fit together as many are kept as do, in the order of the unknowns; the others are a
+    /// The unknowns start at zero, or at [`Unknown::start`]. If the loop is closed at zero, these
+    /// values are approached in steps, so that the mechanism stays on its branch. If they are
+    /// inconsistent, as many as possible are kept, in the order of the unknowns; the others are a
     /// first guess ([`Closed::displaced`]).
     ///
     /// # Errors
@@ -106,8 +106,7 @@ impl Closed {
         self.core().reference.clone()
     }
 
-    /// The unknowns that do not start where [`Unknown::start`] says, as it does not fit, and where
-    /// they start instead.
+    /// The unknowns that cannot start at [`Unknown::start`], and their actual initial values.
     pub fn displaced(&self) -> Vec<(usize, f64)> {
         let core = self.core();
         let off = |k: &usize| {
@@ -124,12 +123,12 @@ impl Closed {
         self.core().D
     }
 
-    /// The unknowns that q are; `None` in the tangent space.
+    /// The unknowns selected as q; `None` in the tangent space.
     pub fn independent(&self) -> Option<Vec<usize>> {
         self.core().chart.independent.clone()
     }
 
-    /// Condition number of A at (q, p); infinite where the equations cannot be solved.
+    /// Condition number of A at (q, p); infinite if the equations cannot be solved.
     pub fn condition(&self, t: f64, q: &[f64]) -> f64 {
         let mut core = self.core();
         match core.solve(t, q) {
@@ -138,10 +137,10 @@ impl Closed {
         }
     }
 
-    /// Changes the chart at (q, p) whether that is due or not: to the unknowns `independent` as q,
-    /// or to the tangent space there. False, and no change, where they do not determine x.
+    /// Changes the chart at (q, p) in any case: to the unknowns `independent` as q, or to the
+    /// tangent space there. False, without a change, if they do not determine x.
     ///
-    /// `q`, its velocity `v` and accelerations `a` hold those of the parameters behind those of q.
+    /// The parameters follow q in `q`, in its velocity `v` and in the accelerations `a`.
     pub fn switch(
         &mut self,
         t: f64,
@@ -180,17 +179,17 @@ impl Parametrization for Closed {
         let core = self.core_mut();
         core.remember(t, q);
         if core.D == 0 {
-            // Nobody asks for other coordinates where there are none.
+            // There are no other coordinates to choose.
             core.settle(t, &mut q.to_vec(), &mut vec![0.0; q.len()], &mut []);
         }
         ChartChanges::default()
     }
 
-    fn rewrite(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
+    fn reparametrize(&mut self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [Vec<f64>]) -> bool {
         self.core_mut().settle(t, q, v, a)
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         self.core().D > 0
     }
 
@@ -198,26 +197,26 @@ impl Parametrization for Closed {
         "the positions that its equations allow"
     }
 
-    fn trouble(&self, t: f64, q: &[f64]) -> Option<String> {
+    fn domain_error(&self, t: f64, q: &[f64]) -> Option<String> {
         self.core().solve(t, q).err().map(advised)
     }
 
-    fn doubt(&self) -> Option<String> {
+    fn singularity_warning(&self) -> Option<String> {
         let mut core = self.core();
         let from = core.anchor.clone();
         core.close_to_singular(&from).map(advised)
     }
 
-    fn note(&self) -> Option<String> {
-        Some(self.core().note())
+    fn describe(&self) -> Option<String> {
+        Some(self.core().describe())
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.core().memory()
+    fn save(&self) -> Vec<f64> {
+        self.core().save()
     }
 
-    fn recall(&mut self, memory: &[f64]) -> bool {
-        self.core_mut().recall(memory)
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        self.core_mut().restore(saved)
     }
 
     fn freeze_piece(&mut self, at: Option<(f64, &[f64])>) {
@@ -225,7 +224,7 @@ impl Parametrization for Closed {
         let Some((t, q)) = at else {
             return core.h.freeze_piece(None);
         };
-        // Where nothing can be found, every law that is asked there says so.
+        // If there is no solution, all conformance checks report it.
         if core.solve(t, q).is_ok() {
             core.h.freeze_piece(Some((t, &core.work.y)));
         }
@@ -263,11 +262,11 @@ impl Parametrization for Closed {
     }
 }
 
-/// What there is to say, and to do.
-fn advised(trouble: Trouble) -> String {
-    match trouble {
-        Trouble::Singular { .. } | Trouble::Crossed => format!(
-            "{trouble}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
+/// The message with a remedy.
+fn advised(error: DomainError) -> String {
+    match error {
+        DomainError::Singular { .. } | DomainError::Crossed => format!(
+            "{error}; a map ends at a singular position: `closure = \"multipliers\"` goes through"
         ),
         other => other.to_string(),
     }

@@ -1,17 +1,17 @@
-//! Which equations depend on which, and which coordinates they leave undetermined, in words.
+//! Messages: which equations depend on which, and which coordinates they leave undetermined.
 
-use super::super::Trouble;
+use super::super::DomainError;
 use super::super::chart::RANK;
 use super::super::names::list;
 use super::core::Core;
 use super::dense::Pivoted;
 use super::start::{ASIDE, aside};
 
-/// Coefficients and components below this are not worth naming.
+/// Coefficients and components below this are not named.
 const SMALL: f64 = 1e-4;
 
 impl Core {
-    /// What the chosen ones among the parameters belong to, each once.
+    /// Names of the owners of the selected parameters, each once.
     pub(super) fn driven(&self, chosen: impl Fn(usize) -> bool) -> String {
         let mut names: Vec<String> = Vec::new();
         for (j, name) in self.about.parameters.iter().enumerate() {
@@ -22,9 +22,9 @@ impl Core {
         list(&names)
     }
 
-    /// Why an equation that was redundant does not follow any more, at h_y as it stands: because of
-    /// the parameters where it changes with them although the others hold.
-    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> Trouble {
+    /// Why an equation that was redundant does not follow any more, at the present h_y: the
+    /// parameters, if it changes with them while the others hold.
+    pub(super) fn contradicted(&mut self, equation: String, residual: f64) -> DomainError {
         self.operators();
         let (p, X, M, D) = (self.p, self.X, self.M, self.D);
         let found = self.about.equations.iter().position(|e| e.name == equation);
@@ -34,17 +34,16 @@ impl Core {
             (w.J[i + j * M] + along.sum::<f64>()).abs() / self.sizes[i]
         };
         match found.filter(|&i| (0..p).any(|j| slope(i, j) > SMALL)) {
-            Some(i) => Trouble::Overdriven {
+            Some(i) => DomainError::Overdriven {
                 driven: self.driven(|j| slope(i, j) > SMALL),
                 equation,
                 residual,
             },
-            None => Trouble::Inconsistent { equation, residual },
+            None => DomainError::Inconsistent { equation, residual },
         }
     }
 
-    /// Equations whose gradients are needed to write that of equation `i`, at h_y as it stands:
-    /// those that it depends on.
+    /// Names of the equations on which equation `i` depends, at the present h_y.
     pub(super) fn others(&mut self, i: usize) -> String {
         let X = self.X;
         self.rank_equations();
@@ -77,16 +76,16 @@ impl Core {
         }
     }
 
-    /// The equations beyond the rank (the weakest if all `expected` are there), each with those
-    /// that it depends on, and the unknowns that can move although the equations hold.
+    /// Equations beyond the rank (the weakest if all `expected` are independent), each with those
+    /// on which it depends, and the unknowns that can move while the equations hold.
     pub(super) fn dependences(&mut self, expected: usize) -> (String, String) {
         self.rank_equations();
         let rank = self.work.equations.rank(RANK);
         self.dependences_beyond(rank, expected)
     }
 
-    /// Which equations say something a little aside of x, whether they do so at x or not: those of a
-    /// plane mechanism out of its plane do not.
+    /// Which equations are nontrivial near x, even if they are trivial at x: those of a planar
+    /// mechanism out of its plane are not.
     fn speak_aside(&mut self) -> Vec<bool> {
         let (p, X, M, t) = (self.p, self.X, self.M, self.anchor.t);
         let y = self.work.y.clone();
@@ -104,14 +103,14 @@ impl Core {
         speak
     }
 
-    /// The same of the equations beyond a rank that is given: the weakest of those that are still
-    /// independent, where a singular configuration is close.
+    /// As [`Core::dependences`] for equations beyond a given rank: the weakest of the independent
+    /// ones near a singular configuration.
     pub(super) fn dependences_beyond(&mut self, rank: usize, expected: usize) -> (String, String) {
         let X = self.X;
         let speak = self.speak_aside();
         self.rank_equations();
         let equations = self.work.equations.clone();
-        // Equations that say nothing in this mechanism (out of its plane) are not worth naming.
+        // Trivial equations of this mechanism (out of its plane) are not named.
         let mut weak: Vec<usize> = (equations.order.iter().skip(rank.min(self.M - 1)).copied())
             .filter(|&i| {
                 self.work.scaled[i * X..(i + 1) * X]
@@ -136,7 +135,7 @@ impl Core {
             .map(|k| self.about.unknowns[k].name.clone())
             .collect();
         let dependent = if dependent.is_empty() {
-            // Its gradient has vanished altogether.
+            // Its gradient has vanished.
             let beyond = &equations.order[rank.min(self.M - 1)..];
             let weakest = beyond.iter().find(|&&i| speak[i]).unwrap_or(&beyond[0]);
             let name = &self.about.equations[*weakest].name;

@@ -1,4 +1,4 @@
-//! The first configuration: h(t, p, x) = 0 from a guess, before there are coordinates q.
+//! The first configuration: h(t, p, x) = 0 from a guess, before coordinates q exist.
 
 use super::super::ImplicitError;
 use super::super::chart::RANK;
@@ -9,9 +9,9 @@ use crate::map::Parametrization;
 
 /// Iterations at most.
 const ITERATIONS: usize = 200;
-/// Steps from the configuration that is drawn to the one that is asked for.
+/// Number of steps from the drawn configuration to the requested one.
 const STAGES: usize = 32;
-/// Distance (relative to sizes) at which the rank is looked at again, to tell a singular
+/// Distance (relative to sizes) at which the rank is checked again, to distinguish a singular
 /// configuration from a mechanism that moves.
 pub(super) const ASIDE: f64 = 1e-3;
 
@@ -81,7 +81,7 @@ impl Core {
         Ok(core)
     }
 
-    /// x that satisfies the equations, from zero or the values that are asked for.
+    /// Finds x that satisfies the equations, from zero or from the desired values.
     fn close(&mut self, t: f64) -> Result<(), ImplicitError> {
         let p = self.p;
         let free = vec![false; self.X];
@@ -99,9 +99,9 @@ impl Core {
         if self.approach(t, drawn.as_deref(), &held) {
             return Ok(());
         }
-        // As many as close it, one after the other.
-        let asked = std::mem::replace(&mut held, free.clone());
-        for k in (0..self.X).filter(|&k| asked[k]) {
+        // As many as can be satisfied, one after the other.
+        let wanted = std::mem::replace(&mut held, free.clone());
+        for k in (0..self.X).filter(|&k| wanted[k]) {
             held[k] = true;
             held[k] = self.approach(t, drawn.as_deref(), &held);
         }
@@ -112,9 +112,9 @@ impl Core {
         self.newton(t, &free)
     }
 
-    /// Closes the loop with the values that are asked for where `held` says so. Where it is closed as
-    /// it is drawn these are approached in steps, on one branch; if that fails, or is not so, they and
-    /// all other values are a first guess.
+    /// Closes the loop with the desired values of the unknowns in `held`. If it is closed as drawn,
+    /// they are approached in steps, on one branch; if that fails, these and all other values are a
+    /// first guess.
     fn approach(&mut self, t: f64, drawn: Option<&[f64]>, held: &[bool]) -> bool {
         let p = self.p;
         let wanted: Vec<Option<f64>> = self.about.unknowns.iter().map(|u| u.start).collect();
@@ -138,8 +138,8 @@ impl Core {
         self.newton(t, held).is_ok()
     }
 
-    /// Newton's method with steps of least length (of unknowns over their sizes), at most 1 long,
-    /// on the independent equations; the unknowns in `held` stay.
+    /// Newton's method with steps of least length (of scaled unknowns), at most 1 long, on the
+    /// independent equations; the unknowns in `held` stay fixed.
     fn newton(&mut self, t: f64, held: &[bool]) -> Result<(), ImplicitError> {
         let (p, X, M) = (self.p, self.X, self.M);
         let mut before = f64::INFINITY;
@@ -217,8 +217,8 @@ impl Core {
         }
     }
 
-    /// Looks at the rank a little aside. Where it is larger there, or where nothing can move that
-    /// far although the rank says so, the configuration is singular.
+    /// Checks the rank beside the configuration. If it is larger there, or if nothing can move that
+    /// far although the rank allows it, the configuration is singular.
     fn look_aside(&mut self, t: f64, rank: usize) -> Result<(), ImplicitError> {
         let (p, X) = (self.p, self.X);
         if rank == X {

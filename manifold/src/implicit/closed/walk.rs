@@ -1,23 +1,24 @@
-//! The way from the last converged state to another one, on one branch of solutions.
+//! Path from the last converged state to another one, on one branch of solutions.
 
-use super::super::Trouble;
+use super::super::DomainError;
 use super::core::Core;
 use std::f64::consts::PI;
 
-/// Condition number for each unknown over the steepest slope up to which x leaves the reach of what is
-/// driven.
+/// Condition number per unknown over the steepest slope below which x is at the limit of a
+/// prescribed motion.
 const STEEP: f64 = 5.0;
-/// Parts into which a step is divided at most.
+/// Largest number of parts of a step.
 const PARTS: usize = 64;
 
 impl Core {
-    /// x at (q, p) and its operators into the workspace. Newton's method alone may end on another
-    /// branch: where the equations change by too much to exclude one, the way is walked in smaller parts.
-    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), Trouble> {
+    /// Solves for x at (q, p) and its operators, into the workspace. Newton's method alone may end
+    /// on another branch: if the equations change by too much to exclude that, the path is followed
+    /// in smaller parts.
+    pub(super) fn follow(&mut self, t: f64, q: &[f64]) -> Result<(), DomainError> {
         let Err(first) = self.part(t, q, true) else {
             return Ok(());
         };
-        // A parameter that has changed its chart is far away, and x is where it was.
+        // A parameter that has changed its chart is far away, but x is the same.
         let moved = (self.D..q.len()).map(|j| (q[j] - self.anchor.q[j]).powi(2));
         if moved.sum::<f64>().sqrt() > PI && self.part(t, q, false).is_ok() {
             return Ok(());
@@ -35,16 +36,17 @@ impl Core {
             parts *= 2;
         };
         std::mem::swap(&mut self.anchor, &mut self.parked);
-        outcome.map_err(|trouble| match trouble {
-            Trouble::Inconsistent { equation, residual } => self.contradicted(equation, residual),
+        outcome.map_err(|error| match error {
+            DomainError::Inconsistent { equation, residual } => {
+                self.contradicted(equation, residual)
+            }
             other => self.explained(other),
         })
     }
 
-    /// Why the way ends where it has, the parked position: at the end of what is driven, where the
-    /// slopes of x with it grow like the condition number, or at a singular configuration, where they
-    /// do not.
-    fn explained(&mut self, trouble: Trouble) -> Trouble {
+    /// Why the path ends at the parked position: at the limit of a prescribed motion, where the slopes
+    /// of x grow like the condition number, or at a singular configuration, where they do not.
+    fn explained(&mut self, error: DomainError) -> DomainError {
         let reached = self.parked.clone();
         let singular = self.close_to_singular(&reached);
         if self.p > 0 && (self.D == 0 || singular.is_some()) {
@@ -54,20 +56,20 @@ impl Core {
                 over.fold(most, |most, (y, u)| f64::max(most, (y / u.size).abs()))
             });
             match singular {
-                Some(Trouble::Singular { condition, .. })
+                Some(DomainError::Singular { condition, .. })
                     if steepest * STEEP * self.X as f64 > condition => {}
                 Some(singular) => return singular,
                 None => {}
             }
-            return Trouble::OutOfReach {
+            return DomainError::OutOfReach {
                 driven: self.driven(|_| true),
             };
         }
-        singular.unwrap_or(trouble)
+        singular.unwrap_or(error)
     }
 
-    /// From the parked anchor in equal parts along a straight line.
-    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), Trouble> {
+    /// Follows equal parts of a straight line from the parked anchor.
+    fn walk(&mut self, t: f64, q: &[f64], parts: usize) -> Result<(), DomainError> {
         self.anchor.clone_from(&self.parked);
         let mut next = std::mem::take(&mut self.work.stop);
         let mut outcome = Ok(());
@@ -95,22 +97,22 @@ impl Core {
         outcome
     }
 
-    /// One part of the way, by Newton's method, from where the slopes at its beginning lead.
-    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), Trouble> {
+    /// One part of the path by Newton's method, predicted by the slopes at its beginning.
+    fn part(&mut self, t: f64, q: &[f64], follow: bool) -> Result<(), DomainError> {
         self.search(t, q, follow)?;
         self.operators();
         if !follow {
             return Ok(());
         }
         if self.changed() >= 1.0 {
-            return Err(Trouble::Crossed);
+            return Err(DomainError::Crossed);
         }
         Ok(())
     }
 
-    /// How much the equations have changed since the anchor, ‖(h_x − h_x₀) P₀‖ with equations over their
-    /// sizes. Below one A is regular all along the segment between the two positions (Neumann's series);
-    /// across a singular configuration, where branches meet, it is one or more however short the way.
+    /// Change of the equations since the anchor, ‖(h_x − h_x₀) P₀‖ with scaled equations. Below one, A
+    /// is regular on the whole segment between the two positions (Neumann's series); across a singular
+    /// configuration, where branches meet, it is at least one, however short the segment.
     fn changed(&self) -> f64 {
         let (p, X, M, w) = (self.p, self.X, self.M, &self.work);
         let used = |i: &usize| self.chart.used[*i];

@@ -112,9 +112,9 @@ fn derivatives_are_those_of_fixed_size_with_redundant_equations() {
     let mut closed = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
     assert_eq!(closed.freedoms(), 3);
     assert!(
-        closed.note().unwrap().contains("redundant: "),
+        closed.describe().unwrap().contains("redundant: "),
         "{:?}",
-        closed.note()
+        closed.describe()
     );
     let (mut q, mut v) = ([0.0; 3], [0.0; 3]);
     assert!(closed.switch(T, Some(&[0, 1, 2]), &mut q, &mut v, &mut []));
@@ -197,8 +197,8 @@ fn a_change_of_chart_keeps_the_motion_and_can_be_recalled() {
     }
     // A fresh one that recalls what this one remembers is the same to the last bit.
     let mut fresh = Closed::new(Twice.boxed(), about(starts.as_slice(), 4), T, &[]).unwrap();
-    assert!(!fresh.recall(&closed.memory()[1..]));
-    assert!(fresh.recall(&closed.memory()));
+    assert!(!fresh.restore(&closed.save()[1..]));
+    assert!(fresh.restore(&closed.save()));
     let next = [q[0] + 0.02, q[1], q[2] - 0.01];
     let [one, other] = [&closed, &fresh].map(|map| everything(map, &next, &v, &a[0], &f));
     assert_eq!(one, other);
@@ -345,7 +345,7 @@ fn a_split_is_kept_until_its_condition_is_ten_for_each_unknown() {
         // Towards the position where the first coordinate has no slope.
         q[0] = (0.5 * (1.0 - 0.002 * f64::from(k))).cos() - 0.5_f64.cos();
         let condition = closed.condition(0.0, &q);
-        if closed.rewrite(0.0, &mut q, &mut [0.0], &mut []) {
+        if closed.reparametrize(0.0, &mut q, &mut [0.0], &mut []) {
             assert!((20.0..21.0).contains(&condition), "{condition}");
             assert_eq!(closed.independent(), Some(vec![1]));
             return;

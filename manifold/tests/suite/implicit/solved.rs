@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use pullback_conformance as check;
 use pullback_manifold::implicit::{Choice, Implicit, ImplicitError, Solved};
-use pullback_manifold::map::{Composed, Kinematics, Linear, Map, Rewritten};
+use pullback_manifold::map::{Composed, Kinematics, Linear, Map, Reparametrized};
 use pullback_manifold::scalar::Scalar;
 
 /// A four-bar linkage: absolute angles of crank, coupler, rocker; ground pivots `d` apart. The
@@ -231,7 +231,7 @@ impl Map<1, 3> for Planted {
         if self.error == "sign of K" { -K } else { K }
     }
 
-    fn rewrites(&self) -> bool {
+    fn reparametrizes(&self) -> bool {
         true
     }
 }
@@ -301,7 +301,7 @@ fn errors_in_a_change_of_coordinates_are_found() {
         let back = |m: &mut Planted,
                     q: &SVector<f64, 1>,
                     v: &SVector<f64, 1>|
-         -> Option<Rewritten<1>> { m.map.switch(t, q, v, Some(own)) };
+         -> Option<Reparametrized<1>> { m.map.switch(t, q, v, Some(own)) };
         let report = check::rewriting(&planted, t, &q, &change, Some(&back));
         assert_eq!(broken(&report), laws, "{error}: {report}");
     }
@@ -352,7 +352,7 @@ fn splits_change_where_others_are_better() {
             worst = worst.max(Pins.h(0.0, &x).norm());
             let (v, a) = (SVector::<f64, 1>::new(0.3), SVector::<f64, 1>::new(-0.2));
             let before = map.kinematics(0.0, &q, &v, &a);
-            if let Some(new) = map.rewrite(0.0, &q, &v) {
+            if let Some(new) = map.reparametrize(0.0, &q, &v) {
                 changes += 1;
                 let after = map.kinematics(0.0, &new.q, &new.v, &(new.B * a + new.c));
                 assert!((after.x - before.x).norm() < 1e-14);
@@ -379,7 +379,7 @@ fn redundant_equations_are_named_and_dropped() {
     let map = Solved::<_, 1, 4, 4>::new(Redundant { shift: 0.0 }, 0.0, guess).unwrap();
     assert_eq!(map.redundant().len(), 1);
     assert!(["a", "b", "c"].contains(&map.redundant()[0].as_str()));
-    let note = map.note().unwrap();
+    let note = map.describe().unwrap();
     assert!(note.contains("redundant: "), "{note}");
     let error = Solved::<_, 1, 4, 4>::new(Redundant { shift: 1e-3 }, 0.0, guess).unwrap_err();
     let ImplicitError::Inconsistent {
@@ -427,7 +427,7 @@ fn singular_configurations_are_named() {
     assert!(map.margin(0.0, &SVector::zeros()) > 0.0);
     let q = SVector::<f64, 1>::new(-map.reference()[map.independent().unwrap()[0]]);
     assert!(map.margin(0.0, &q) <= 0.0);
-    let words = map.trouble(0.0, &q).unwrap();
+    let words = map.domain_error(0.0, &q).unwrap();
     assert!(words.contains("closure along"), "{words}");
     assert!(map.phi(0.0, &q).iter().all(|x| x.is_nan()));
     // Parts that do not fit together.
@@ -448,7 +448,7 @@ fn solved_constraints_compose() {
     let q = SVector::<f64, 1>::new(0.05);
     let x = inner.phi(0.0, &q);
     assert_eq!(map.phi(0.0, &q)[0], x[2]);
-    assert!(map.rewrites() && map.note().is_some());
+    assert!(map.reparametrizes() && map.describe().is_some());
 }
 
 /// Equation c follows from a and b at t = 0, and is off by a little later.
@@ -543,12 +543,12 @@ fn corrections_of_rounding_errors_end_near_a_singular_place() {
         angle *= 0.97;
         let q = SVector::<f64, 1>::new(angle.cos() - from);
         assert!(
-            map.trouble(0.0, &q).is_none(),
+            map.domain_error(0.0, &q).is_none(),
             "at {angle}: {:?}",
-            map.trouble(0.0, &q)
+            map.domain_error(0.0, &q)
         );
         let y = map.phi(0.0, &q)[1];
         assert!((y - angle.sin()).abs() < 1e-15 / angle, "at {angle}: {y}");
-        assert!(map.rewrite(0.0, &q, &SVector::zeros()).is_none());
+        assert!(map.reparametrize(0.0, &q, &SVector::zeros()).is_none());
     }
 }

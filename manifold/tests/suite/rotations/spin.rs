@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
 use pullback_manifold::quotients::Quotients;
-use pullback_manifold::so3::{Spin, Spins, T_dot_psi_dot, rotation, tangent};
+use pullback_manifold::so3::{Spin, T_dot_psi_dot, VelocityKind, rotation, tangent};
 
 fn cases() -> [[Vector3<f64>; 3]; 4] {
     let [Omega, Omega_dot] = [Vector3::new(1.1, -0.4, 0.7), Vector3::new(-2.0, 0.3, 1.6)];
@@ -20,18 +20,23 @@ fn cases() -> [[Vector3<f64>; 3]; 4] {
 #[test]
 fn rates_give_the_spins_that_they_come_from() {
     for [theta, Omega, Omega_dot] in cases() {
-        let s = Spin::rates(Spins::Material, &theta, &Omega, &Omega_dot);
+        let s = Spin::rates(VelocityKind::Material, &theta, &Omega, &Omega_dot);
         let T = tangent(&theta);
         let more = T_dot_psi_dot(&s.theta_dot, &theta, &Quotients::new(theta.norm()));
         assert!((T * s.theta_dot - Omega).norm() < 1e-14);
         assert!((T * s.theta_ddot + more - Omega_dot).norm() < 1e-13);
         // The same motion by its spatial spins: w = R Ω, and ẇ = R (Ω̇ + Ω×Ω).
         let R = rotation(&theta);
-        let w = Spin::rates(Spins::Spatial, &theta, &(R * Omega), &(R * Omega_dot));
+        let w = Spin::rates(
+            VelocityKind::Spatial,
+            &theta,
+            &(R * Omega),
+            &(R * Omega_dot),
+        );
         assert!((w.theta_dot - s.theta_dot).norm() < 1e-14);
         assert!((w.theta_ddot - s.theta_ddot).norm() < 1e-13);
         // And with the rate in the body beside the velocity in the frame.
-        let m = Spin::rates(Spins::Mixed, &theta, &(R * Omega), &Omega_dot);
+        let m = Spin::rates(VelocityKind::Mixed, &theta, &(R * Omega), &Omega_dot);
         assert!((m.theta_dot - s.theta_dot).norm() < 1e-14);
         assert!((m.theta_ddot - s.theta_ddot).norm() < 1e-13);
     }
@@ -39,7 +44,11 @@ fn rates_give_the_spins_that_they_come_from() {
 
 #[test]
 fn their_variation_is_their_derivative() {
-    let all = [Spins::Material, Spins::Spatial, Spins::Mixed];
+    let all = [
+        VelocityKind::Material,
+        VelocityKind::Spatial,
+        VelocityKind::Mixed,
+    ];
     let cases = cases().into_iter().flat_map(|case| all.map(|s| (s, case)));
     for (spins, [theta, Omega, Omega_dot]) in cases {
         let spin = Spin::rates(spins, &theta, &Omega, &Omega_dot);
@@ -73,35 +82,38 @@ fn their_variation_is_their_derivative() {
 #[test]
 fn an_increment_remembers_where_it_is_centred() {
     let q = nalgebra::Vector3::new(0.3, -0.2, 0.5);
-    let mut one = Increment::spinning(Spins::Material);
+    let mut one = Increment::with_velocities(VelocityKind::Material);
     // The first rewriting takes rates of coordinates to spins, later ones leave spins alone.
-    assert_eq!(Map::<3, 3>::spins(&one), None);
+    assert_eq!(Map::<3, 3>::velocity_kind(&one), None);
     let v = Vector3::new(1.0, 2.0, 3.0);
-    let new = one.rewrite(0.0, &q, &v).unwrap();
+    let new = one.reparametrize(0.0, &q, &v).unwrap();
     assert!((new.v - tangent(&q) * v).norm() < 1e-15);
-    assert_eq!(Map::<3, 3>::spins(&one), Some(Spins::Material));
-    assert_eq!(one.rewrite(0.0, &q, &v).unwrap().v, v);
+    assert_eq!(
+        Map::<3, 3>::velocity_kind(&one),
+        Some(VelocityKind::Material)
+    );
+    assert_eq!(one.reparametrize(0.0, &q, &v).unwrap().v, v);
     // Spatial ones stay where they are: seen from the new Rₙ they have turned back.
-    let mut spatial = Increment::spinning(Spins::Spatial);
-    spatial.rewrite(0.0, &q, &v).unwrap();
-    let new = spatial.rewrite(0.0, &q, &v).unwrap();
+    let mut spatial = Increment::with_velocities(VelocityKind::Spatial);
+    spatial.reparametrize(0.0, &q, &v).unwrap();
+    let new = spatial.reparametrize(0.0, &q, &v).unwrap();
     assert!((rotation(&q) * new.v - v).norm() < 1e-14);
     assert!((rotation(&q) * new.B * v - v).norm() < 1e-14 && new.c == Vector3::zeros());
     // Of mixed ones the velocity turns back, and the rate in the body stays.
-    let mut mixed = Increment::spinning(Spins::Mixed);
-    mixed.rewrite(0.0, &q, &v).unwrap();
-    let new = mixed.rewrite(0.0, &q, &v).unwrap();
+    let mut mixed = Increment::with_velocities(VelocityKind::Mixed);
+    mixed.reparametrize(0.0, &q, &v).unwrap();
+    let new = mixed.reparametrize(0.0, &q, &v).unwrap();
     assert!((rotation(&q) * new.v - v).norm() < 1e-14);
     assert!(new.B == Matrix3::identity() && new.c == Vector3::zeros());
-    // From its memory another one goes on at the same position.
-    let memory = Map::<3, 3>::memory(&one);
-    let mut other = Increment::spinning(Spins::Material);
-    assert!(Map::<3, 3>::recall(&mut other, &memory));
+    // From its saved another one goes on at the same position.
+    let saved = Map::<3, 3>::save(&one);
+    let mut other = Increment::with_velocities(VelocityKind::Material);
+    assert!(Map::<3, 3>::restore(&mut other, &saved));
     assert_eq!(one, other);
     let R = rotation(&q) * rotation(&q) * rotation(&q);
     assert!((rotation(&other.phi(0.0, &q)) - R).norm() < 1e-14);
     for wrong in [&[][..], &[1.0, 0.0, 0.0], &[2.0, 0.0, 0.0, 0.0, 1.0]] {
-        assert!(!Map::<3, 3>::recall(&mut other, wrong), "{wrong:?}");
+        assert!(!Map::<3, 3>::restore(&mut other, wrong), "{wrong:?}");
     }
     assert_eq!(one, other);
 }

@@ -14,7 +14,7 @@ use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::manifold::jet::Taylor;
 use pullback::manifold::map::{Linear, Map};
-use pullback::manifold::system::{Kind, Point, System};
+use pullback::manifold::system::{Point, Quantity, System};
 
 pub const G: f64 = 9.81;
 
@@ -51,7 +51,7 @@ pub fn bar(
     frame
 }
 
-pub fn pick<const X: usize>(b: &mut ModelBuilder, x: NodeId, k: usize, kind: Kind) -> NodeId {
+pub fn pick<const X: usize>(b: &mut ModelBuilder, x: NodeId, k: usize, kind: Quantity) -> NodeId {
     let map = Linear::<X, 1>::pick(k, 0.0).boxed();
     b.mapped_coordinates(format!("x{k}"), &[kind], map, &[x])
         .unwrap()
@@ -81,7 +81,7 @@ pub fn run<const X: usize>(
     let zero = vec![0.0; model.pattern().dim()];
     let mut options = tight(Scheme::default(), to, step);
     options.newton.absolute = 1e-13;
-    let mut notes: Vec<(f64, String)> = model.note(x).map(|n| (0.0, n)).into_iter().collect();
+    let mut notes: Vec<(f64, String)> = model.describe(x).map(|n| (0.0, n)).into_iter().collect();
     let (mut end, mut residual, mut drift) = (Vec::new(), 0.0_f64, 0.0_f64);
     let mut start = None;
     let progress = observed(
@@ -92,7 +92,7 @@ pub fn run<const X: usize>(
             let both: [[f64; 2]; X] = std::array::from_fn(|k| model.coordinate(x, k).unwrap());
             residual = residual.max(h(&SVector::from_fn(|k, _| both[k][0])));
             end = (0..2 * X).map(|k| both[k % X][k / X]).collect();
-            let note = model.note(x).unwrap();
+            let note = model.describe(x).unwrap();
             if notes.last().is_none_or(|last| last.1 != note) {
                 notes.push((step.progress.state.t, note));
             }
@@ -103,7 +103,7 @@ pub fn run<const X: usize>(
                 v: &state.v,
                 a: &state.a,
             };
-            let audit = model.audit(at).unwrap();
+            let audit = model.energies_and_momentum(at).unwrap();
             let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         },

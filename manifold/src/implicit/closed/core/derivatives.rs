@@ -1,4 +1,4 @@
-//! Derivatives of what Newton's method finds: [M04] (172)–(173) along a motion.
+//! Derivatives of the solution: [M04] (172)–(173) along a motion.
 
 use super::super::dense::{product, product_tr};
 use super::{Core, Work};
@@ -27,7 +27,7 @@ impl Core {
         let w = &mut self.work;
         out.x.copy_from_slice(&w.y[p..]);
         out.B.copy_from_slice(&w.Y);
-        // ẏ = Z (q̇, ṗ), less what explicit time makes of it; ÿ is not known yet.
+        // ẏ = Z (q̇, ṗ), less the explicit time term; ÿ is not known yet.
         product([N, Q, 1], &w.Z, v, &mut w.y_dot);
         w.y_ddot.fill(0.0);
         along(&*self.h, t, w);
@@ -105,9 +105,9 @@ impl Core {
         K.iter_mut().for_each(|k| *k = -*k);
     }
 
-    /// μ with f + h_xᵀ μ = 0 along the dependent coordinates. Where equations are redundant, of all that
-    /// do so the least, each times the size of its equation: as equal springs in all of them would share
-    /// the load.
+    /// Solves f + h_xᵀ μ = 0 along the dependent coordinates for μ. With redundant equations, the
+    /// solution of least norm, each entry times the size of its equation: the load sharing of equal
+    /// springs.
     pub(in super::super) fn multipliers(&mut self, f: &[f64], mu: &mut [f64]) {
         product_tr([self.M, self.X, 1], &self.work.P, f, mu);
         mu.iter_mut().for_each(|m| *m = -*m);
@@ -138,7 +138,7 @@ impl Core {
     }
 }
 
-/// The equations along the motion that stands in the workspace.
+/// The equations along the motion in the workspace.
 fn along(h: &dyn Parametrization, t: f64, w: &mut Work) {
     h.kinematics(
         t,

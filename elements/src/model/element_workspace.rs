@@ -1,4 +1,4 @@
-//! The work on one element: gather, change chart, evaluate, pull back.
+//! Evaluation of one element: gather, change chart, evaluate, pull back.
 
 #![allow(non_snake_case)]
 
@@ -12,7 +12,7 @@ use pullback_manifold::system::{Scales, Weights};
 
 /// Buffers of one element.
 #[derive(Default)]
-pub(super) struct Local {
+pub(super) struct ElementWorkspace {
     pub x: Vec<f64>,
     previous: Vec<f64>,
     pub v: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Local {
     complements: Vec<Complement>,
 }
 
-impl Local {
+impl ElementWorkspace {
     /// Buffers for elements of at most `n` coordinates and joints that read at most `parents`.
     pub(super) fn new(n: usize, parents: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];
@@ -66,7 +66,7 @@ impl Local {
         collect(&e.nodes, spans, x, &mut self.x);
     }
 
-    /// Velocities and accelerations; zero where nothing moves.
+    /// Gathers velocities and accelerations; zeros at rest.
     pub(super) fn gather_rates(
         &mut self,
         e: &ElementEntry,
@@ -78,7 +78,7 @@ impl Local {
                 collect(&e.nodes, spans, v, &mut self.v);
                 collect(&e.nodes, spans, a, &mut self.a);
             }
-            // Nobody else reads them at rest.
+            // Not read otherwise at rest.
             None if e.switched != 0 => {
                 self.v.fill(0.0);
                 self.a.fill(0.0);
@@ -103,7 +103,7 @@ impl Local {
         }
     }
 
-    /// Takes the nodes that the element wants in the other chart through the complement map.
+    /// Switches nodes to the other chart by the complement map, as the element requires.
     pub(super) fn switch(&mut self, e: &ElementEntry, nodes: &[Node]) -> bool {
         if e.switched == 0 {
             return false;
@@ -186,7 +186,7 @@ impl Local {
         }
     }
 
-    /// Residual into `r` and, where there is motion, generalised momenta p = M ẋ into `work`.
+    /// Writes the residual to `r` and, in motion, the generalised momenta p = M ẋ to `work`.
     pub(super) fn momenta(
         &mut self,
         e: &ElementEntry,
@@ -237,8 +237,8 @@ impl Local {
         distribute(&e.nodes, spans, &self.r_t, r_t);
     }
 
-    /// Takes the entries of an element into the scales, but for those at held coordinates: they go
-    /// straight into the support and are no measure of what the structure carries.
+    /// Updates the scales with the forces of an element, without those at held coordinates: these
+    /// go directly to the support and do not load the structure.
     pub(super) fn measure(
         &self,
         e: &ElementEntry,
@@ -249,9 +249,9 @@ impl Local {
         let mut k = 0;
         for &node in e.nodes.iter() {
             let node = &nodes[node as usize];
-            for (kind, c) in node.kinds.iter().zip(node.range()) {
+            for (quantity, c) in node.quantities.iter().zip(node.range()) {
                 if !(e.held && node.is_own() && unknowns[c] == NONE) {
-                    let force = &mut scales.force[kind.index()];
+                    let force = &mut scales.force[quantity.index()];
                     *force = force.max(self.r[k].abs());
                 }
                 k += 1;
@@ -281,7 +281,7 @@ impl Local {
         for (i, &node) in e.nodes.iter().enumerate() {
             let dim = nodes[node as usize].dim;
             if e.switched & (1 << i) != 0 {
-                // The translation is not touched: only the rotation has another chart.
+                // The translation has no other chart.
                 slots[count] = Slot {
                     n: 3,
                     d: 3,
@@ -351,7 +351,7 @@ impl Local {
         self.r[..n].copy_from_slice(&self.work[..n]);
     }
 
-    /// Second stage where no node follows others: the tangents with their weights.
+    /// Second stage if no node is mapped: the weighted sum of the tangents.
     pub(super) fn combine(
         &mut self,
         e: &ElementEntry,
@@ -374,7 +374,7 @@ impl Local {
         }
     }
 
-    /// The element's tangents in the coordinates of its nodes, and room for a column.
+    /// The element's tangents in the coordinates of its nodes, and scratch for a column.
     pub(super) fn tangents(
         &mut self,
         e: &ElementEntry,
@@ -391,8 +391,8 @@ impl Local {
     }
 }
 
-/// The element's own way to the combined tangent, where the parts are not needed: in motion, for
-/// nodes that are seen as they are stored and follow no others.
+/// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not
+/// switched and not mapped.
 fn combined(e: &ElementEntry, statics: bool, rates: bool) -> Option<&dyn Combined> {
     let parts = statics || rates || e.mapped || e.switched != 0;
     if parts { None } else { e.element.combined() }

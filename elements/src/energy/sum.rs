@@ -1,16 +1,16 @@
-//! Two elements on the same nodes.
+//! Sum of two elements on the same nodes.
 
 #![allow(non_snake_case)]
 
 use crate::element::{Combined, Element, ElementError, Motion, Response, SectionState};
 use pullback_manifold::system::Weights;
 
-/// The sum of two elements of the same coordinates: a stiffness and an inertia with different
-/// integration points, for instance.
+/// The sum of two elements with the same coordinates, such as a stiffness and an inertia with
+/// different integration points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Together<A, B>(pub A, pub B);
+pub struct Sum<A, B>(pub A, pub B);
 
-impl<A: Element, B: Element> Element for Together<A, B> {
+impl<A: Element, B: Element> Element for Sum<A, B> {
     fn dim(&self) -> usize {
         self.0.dim()
     }
@@ -79,7 +79,7 @@ impl<A: Element, B: Element> Element for Together<A, B> {
     }
 }
 
-impl<A: Element, B: Element> Combined for Together<A, B> {
+impl<A: Element, B: Element> Combined for Sum<A, B> {
     fn evaluate_combined(
         &self,
         previous: Option<&[f64]>,

@@ -1,9 +1,9 @@
-//! What a run can be audited by: energies, powers and momenta of the whole model.
+//! Energies, powers and momenta of a model.
 
 #![allow(non_snake_case)]
 
 use super::assembly::named;
-use super::local::Local;
+use super::element_workspace::ElementWorkspace;
 use super::{ElementEntry, Model, Node, Source};
 use crate::constraint::MAX_EQUATIONS;
 use nalgebra::Vector3;
@@ -21,18 +21,18 @@ pub struct Momentum {
 
 /// Energies, powers and momenta of a model at one point of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Audit {
+pub struct EnergiesAndMomentum {
     /// Kinetic and stored energy, supplied and dissipated power.
     pub energies: Energies,
-    /// Potential of the loads that have one (gravity, constant forces). Their work is part of the
-    /// supplied power all the same.
+    /// Potential of the loads that have one (gravity, constant forces). Their power is also part of
+    /// the supplied power.
     pub load_potential: f64,
-    /// Momentum of everything that has mass.
+    /// Momentum of all mass.
     pub momentum: Momentum,
 }
 
 impl Momentum {
-    /// Adds that of an element with coordinates `x` and generalised momenta `p`.
+    /// Adds the momentum of an element with coordinates `x` and generalised momenta `p`.
     fn add(&mut self, e: &ElementEntry, nodes: &[Node], x: &[f64], p: &[f64]) {
         let mut k = 0;
         for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
@@ -52,21 +52,28 @@ impl Momentum {
 impl Model {
     /// Energies, powers and momenta at a point in motion.
     ///
-    /// They follow from the elements' forces and mass matrices alone: the generalised momentum is
-    /// p = M ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
-    /// prescribed coordinate, a map that moves by itself −r·∂φ/∂t.
+    /// They follow from the elements' forces and mass matrices: the generalised momentum is p = M
+    /// ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
+    /// prescribed coordinate, a time-dependent map −r·∂φ/∂t.
     ///
     /// # Errors
-    /// [`SystemError`] when the point is outside a chart.
-    pub fn audit(&mut self, at: Point<'_>) -> Result<Audit, SystemError> {
-        self.account(at, true)
+    /// [`SystemError`] if the point is outside a chart.
+    pub fn energies_and_momentum(
+        &mut self,
+        at: Point<'_>,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
+        self.evaluate_energies(at, true)
     }
 
-    /// The audit; without its momenta they stay zero.
-    pub(super) fn account(&mut self, at: Point<'_>, momenta: bool) -> Result<Audit, SystemError> {
+    /// The same, with zero momentum unless `momenta`.
+    pub(super) fn evaluate_energies(
+        &mut self,
+        at: Point<'_>,
+        momenta: bool,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
         let statics = at.is_static();
         self.expand(at)?;
-        let mut audit = Audit::default();
+        let mut out = EnergiesAndMomentum::default();
         let Energies {
             kinetic,
             stored,
@@ -74,7 +81,7 @@ impl Model {
             dissipated,
             potential,
             drawn,
-        } = &mut audit.energies;
+        } = &mut out.energies;
         let w = &mut self.work;
         w.r.fill(0.0);
         for e in &self.elements {
@@ -86,7 +93,7 @@ impl Model {
             let motion = local.motion(e, at.t, statics);
             let energy = e.element.energy(&motion);
             if e.load {
-                audit.load_potential += energy;
+                out.load_potential += energy;
                 if e.steady {
                     *potential += energy;
                 }
@@ -95,7 +102,7 @@ impl Model {
             }
             if !statics {
                 *dissipated += e.element.dissipation(&motion);
-                // Its force is asked for where it has power: at what is driven or follows.
+                // Its force is only needed at prescribed and mapped nodes.
                 let known =
                     (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
                 if let Some(energy) = known.flatten() {
@@ -107,7 +114,7 @@ impl Model {
                 .momenta(e, at.t, statics)
                 .map_err(|error| named(error, &e.name))?;
             if !statics {
-                let Local { x, v, r, work, .. } = local;
+                let ElementWorkspace { x, v, r, work, .. } = local;
                 if e.load {
                     let power = dot(&r[..n], v);
                     *supplied += power;
@@ -117,7 +124,7 @@ impl Model {
                 }
                 *kinetic += 0.5 * dot(&work[..n], v);
                 if momenta {
-                    audit.momentum.add(e, &self.nodes, x, work);
+                    out.momentum.add(e, &self.nodes, x, work);
                 }
             }
             if switched {
@@ -141,11 +148,11 @@ impl Model {
                 }
             }
         }
-        Ok(audit)
+        Ok(out)
     }
 
-    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false where
-    /// nothing is driven, as it cannot jump then.
+    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false if nothing
+    /// is prescribed, as it cannot jump then.
     pub(super) fn generalised_momentum(
         &mut self,
         at: Point<'_>,
@@ -160,7 +167,7 @@ impl Model {
         Ok(true)
     }
 
-    /// The momenta M ẋ at all nodes, in the place of residuals.
+    /// Writes the momenta M ẋ of all nodes to the residuals.
     pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
         let w = &mut self.work;

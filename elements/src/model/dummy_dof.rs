@@ -1,20 +1,20 @@
-//! Models of which every coordinate is prescribed: kinematics, and the forces of given motions.
+//! Models with all coordinates prescribed: kinematics, and the forces of prescribed motions.
 //!
-//! Solvers want something to solve for. They get a coordinate of its own that stays zero, a spring
-//! and a mass that nothing else sees; states, reactions and energies are those of the drives.
+//! Solvers need at least one unknown. They get a separate coordinate that stays zero, with a spring
+//! and a mass; states, reactions and energies are those of the prescribed motions.
 
 #![allow(non_snake_case)]
 
 use super::loops::Report;
 use super::{ModelBuilder, ModelError, NodeForm};
 use crate::element::{Element, ElementError, Motion, Response};
-use pullback_manifold::system::Kind;
+use pullback_manifold::system::Quantity;
 
-/// A mass on a spring, both of size one; dim 1.
+/// A unit mass on a unit spring; dim 1.
 #[derive(Debug)]
-struct Idle;
+struct DummyDof;
 
-impl Element for Idle {
+impl Element for DummyDof {
     fn dim(&self) -> usize {
         1
     }
@@ -33,11 +33,11 @@ impl Element for Idle {
 }
 
 impl ModelBuilder {
-    /// Adds the coordinate that stays zero where nothing else is free once loops are closed.
+    /// Adds the dummy coordinate if nothing else is free after loops are closed.
     ///
     /// # Errors
-    /// [`ModelError::LockedLoop`] where it is loops that leave nothing free, and no joint is driven.
-    pub(super) fn keep_one_free(&mut self, loops: &[Report]) -> Result<(), ModelError> {
+    /// [`ModelError::LockedLoop`] if loops leave nothing free, and no joint is prescribed.
+    pub(super) fn add_dummy_dof(&mut self, loops: &[Report]) -> Result<(), ModelError> {
         let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
             .map(|(n, k, _)| (n.0 as usize, *k))
             .collect();
@@ -50,7 +50,7 @@ impl ModelBuilder {
         if free || self.nodes.is_empty() {
             return Ok(());
         }
-        // Who drives a joint's coordinate wants it there, be it at zero; a support only holds.
+        // A prescribed joint coordinate is intended, even at zero; a support only fixes.
         let mut prescribed = self.prescribed.iter();
         let still = prescribed.all(|(n, _, f)| {
             f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != NodeForm::Coordinates
@@ -59,9 +59,9 @@ impl ModelBuilder {
             let joints = self.nodes[frame as usize].name.clone();
             return Err(ModelError::LockedLoop { joints });
         }
-        let node = self.coordinates("nothing is free", &[Kind::Other])?;
+        let node = self.coordinates("nothing is free", &[Quantity::Other])?;
         self.nodes[node.0 as usize].form = NodeForm::Dummy;
-        self.element("nothing is free", Idle, &[node])?;
+        self.element("nothing is free", DummyDof, &[node])?;
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Steps that end where a system changes its maps.
+//! Steps that end at a change of segment of the system's maps.
 
 use super::run::Run;
 use super::step::rebase;
@@ -7,24 +7,24 @@ use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Point, System};
 
-/// A change is met when it is overdue by less than this part of a step.
+/// Tolerance of the time of a change, as a part of a step.
 const MET: f64 = 1e-12;
-/// A step that would end this part of its size before a change goes on to it.
+/// A step that ends by this part of its size before a change is extended to it.
 const NEAR: f64 = 1e-2;
-/// A change in this part of a step behind its beginning is made at the beginning.
+/// A change within this part of a step after its beginning is made at the beginning.
 const SHORT: f64 = 1e-8;
-/// Steps shorter than `NEAR` in a row at most, so that what swings to and fro over a change faster than
-/// steps can follow costs no more than this.
+/// Largest number of steps in a row shorter than `NEAR`, which limits the cost of oscillations
+/// about a change that are faster than the steps.
 const MANY: usize = 1000;
-/// Attempts at most: Newton's method for the time of a change.
+/// Largest number of attempts: Newton's method for the time of a change.
 const ATTEMPTS: usize = 8;
 
-/// Maps that were handed over on the way.
+/// State of the search for changes of segment.
 #[derive(Default)]
-pub(super) struct Landing {
-    /// By what time changes are due at the end of the step: rounding errors, and those of `MET`.
+pub(super) struct SegmentChanges {
+    /// Least overshoot at which changes are made at the end of the step: rounding errors, and `MET`.
     since: f64,
-    /// The time at which changes were made where a step begins: once is enough.
+    /// The time at which changes were made at the beginning of a step, to make them once.
     begun: Option<f64>,
 }
 
@@ -34,10 +34,10 @@ fn point(state: &State) -> Point<'_> {
 }
 
 impl Run<'_> {
-    /// Makes the step that was just made from `progress` again where a change lies in it
-    /// ([`System::overdue`]), until it ends with the change, not later than `last`; the time at which
-    /// it ends now. `None` where the change was due at the beginning, and is made at the next attempt.
-    pub(super) fn land<Y: System + ?Sized>(
+    /// Repeats the step from `progress` until it ends at the first change of segment within it
+    /// ([`System::overshoot`]), not later than `last`; returns the end of the step. `None` if the
+    /// change is at the beginning, where the next attempt makes it.
+    pub(super) fn locate<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -50,27 +50,27 @@ impl Run<'_> {
         let met = (MET * h).max(4.0 * ulp);
         let part = if progress.short < MANY { SHORT } else { NEAR };
         let short = (part * h).max(4.0 * met);
-        self.landing.since = -met;
+        self.segment_changes.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
-            let late = system.overdue(point(&progress.state), point(&self.stepper.next));
-            let Some(late) = late.filter(|late| *late > -near && late.abs() > met) else {
+            let overshoot = system.overshoot(point(&progress.state), point(&self.stepper.next));
+            let Some(overshoot) = overshoot.filter(|by| *by > -near && by.abs() > met) else {
                 break;
             };
-            let aim = end - late + 0.5 * met;
-            if aim <= from + short {
-                if self.landing.begun == Some(from) {
+            let target = end - overshoot + 0.5 * met;
+            if target <= from + short {
+                if self.segment_changes.begun == Some(from) {
                     break;
                 }
-                self.landing.begun = Some(from);
+                self.segment_changes.begun = Some(from);
                 let begin = end - from - short;
-                system.hand_over(point(&progress.state), point(&self.stepper.next), begin);
+                system.change_segments(point(&progress.state), point(&self.stepper.next), begin);
                 return Ok(None);
             }
-            if aim > last {
+            if target > last {
                 break;
             }
-            (end, near) = (aim, h);
+            (end, near) = (target, h);
             rebase(progress, end - from);
             let scheme = &self.options.scheme;
             self.stepper
@@ -79,8 +79,8 @@ impl Run<'_> {
         Ok(Some(end))
     }
 
-    /// Counts short steps, and hands over what is due at the end of the step that was just accepted.
-    pub(super) fn leave<Y: System + ?Sized>(
+    /// Counts short steps, and makes the changes at the end of the accepted step.
+    pub(super) fn finish_step<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         progress: &mut Progress,
@@ -88,13 +88,13 @@ impl Run<'_> {
     ) {
         let is_short = h < NEAR * progress.next_step;
         progress.short = if is_short { progress.short + 1 } else { 0 };
-        // The buffers of the step hold the state before it.
+        // The buffers of the step hold the previous state.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
-        system.hand_over(from, to, self.landing.since);
+        system.change_segments(from, to, self.segment_changes.since);
     }
 
-    /// Whether the last change of charts has handed a map over; what it must keep is then known.
-    pub(super) fn has_handed_over<Y: System + ?Sized>(
+    /// Whether the last change of charts changed a segment; the momentum to conserve is then known.
+    pub(super) fn segments_changed<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         t: f64,
@@ -103,8 +103,8 @@ impl Run<'_> {
         known.map_err(|source| DynamicsError::System { t, source })
     }
 
-    /// Makes the changes that are due where a step begins.
-    pub(super) fn begin_anew<Y: System + ?Sized>(
+    /// Makes the changes of segment at the beginning of a step.
+    pub(super) fn change_segments_at_start<Y: System + ?Sized>(
         &mut self,
         system: &mut Y,
         solver: &mut dyn LinearSolver,
@@ -120,15 +120,15 @@ impl Run<'_> {
         let t = *t;
         let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
-        if !self.has_handed_over(system, t)? {
+        if !self.segments_changed(system, t)? {
             return Ok(());
         }
         if progress.summary.steps == 0 {
-            // The velocities of the start are meant as they are.
+            // Initial velocities are valid after the change.
             progress.state.a.clear();
             self.accelerate(system, solver, progress)?;
             self.open_balance(system, progress)?;
-            return self.aim(system, progress);
+            return self.set_target(system, progress);
         }
         self.jump(system, solver, progress, t, false)
     }

@@ -1,13 +1,13 @@
-//! The matrix of stages that are solved together.
+//! The matrix of coupled stages.
 
 #![allow(non_snake_case)]
 
 use crate::linear_solver::{AutoSolver, LinearError, LinearSolver, Symmetry};
 use pullback_manifold::sparse::BlockPattern;
 
-/// The system's pattern with blocks that hold all stages of a node, the unknowns of one stage after
-/// those of another, and a solver for it.
-pub(super) struct Together {
+/// The system's pattern with blocks for all stages of a node, one stage after the other, and its
+/// solver.
+pub(super) struct CoupledStages {
     /// Number of stages.
     count: usize,
     solver: AutoSolver,
@@ -16,7 +16,7 @@ pub(super) struct Together {
     positions: Vec<usize>,
 }
 
-impl Together {
+impl CoupledStages {
     pub(super) fn new(pattern: &BlockPattern, count: usize) -> Result<Self, LinearError> {
         let sizes: Vec<usize> = (0..pattern.blocks())
             .map(|i| count * pattern.size(i))
@@ -47,18 +47,18 @@ impl Together {
         })
     }
 
-    /// Where the unknown `c` of stage `i` of the group stands.
+    /// Index of unknown `c` of stage `i` of the group.
     pub(super) fn position(&self, i: usize, c: usize) -> usize {
         self.positions[i * self.positions.len() / self.count + c]
     }
 
-    /// Takes the derivative of the residual of stage `i` by the unknowns of stage `j`, its values in
-    /// the system's pattern.
+    /// Copies the derivative of the residual of stage `i` by the unknowns of stage `j`, in the
+    /// system's pattern.
     pub(super) fn set(&mut self, pattern: &BlockPattern, [i, j]: [usize; 2], values: &[f64]) {
         for column in 0..pattern.blocks() {
             for (row, range) in pattern.column(column) {
                 let (height, width) = (pattern.size(row), pattern.size(column));
-                // Blocks are larger by count², and stand in the same order.
+                // Blocks are larger by count², in the same order.
                 let first = range.start * self.count * self.count;
                 let block = &values[range];
                 for c in 0..width {
@@ -80,7 +80,7 @@ impl Together {
         solved.map_err(|error| self.explained(error))
     }
 
-    /// An error in numbers of the system's unknowns.
+    /// Renumbers an error to the system's unknowns.
     fn explained(&self, error: LinearError) -> LinearError {
         let n = self.positions.len() / self.count;
         error.renumbered(|unknown| {

@@ -1,39 +1,38 @@
-//! Nodes that follow from other nodes: kinematic operators along chains of maps, forces and
-//! geometric stiffness handed back from the last link to the first.
+//! Mapped nodes: kinematic operators along chains of maps, and the pull-back of forces and
+//! geometric stiffness.
 
 #![allow(non_snake_case)]
 
-use super::ancestry::find_ancestors;
+use super::dependency_graph::find_ancestors;
+use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
-use super::local::Local;
-use super::scatter::{Group, Into};
+use super::scatter::{Group, ScatterTarget};
 use super::workspace::Workspace;
 use super::{Model, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
-/// How a node follows: its map, the nodes that the map reads, and the own nodes behind those.
-pub(super) struct Dependence {
+/// A map, its parents, and the own nodes behind them.
+pub(super) struct MappedNode {
     pub map: Box<dyn Parametrization>,
-    /// Masters for each segment that the map can be on; a single set for most maps.
+    /// Parents for each segment of the map; most maps have one.
     pub segments: Vec<Vec<u32>>,
-    /// Own nodes behind the parents in use, each once.
+    /// Own nodes behind the present parents, each once.
     pub ancestors: Vec<u32>,
-    /// For each parent and each own node behind it the first of its columns in the operators.
+    /// For each parent and each own node behind it, its first column in the operators.
     pub columns: Vec<u32>,
-    /// Coordinates of the parents, and of the ancestors.
+    /// Number of coordinates of the parents, and of the ancestors.
     pub direct: usize,
     pub pulled: usize,
-    /// Whether a parent follows other nodes itself, or stands there twice: the operators are then
-    /// multiplied.
+    /// Whether a parent is mapped itself, or occurs twice: the operators are then multiplied.
     pub chained: bool,
-    /// First values of the operators with respect to the parents and to the ancestors.
+    /// Offsets of the operators with respect to the parents and to the ancestors.
     pub local: usize,
     pub total: usize,
 }
 
-/// B, Ḃ and B̈ of all dependent nodes, one after the other.
+/// B, Ḃ and B̈ of all mapped nodes, one after the other.
 #[derive(Default)]
 pub(super) struct Operators {
     pub B: Vec<f64>,
@@ -50,7 +49,7 @@ impl Operators {
         }
     }
 
-    /// The operators of a node of `n` coordinates that start at `from`, as many as are read.
+    /// The operators of a node of `n` coordinates at offset `from`.
     pub(super) fn slot(&self, n: usize, from: usize) -> Slot<'_> {
         Slot {
             n,
@@ -62,7 +61,7 @@ impl Operators {
     }
 }
 
-impl Dependence {
+impl MappedNode {
     pub(super) fn new(
         map: Box<dyn Parametrization>,
         segments: Vec<Vec<u32>>,
@@ -81,13 +80,13 @@ impl Dependence {
         }
     }
 
-    /// The nodes that the map reads at present.
+    /// The present parents.
     pub(super) fn parents(&self) -> &[u32] {
         &self.segments[self.map.segment()]
     }
 
-    /// r·B v of the parents: the part of the power of a force `r` at a dependent node that comes
-    /// through its parents (the rest, r·∂φ/∂t, is the map's own).
+    /// r·B v of the parents: the part of the power of a force `r` at a mapped node that belongs to
+    /// its parents (the rest, r·∂φ/∂t, belongs to the map).
     pub(super) fn carried_power(
         &self,
         r: &[f64],
@@ -101,11 +100,11 @@ impl Dependence {
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
 
-    /// Operators with respect to the ancestors from those with respect to the parents: B, and Ḃ and
-    /// B̈ where something is `moving`.
+    /// Computes operators with respect to the ancestors from those with respect to the parents: B,
+    /// and Ḃ and B̈ if `moving`.
     fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators, moving: bool) {
         let (len, total) = (n * self.direct, n * self.pulled);
-        // Everything that the parents need lies before this node's own values.
+        // All values of the parents are stored before those of this node.
         let parts = [
             &mut operators.B,
             &mut operators.B_dot,
@@ -180,12 +179,12 @@ fn add(out: &mut [f64], x: &[f64], factor: f64) {
 }
 
 impl Model {
-    /// Coordinates, velocities, accelerations and operators of all nodes that follow others.
+    /// Evaluates coordinates, velocities, accelerations and operators of all mapped nodes.
     pub(super) fn expand_dependent(&mut self, t: f64) -> Result<(), SystemError> {
         (0..self.dependent.len()).try_for_each(|k| self.expand_node(t, self.dependent[k]))
     }
 
-    /// The same of one node, where it follows others.
+    /// The same for one node, if it is mapped.
     pub(super) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
         let w = &mut self.work;
         let node = &self.nodes[n as usize];
@@ -200,7 +199,7 @@ impl Model {
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
             let edge = d.map.edge();
-            return Err(match d.map.trouble(t, &local.q[..k]) {
+            return Err(match d.map.domain_error(t, &local.q[..k]) {
                 Some(why) => SystemError::Unsolved { what, why },
                 None => SystemError::OutsideChart { edge, what, margin },
             });
@@ -220,7 +219,7 @@ impl Model {
         Ok(())
     }
 
-    /// Operators of all nodes that follow others, with respect to own nodes: what tangents need.
+    /// Computes operators of all mapped nodes with respect to own nodes, for tangents.
     pub(super) fn chain_operators(&mut self, moving: bool) {
         for &n in &self.dependent {
             let node = &self.nodes[n as usize];
@@ -232,8 +231,8 @@ impl Model {
         }
     }
 
-    /// Hands the forces at dependent nodes to their parents, the last link of a chain first. The
-    /// tangent's rows at these nodes go the same way, with the geometric stiffness of each map.
+    /// Pulls the forces at mapped nodes back to their parents, the last link of a chain first, and
+    /// the rows of the tangent at these nodes, with the geometric stiffness of each map.
     pub(super) fn pull_back_nodes(
         &mut self,
         t: f64,
@@ -246,28 +245,32 @@ impl Model {
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            hand_back(d, d.parents(), node, &self.spans, w, rates);
+            pull_back_forces(d, d.parents(), node, &self.spans, w, rates);
             let Some((weights, values)) = &mut S else {
                 continue;
             };
-            let Local {
+            let ElementWorkspace {
                 q, K_sigma, work, ..
             } = &mut w.local;
-            let mut into = Into {
+            let mut into = ScatterTarget {
                 values,
                 panels: &mut w.panels,
                 work,
             };
-            if let Some(first_place) = self.placement.bent(n).filter(|_| !d.map.is_linear()) {
+            if let Some(first_position) = self
+                .scatter_map
+                .geometric_stiffness(n)
+                .filter(|_| !d.map.is_linear())
+            {
                 let k = collect(d.parents(), &self.spans, &w.x, q);
                 let K_sigma = &mut K_sigma[..k * k];
                 d.map
                     .geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
                 if K_sigma.iter().any(|k| *k != 0.0) {
-                    // K_mr has −K_σ; the pull-back to the ancestors is that of any stiffness.
+                    // K_mr contains −K_σ; its pull-back to the ancestors is that of any stiffness.
                     let group = Group {
                         nodes: d.parents(),
-                        first_place,
+                        first_position,
                         tangents: Tangents {
                             K: Some(K_sigma),
                             ..Tangents::default()
@@ -278,17 +281,17 @@ impl Model {
                             M: 0.0,
                         },
                     };
-                    self.placement
+                    self.scatter_map
                         .scatter_group(&self.nodes, &w.operators, &group, &mut into);
                 }
             }
-            self.placement
-                .hand_back(n, &self.nodes, &w.operators, &mut into);
+            self.scatter_map
+                .pull_back_rows(n, &self.nodes, &w.operators, &mut into);
         }
     }
 
-    /// Lets the maps change their charts, parents first: a node sees those of its parents changed
-    /// already. Where one has moved on to another segment, the positions of all tangents are found anew.
+    /// Lets the maps change their charts, parents first, so that a node sees the new charts of its
+    /// parents. After a change of segment the positions of all tangents are updated.
     pub(super) fn update_maps(&mut self, t: f64, q: &[f64]) -> Result<ChartChanges, SystemError> {
         let at = Point {
             t,
@@ -307,7 +310,7 @@ impl Model {
             };
             let w = &mut self.work;
             let before = d.map.segment();
-            // On a new segment the map reads other parents, and may want other charts for them.
+            // On a new segment the map has other parents, and may need other charts.
             for _ in 0..3 {
                 let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
                 let changes = d.map.change_charts(t, &w.local.q[..len]);
@@ -326,11 +329,11 @@ impl Model {
             moved |= d.map.segment() != before;
         }
         if moved {
-            self.work.handed_over = true;
+            self.work.segments_changed = true;
             for &n in &self.dependent {
                 find_ancestors(&mut self.nodes, n as usize);
             }
-            self.placement.locate(
+            self.scatter_map.locate(
                 &self.nodes,
                 &self.dependent,
                 &mut self.elements,
@@ -345,8 +348,8 @@ impl Model {
 }
 
 /// Adds Bᵀ r (and its rate) to the parents' residuals.
-pub(super) fn hand_back(
-    d: &Dependence,
+pub(super) fn pull_back_forces(
+    d: &MappedNode,
     parents: &[u32],
     node: &Node,
     spans: &[Span],

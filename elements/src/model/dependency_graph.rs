@@ -1,17 +1,17 @@
-//! On which own nodes the nodes that follow others depend, and in which order they follow.
+//! Dependencies of mapped nodes on own nodes, and the order of evaluation.
 
 use super::{ModelError, Node, Source};
 use crate::memory;
 
-/// For every node all sets of own nodes that it can depend on: one for each combination of
+/// For every node, all sets of own nodes that it can depend on: one for each combination of
 /// segments, each ascending and without repetition.
 pub(super) struct Alternatives(Vec<Vec<Vec<u32>>>);
 
 impl Alternatives {
-    /// The sets of all nodes; `order` has those that follow others, parents first.
+    /// The sets of all nodes; `order` lists mapped nodes, parents first.
     ///
     /// # Errors
-    /// [`ModelError::Chain`] where there is no room for all that depends on each other.
+    /// [`ModelError::Chain`] if there is not enough memory for all dependencies.
     pub(super) fn new(nodes: &[Node], order: &[u32]) -> Result<Self, ModelError> {
         let own = |(n, node): (usize, &Node)| match node.source {
             Source::Own => vec![vec![n as u32]],
@@ -73,10 +73,11 @@ pub(super) fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Nodes that follow others, parents first.
+/// Mapped nodes, parents first.
 pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
     let (mut done, mut out) = (vec![false; nodes.len()], Vec::new());
-    // What is to be visited, and whether its parents have been: chains may be long.
+    // The nodes to visit, and whether their parents were visited; not recursive, as chains may be
+    // long.
     let mut waiting: Vec<(u32, bool)> = Vec::new();
     for n in 0..nodes.len() as u32 {
         waiting.push((n, false));
@@ -98,7 +99,7 @@ pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
     out
 }
 
-/// Finds ancestors and reserves room for operators; the number of values needed.
+/// Finds ancestors and assigns space for operators; returns the number of values.
 pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternatives) -> usize {
     let mut len = 0;
     for n in order.iter().map(|&n| n as usize) {
@@ -135,8 +136,8 @@ pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternat
     len
 }
 
-/// Own nodes behind the parents in use, each once, and where in the operators the columns of every
-/// parent's own nodes are. Masters come before the nodes that follow them.
+/// Own nodes behind the parents in use, each once, and the columns of every parent's own nodes in
+/// the operators. Parents come before the nodes mapped from them.
 pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
     let Source::Mapped(d) = &mut nodes[n].source else {
         return;
@@ -155,7 +156,7 @@ pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
             Source::Own => std::slice::from_ref(m),
             Source::Mapped(above) => &above.ancestors[..],
         };
-        // Ancestors of one parent are all different.
+        // The ancestors of one parent are all different.
         let before = ancestors.len();
         for &a in behind {
             let known = ancestors[..before].iter().position(|&x| x == a);

@@ -1,59 +1,57 @@
-//! Where local matrices go in the pattern: found once, looked up by position afterwards.
+//! Positions of element matrices in the pattern.
 
 #![allow(non_snake_case)]
 
-use super::ancestry::{Alternatives, union};
+use super::dependency_graph::{Alternatives, union};
 use super::{ElementEntry, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
-/// Where local matrices go in the pattern: found once, looked up by position afterwards.
+/// Positions of element matrices in the pattern, found once.
 ///
-/// Everything is stored in the order in which an assembly walks through it. Rows of the tangent at
-/// nodes that follow others go to panels first, and from there to their parents the way that forces
-/// go: the work grows with the joints of a chain times the unknowns behind them, not with the
-/// square of these for every body.
+/// Stored in the order of an assembly. Rows of the tangent at mapped nodes are added to panels
+/// first, and from there to their parents, like forces: the cost is the number of joints of a chain
+/// times the unknowns behind them, not the square of these for every body.
 #[derive(Default)]
-pub(super) struct Placement {
-    /// Per coordinate: its row inside the block of its own node, [`NONE`] when prescribed.
+pub(super) struct ScatterMap {
+    /// Per coordinate: its row in the block of its own node, [`NONE`] if prescribed.
     pub rows: Vec<u32>,
-    /// Per node: number of its block in the pattern, [`NONE`] when all is prescribed.
+    /// Per node: index of its block in the pattern, [`NONE`] if all is prescribed.
     pub blocks: Vec<u32>,
-    /// Per element, consecutively: the position of each pair of blocks, column by column; then those
-    /// of nodes that follow others.
-    pub positions: Vec<Position>,
+    /// Per element, consecutively: the position of each pair of blocks, column by column; then
+    /// those of mapped nodes.
+    pub positions: Vec<BlockPosition>,
     /// Per node.
     pub panels: Vec<Panel>,
-    /// Per value: whether an element writes the block that begins there.
+    /// Per value: whether an element writes the block that begins here.
     written: Vec<bool>,
     /// Values that no element writes.
     unwritten: Vec<Range<usize>>,
 }
 
-/// Rows of the tangent at a node that follows others.
+/// Rows of the tangent at a mapped node.
 #[derive(Default)]
 pub(super) struct Panel {
-    /// Own nodes whose coordinates change the forces at this one, ascending, and the first value of
+    /// Own nodes whose coordinates affect the forces at this one, ascending, and the first value of
     /// each of their blocks.
     pub columns: Vec<u32>,
     pub starts: Vec<u32>,
     /// First position of its geometric stiffness, and of its rows at its parents.
-    bent: usize,
-    pub handed: usize,
+    stiffness: usize,
+    pub parent_rows: usize,
 }
 
-/// Where the rows of one node and the columns of an own node stand: in the pattern, or in the panel
-/// of a node that follows others.
+/// BlockPosition of the rows of one node and the columns of an own node: in the pattern, or in the panel
+/// of a mapped node.
 #[derive(Clone, Copy)]
-pub(super) struct Position {
-    /// First value, [`NONE`] when there is no block.
+pub(super) struct BlockPosition {
+    /// First value, [`NONE`] if there is no block.
     pub start: u32,
-    /// Whether it is written here for the first time in an assembly, so that nothing has to be
-    /// cleared beforehand.
+    /// Whether an assembly writes it here first, so that it need not be cleared.
     pub first: bool,
 }
 
-/// The own nodes that a node depends on at present.
+/// The present own nodes behind a node.
 pub(super) fn behind<'a>(nodes: &'a [Node], n: &'a u32) -> &'a [u32] {
     match &nodes[*n as usize].source {
         Source::Own => std::slice::from_ref(n),
@@ -61,8 +59,8 @@ pub(super) fn behind<'a>(nodes: &'a [Node], n: &'a u32) -> &'a [u32] {
     }
 }
 
-impl Placement {
-    /// Nothing placed yet, for nodes with `coordinates` in all.
+impl ScatterMap {
+    /// Without positions, for nodes with `coordinates` in all.
     pub(super) fn new(nodes: usize, coordinates: usize) -> Self {
         Self {
             rows: vec![NONE; coordinates],
@@ -77,8 +75,8 @@ impl Placement {
         rows.iter().filter(|&&r| r != NONE).count()
     }
 
-    /// Makes the panels, with room for whatever the nodes can come to depend on; the number of
-    /// their values.
+    /// Creates the panels, with room for all nodes that may be depended on; returns the number of
+    /// values.
     pub(super) fn arrange(
         &mut self,
         nodes: &[Node],
@@ -118,7 +116,7 @@ impl Placement {
             }
             self.panels[n as usize].columns = columns;
         }
-        // Room for any positions: nothing is allocated when a map is handed over.
+        // Room for any positions, so that a change of segment allocates nothing.
         let most = |group: &[u32]| -> usize {
             let columns = |&n: &u32| match &nodes[n as usize].source {
                 Source::Own => 1,
@@ -138,7 +136,7 @@ impl Placement {
         len
     }
 
-    /// Finds the positions of all blocks of elements, and of nodes that follow others.
+    /// Finds the positions of all blocks of elements and of mapped nodes.
     pub(super) fn locate(
         &mut self,
         nodes: &[Node],
@@ -150,7 +148,7 @@ impl Placement {
         self.written.clear();
         self.written.resize(pattern.len(), false);
         for e in elements {
-            e.first_place = self.positions.len();
+            e.first_position = self.positions.len();
             let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
             e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
@@ -165,21 +163,21 @@ impl Placement {
             if self.panels[n as usize].columns.is_empty() {
                 continue;
             }
-            self.panels[n as usize].bent = self.positions.len();
+            self.panels[n as usize].stiffness = self.positions.len();
             self.locate_group(nodes, d.parents(), pattern, false);
-            self.panels[n as usize].handed = self.positions.len();
+            self.panels[n as usize].parent_rows = self.positions.len();
             for k in 0..self.panels[n as usize].columns.len() {
                 let a = self.panels[n as usize].columns[k];
                 for &m in d.parents() {
                     let start = self.find(nodes, m, a, pattern);
                     let first = false;
-                    self.positions.push(Position { start, first });
+                    self.positions.push(BlockPosition { start, first });
                 }
             }
         }
         let all = (0..pattern.blocks()).flat_map(|j| pattern.column(j));
         self.unwritten.clear();
-        // Room for any other positions: nothing is allocated when a map is handed over.
+        // Room for any positions, so that a change of segment allocates nothing.
         self.unwritten.reserve_exact(all.clone().count());
         let unwritten = all.filter(|(_, block)| !self.written[block.start]);
         self.unwritten.extend(unwritten.map(|(_, block)| block));
@@ -201,7 +199,7 @@ impl Placement {
                         && start != NONE
                         && nodes[i as usize].is_own()
                         && !std::mem::replace(&mut self.written[start as usize], true);
-                    self.positions.push(Position { start, first });
+                    self.positions.push(BlockPosition { start, first });
                 }
             }
         }
@@ -223,13 +221,14 @@ impl Placement {
         found.flatten().map_or(NONE, |start| start as u32)
     }
 
-    /// First position of a node's geometric stiffness; none where no force can act on it.
-    pub(super) fn bent(&self, n: u32) -> Option<usize> {
+    /// First position of a node's geometric stiffness; `None` if no force can act on it.
+    pub(super) fn geometric_stiffness(&self, n: u32) -> Option<usize> {
         let panel = &self.panels[n as usize];
-        (!panel.columns.is_empty()).then_some(panel.bent)
+        (!panel.columns.is_empty()).then_some(panel.stiffness)
     }
 
-    /// Clears what no element writes; [`Placement::scatter`] of all elements then fills the rest.
+    /// Clears the values that no element writes; [`ScatterMap::scatter`] of all elements then fills
+    /// the rest.
     pub(super) fn clear_unwritten(&self, values: &mut [f64]) {
         for block in &self.unwritten {
             values[block.clone()].fill(0.0);
@@ -239,7 +238,7 @@ impl Placement {
     /// Writes or adds an element's local matrix `S` (d×d).
     pub(super) fn scatter(&self, e: &ElementEntry, spans: &[Span], S: &[f64], values: &mut [f64]) {
         let nodes = &e.nodes[..];
-        let positions = &self.positions[e.first_place..][..nodes.len() * nodes.len()];
+        let positions = &self.positions[e.first_position..][..nodes.len() * nodes.len()];
         let d = e.element.dim();
         let mut column = 0;
         for (&nj, positions) in nodes.iter().zip(positions.chunks_exact(nodes.len())) {
@@ -254,7 +253,7 @@ impl Placement {
                         &mut values[position.start as usize..],
                     );
                     let first = position.first;
-                    // Most nodes are frames with all their coordinates free: constant extents.
+                    // Most nodes are frames with all coordinates free: constant extents.
                     if e.held || size != (6, 6) || !d.is_multiple_of(6) {
                         let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
                         free_part(rows, columns, S, d, values, first);
@@ -271,7 +270,7 @@ impl Placement {
     }
 }
 
-/// Takes a 6×6 block to its values; `S` has leading dimension 6·stride.
+/// Applies `put` to a 6×6 block and its values; `S` has leading dimension 6·stride.
 #[inline(always)]
 fn whole_block(S: &[f64], stride: usize, values: &mut [f64], put: impl Fn(&mut f64, f64)) {
     let values: Option<&mut [[f64; 6]; 6]> = values.as_chunks_mut().0.first_chunk_mut();
@@ -283,7 +282,7 @@ fn whole_block(S: &[f64], stride: usize, values: &mut [f64], put: impl Fn(&mut f
     }
 }
 
-/// Takes the free rows and columns of one dense block to its values; `S` has leading dimension d.
+/// Copies the free rows and columns of one dense block to its values; `S` has leading dimension d.
 fn free_part(rows: &[u32], columns: &[u32], S: &[f64], d: usize, values: &mut [f64], first: bool) {
     let height = rows.iter().filter(|&&r| r != NONE).count();
     for (c, &column) in columns.iter().enumerate() {
@@ -308,7 +307,7 @@ mod tests {
     use crate::model::{Dof, Model, ModelBuilder};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Bars one after the other.
+    /// Bars in a chain.
     fn chain(count: usize) -> Model {
         let mut b = ModelBuilder::new();
         let mut end = b.node("ground", [0.0; 3]).unwrap();
@@ -323,13 +322,13 @@ mod tests {
         b.build().unwrap()
     }
 
-    /// The work and the room for a chain grow with the square of its length, as its mass matrix does;
-    /// tangents of every body for every pair of coordinates before it would make that the third power.
+    /// The cost and the memory of a chain are quadratic in its length, like its mass matrix;
+    /// tangents of every body for every pair of coordinates before it would be cubic.
     #[test]
     fn chains_grow_with_the_square_of_their_length() {
         let sizes = [20, 40, 80].map(|count| {
             let model = chain(count);
-            let (p, w) = (&model.placement, &model.work);
+            let (p, w) = (&model.scatter_map, &model.work);
             assert_eq!(model.pattern.len(), count * count);
             [w.operators.B.len(), w.panels.len(), p.positions.len()]
         });
@@ -341,7 +340,7 @@ mod tests {
         }
     }
 
-    /// Every coordinate stands once in the operators of a frame, however many joints bring it there.
+    /// Every coordinate occurs once in the operators of a frame, even if several joints depend on it.
     #[test]
     fn coordinates_are_counted_once() {
         let mut b = ModelBuilder::new();
