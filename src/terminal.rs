@@ -106,8 +106,8 @@ pub struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// Listens from now on; a program has one ear, whatever it runs.
     pub fn install() -> Self {
-        static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-        Self(Arc::clone(ASKED.get_or_init(listen)))
+        static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+        Self(Arc::clone(INTERRUPTED.get_or_init(listen)))
     }
 
     /// Whether to go on.
@@ -121,8 +121,8 @@ impl Interrupt {
 }
 
 fn listen() -> Arc<AtomicBool> {
-    let asked = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&asked);
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
     let installed = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(crate::cli::INTERRUPTED));
@@ -134,7 +134,7 @@ fn listen() -> Arc<AtomicBool> {
             "warning: Ctrl-C will stop the program without saving: {error}"
         ));
     }
-    asked
+    interrupted
 }
 
 /// The rows of the gallery as text.

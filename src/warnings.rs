@@ -2,11 +2,11 @@
 
 #![allow(non_snake_case)]
 
+mod diagnostics;
 mod turns;
-mod watch;
 
+pub(crate) use diagnostics::Diagnostics;
 pub(crate) use turns::{Turn, Turns};
-pub(crate) use watch::Watch;
 
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;

@@ -1,4 +1,4 @@
-//! Why a model file is refused: what is wrong, where it stands, what would be right.
+//! Refusals of model files: the problem, its position, a suggestion.
 
 use super::registry::BoxedError;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -224,7 +224,7 @@ pub enum Problem {
     Model(ModelError),
 }
 
-/// What stands next to each other in a message.
+/// Items joined by commas.
 fn list(words: &[&'static str]) -> String {
     match words {
         [] => "none".to_owned(),
@@ -233,7 +233,7 @@ fn list(words: &[&'static str]) -> String {
     }
 }
 
-/// A refusal of a model file, with the text it points into.
+/// A refusal of a model file, with the text that it refers to.
 #[derive(Debug)]
 pub struct InputError {
     /// What is wrong.
@@ -256,7 +256,7 @@ impl InputError {
 
     /// A problem at a position of the text.
     pub fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
-        // A span over many lines (a whole table) would print them all: its first line will do.
+        // The first line represents a span over many lines (a whole table).
         let span = span.map(|s| {
             let start = s.start.min(text.len());
             let end = s.end.clamp(start, text.len());
@@ -283,7 +283,7 @@ impl InputError {
         Some((line, column))
     }
 
-    /// The refusal with its position in the file and advice, for a terminal.
+    /// The refusal with its position in the file and a suggestion, for a terminal.
     pub fn report(&self, color: bool) -> String {
         let message = self.to_string();
         let mut report = Group::with_title(Level::ERROR.primary_title(&message));

@@ -37,7 +37,7 @@ impl Turns {
     }
 
     /// A converged step of size `h`; `furthest` so far becomes its own where that is further.
-    pub(crate) fn see(
+    pub(crate) fn record(
         &mut self,
         model: &Model,
         state: &State,

@@ -92,10 +92,10 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
             );
         }
     }
-    let worst = (run.t.iter().zip(&run.audits)).fold(0.0_f64, |m, (t, audit)| {
+    let worst = (run.t.iter().zip(&run.balances)).fold(0.0_f64, |m, (t, balance)| {
         let exact = 8.0 * t.min(2.5);
-        m.max((audit.momentum.linear.x - exact).abs())
-            .max(audit.momentum.linear.z.abs())
+        m.max((balance.momentum.linear.x - exact).abs())
+            .max(balance.momentum.linear.z.abs())
     });
     let source = "exact: impulse of the force";
     context.compare("momentum, largest error", worst, 0.0, 1e-9, source);

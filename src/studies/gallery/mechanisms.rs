@@ -137,7 +137,7 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     context.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
     let run = context.motion(&file, &["end 2"], Run::step(2e-3))?;
     let energy = run.total_energy();
-    let kinetic = run.audit(|a| a.energies.kinetic);
+    let kinetic = run.balance(|a| a.energies.kinetic);
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
     let change = energy
         .iter()

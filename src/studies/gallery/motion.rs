@@ -17,7 +17,7 @@ pub(super) struct History {
     /// States of the watched nodes: those of one node at all times together.
     pub nodes: Vec<Vec<NodeState>>,
     /// Energies and momenta.
-    pub audits: Vec<Audit>,
+    pub balances: Vec<Audit>,
     /// What the integrator did.
     pub summary: Summary,
 }
@@ -30,8 +30,8 @@ impl History {
     }
 
     /// A quantity of the whole model over time.
-    pub fn audit(&self, of: impl Fn(&Audit) -> f64) -> Vec<(f64, f64)> {
-        let values = self.audits.iter().map(of);
+    pub fn balance(&self, of: impl Fn(&Audit) -> f64) -> Vec<(f64, f64)> {
+        let values = self.balances.iter().map(of);
         self.t.iter().copied().zip(values).collect()
     }
 
@@ -44,7 +44,7 @@ impl History {
 
     /// Kinetic and strain energy and the potential of the loads.
     pub fn total_energy(&self) -> Vec<(f64, f64)> {
-        self.audit(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
+        self.balance(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
     }
 }
 
@@ -124,14 +124,14 @@ impl Context {
         let mut history = History {
             t: Vec::new(),
             nodes: vec![Vec::new(); ids.len()],
-            audits: Vec::new(),
+            balances: Vec::new(),
             summary: Summary::default(),
         };
         let mut failed = None;
         let mut record = |model: &mut Model, progress: &Progress| {
-            let audit = model.audit(point(progress))?;
+            let balance = model.audit(point(progress))?;
             history.t.push(progress.state.t);
-            history.audits.push(audit);
+            history.balances.push(balance);
             for (states, &id) in history.nodes.iter_mut().zip(&ids) {
                 states.push(model.node_state(id));
             }

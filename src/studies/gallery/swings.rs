@@ -59,7 +59,7 @@ fn energy_error(run: &History) -> f64 {
     let drift = energy
         .iter()
         .fold(0.0_f64, |m, e| m.max((e.1 - first).abs()));
-    let scale = run.audit(|a| a.energies.kinetic);
+    let scale = run.balance(|a| a.energies.kinetic);
     drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
 }
 

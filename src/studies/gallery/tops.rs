@@ -172,16 +172,16 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         0.5318246113342,
         -0.3201761427363,
     );
-    let hung = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
+    let top = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
     // The same body with a pinned node instead of a joint.
-    let mut pinned = hung.clone();
+    let mut pinned = top.clone();
     pinned.joints.clear();
     pinned.probes.clear();
     pinned.nodes.insert("top".to_owned(), [0.0; 3]);
     pinned.nodes.remove("ground");
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Position));
-    for (name, file) in [("fixed point", &pinned), ("spherical joint", &hung)] {
+    for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
         let runs = [4e-4, 2e-4, 1e-4].map(|h| context.motion(file, &["top"], Run::step(h)));
         let [a, b, c] = runs;
         let (a, b, c) = (a?, b?, c?);
@@ -311,7 +311,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
         d.scheme = "em".into();
     }
     let kept = context.motion(&kept, &["O"], Run::step(1e-2))?;
-    let spins: Vec<Vector3<f64>> = kept.audits.iter().map(|a| a.momentum.angular).collect();
+    let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
     for (what, worst) in [

@@ -104,7 +104,10 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             [log, linear],
             0.0,
             f64::INFINITY,
-            [|p| seen(p, p.rest_place), |p| seen(p, p.closed_rest_place?)],
+            [
+                |p| seen(p, p.rest_position),
+                |p| seen(p, p.closed_rest_position?),
+            ],
         ),
         graph(
             "|q̇₁/(ω q₀)|, first step from rest",
@@ -122,8 +125,8 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             0.0,
             f64::INFINITY,
             [
-                |p| above_zero(p, p.origin_place),
-                |p| above_zero(p, p.closed_origin_place?),
+                |p| above_zero(p, p.origin_position),
+                |p| above_zero(p, p.closed_origin_position?),
             ],
         ),
         graph(

@@ -86,7 +86,7 @@ pub enum SpectrumError {
         word: String,
     },
     /// A scheme twice.
-    #[error("scheme `{name}` is asked for twice: name it once")]
+    #[error("scheme `{name}` is given twice: name it once")]
     Twice {
         /// Its name.
         name: String,
@@ -140,19 +140,19 @@ pub struct Point {
     /// κ Ω², what the period elongation tends to at small Ω.
     pub expanded_elongation: Option<f64>,
     /// q₁/q₀ of the first step from rest.
-    pub rest_place: f64,
+    pub rest_position: f64,
     /// q̇₁/(ω q₀) of the first step from rest.
     pub rest_velocity: f64,
     /// q₁/q₀ of the first step from rest in closed form.
-    pub closed_rest_place: Option<f64>,
+    pub closed_rest_position: Option<f64>,
     /// q̇₁/(ω q₀) of the first step from rest in closed form.
     pub closed_rest_velocity: Option<f64>,
     /// ω q₁/q̇₀ of the first step from q = 0.
-    pub origin_place: f64,
+    pub origin_position: f64,
     /// q̇₁/q̇₀ of the first step from q = 0.
     pub origin_velocity: f64,
     /// ω q₁/q̇₀ of the first step from q = 0 in closed form.
-    pub closed_origin_place: Option<f64>,
+    pub closed_origin_position: Option<f64>,
     /// q̇₁/q̇₀ of the first step from q = 0 in closed form.
     pub closed_origin_velocity: Option<f64>,
 }
@@ -189,9 +189,9 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             damping,
             elongation,
         } = known(measured.numbers);
-        let [rest_place, rest_velocity] = measured.first_step.from_rest;
+        let [rest_position, rest_velocity] = measured.first_step.from_rest;
         let first = closed_first_step(scheme, Omega);
-        let [origin_place, origin_velocity] = measured.first_step.from_origin;
+        let [origin_position, origin_velocity] = measured.first_step.from_origin;
         points.push(Point {
             Omega,
             radius,
@@ -202,13 +202,13 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             closed_elongation: closed.and_then(|n| n.elongation),
             expanded_damping: expansion.map(|[_, sigma]| sigma * Omega.powi(3)),
             expanded_elongation: expansion.map(|[kappa, _]| kappa * Omega.powi(2)),
-            rest_place,
+            rest_position,
             rest_velocity,
-            closed_rest_place: first.map(|step| step.from_rest[0]),
+            closed_rest_position: first.map(|step| step.from_rest[0]),
             closed_rest_velocity: first.map(|step| step.from_rest[1]),
-            origin_place,
+            origin_position,
             origin_velocity,
-            closed_origin_place: first.map(|step| step.from_origin[0]),
+            closed_origin_position: first.map(|step| step.from_origin[0]),
             closed_origin_velocity: first.map(|step| step.from_origin[1]),
         });
     }
@@ -235,7 +235,7 @@ pub fn all(
         return Err(SpectrumError::Range { from, to });
     }
     let Omegas = grid(from, to, 161);
-    let schemes = words.iter().map(|word| asked(word));
+    let schemes = words.iter().map(|word| parse_scheme(word));
     let schemes = schemes.collect::<Result<Vec<_>, _>>()?;
     for (k, scheme) in schemes.iter().enumerate() {
         if schemes[..k].contains(scheme) {
@@ -248,7 +248,7 @@ pub fn all(
 }
 
 /// The scheme of a word; words that only `compare` has a use for are refused with the reason.
-fn asked(word: &str) -> Result<Scheme, SpectrumError> {
+fn parse_scheme(word: &str) -> Result<Scheme, SpectrumError> {
     let word = word.trim();
     if word.starts_with(general::PREFIX) {
         let word = word.to_owned();
@@ -305,7 +305,7 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
                 p.radius,
                 number(p.damping),
                 number(p.elongation),
-                p.rest_place.abs(),
+                p.rest_position.abs(),
                 p.rest_velocity.abs()
             );
         }
@@ -325,9 +325,9 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
 /// All numbers as comma-separated values: one line per scheme and Ω; empty where there is none.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
     let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
-                   closed_elongation,expanded_damping,expanded_elongation,rest_place,\
-                   rest_velocity,closed_rest_place,closed_rest_velocity,origin_place,\
-                   origin_velocity,closed_origin_place,closed_origin_velocity\n"
+                   closed_elongation,expanded_damping,expanded_elongation,rest_position,\
+                   rest_velocity,closed_rest_position,closed_rest_velocity,origin_position,\
+                   origin_velocity,closed_origin_position,closed_origin_velocity\n"
         .to_owned();
     // Zero has no sign.
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
@@ -343,13 +343,13 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
                 p.closed_elongation,
                 p.expanded_damping,
                 p.expanded_elongation,
-                Some(p.rest_place),
+                Some(p.rest_position),
                 Some(p.rest_velocity),
-                p.closed_rest_place,
+                p.closed_rest_position,
                 p.closed_rest_velocity,
-                Some(p.origin_place),
+                Some(p.origin_position),
                 Some(p.origin_velocity),
-                p.closed_origin_place,
+                p.closed_origin_position,
                 p.closed_origin_velocity,
             ];
             let line = numbers.map(number).join(",");

@@ -57,7 +57,7 @@ fn files_say_what_theory_says() {
         assert!((number("elongation") - elongation).abs() < close, "{omega}");
         assert!((number("radius") - 1.0).abs() < 1e-12);
         let square = omega * omega;
-        assert!((number("rest_place") - (4.0 - square) / (4.0 + square)).abs() < 1e-12);
+        assert!((number("rest_position") - (4.0 - square) / (4.0 + square)).abs() < 1e-12);
     }
     for figure in ["spectrum.svg", "overshoot.svg"] {
         let text = read(figure);
@@ -121,7 +121,7 @@ fn what_it_refuses() {
         ),
         (
             &["--schemes", "newmark,bathe,newmark:0.25:0.5"],
-            "scheme `newmark` is asked for twice",
+            "scheme `newmark` is given twice",
         ),
         (&["--from", "-1"], "Ω from -1 to 1000 is no range"),
         (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),

@@ -1,10 +1,10 @@
-//! The table of what changes of chart cost.
+//! The table of the cost of chart changes.
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
 use crate::studies::compare::{Comparison, Quantity, Row};
 
-/// Errors beside those of runs whose charts are kept longer.
+/// Errors beside those of runs with charts that are kept longer.
 const SHOWN: [Quantity; 4] = [
     Quantity::Position,
     Quantity::Rotation,

@@ -21,7 +21,7 @@ struct Change {
 
 /// Sees the rows of a static analysis as they are recorded.
 #[derive(Clone, Debug)]
-pub(crate) struct Watch {
+pub(crate) struct Diagnostics {
     /// Load parameter and unstable directions of the last row that knows them.
     stability: (f64, usize),
     /// Load parameter of the last row, and its change to there.
@@ -33,7 +33,7 @@ pub(crate) struct Watch {
     /// Converged rows.
     rows: usize,
     /// Whether anything has moved, and whether a support has had anything to hold.
-    stirred: bool,
+    moved: bool,
     held: bool,
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
     inverted: Option<(String, f64, f64)>,
@@ -53,7 +53,7 @@ const UNRESOLVED: f64 = 1e-5;
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
 
-impl Watch {
+impl Diagnostics {
     /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
     /// residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
@@ -64,7 +64,7 @@ impl Watch {
             turns: false,
             changes: Vec::new(),
             rows: 0,
-            stirred: false,
+            moved: false,
             held: false,
             inverted: None,
             strained: None,
@@ -76,11 +76,17 @@ impl Watch {
     /// A converged row, with the model in its configuration; `released` is what was out of balance
     /// before the first correction at the start: where springs hold each other neither loads nor
     /// reactions measure them.
-    pub(crate) fn see(&mut self, model: &Model, answers: &Answers, row: &Row, released: [f64; 3]) {
+    pub(crate) fn record(
+        &mut self,
+        model: &Model,
+        answers: &Answers,
+        row: &Row,
+        force: [f64; 3],
+    ) {
         let t = row.t;
         self.rows += 1;
         let measures = Scales {
-            force: released,
+            force,
             ..model.scales()
         }
         .measures();
@@ -92,7 +98,7 @@ impl Watch {
         if unresolved && self.unresolved.is_none() {
             self.unresolved = Some((row.residual, part, t));
         }
-        self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
+        self.moved = self.moved || answers.strain_energy() != 0.0 || moved(model);
         let mut reactions = answers.reactions().iter();
         self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
         for (id, state) in answers.sections() {
@@ -124,8 +130,8 @@ impl Watch {
 
     /// What there is to say; that nothing moves only of a run that is complete.
     pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
-        let idle = || {
-            (complete && self.rows > 0 && !self.stirred).then(|| {
+        let unloaded = || {
+            (complete && self.rows > 0 && !self.moved).then(|| {
                 if self.held {
                     "all loads act on coordinates that supports hold: nothing moves, and only \
                      reactions are computed. Load free nodes, or free these coordinates"
@@ -164,7 +170,7 @@ impl Watch {
             )
         });
         (self.instability().into_iter())
-            .chain(idle())
+            .chain(unloaded())
             .chain(inverted)
             .chain(strained)
             .chain(unresolved)
