@@ -61,7 +61,7 @@ pub static PREFIXES: [Prefix; 6] = [
     Prefix {
         word: "mixed-",
         formulation: Formulation::MixedSpins,
-        about: "spin vectors in the fixed frame with rates in the body (nobody's method): components \
+        about: "spin vectors in the fixed frame with rates in the body (not a published method): components \
                 of different frames are added without transport, and an order is lost",
         only: Some("newmark"),
     },

@@ -210,7 +210,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
         significant(*t)
     );
     let again = match parameter {
-        &"time" => "; --resume goes on from there",
+        &"time" => "; --resume continues from there",
         _ => "",
     };
     let mut code = 0;

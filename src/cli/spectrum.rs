@@ -36,7 +36,7 @@ pub(super) fn spectrum(args: Arguments, command: &str) -> u8 {
         }
         if args.out.is_none() && [args.from, args.to] != [FROM, TO] {
             tell(
-                "note: --from and --to are for files, which --out asks for; the table has positions of its own",
+                "note: --from and --to apply to the files written with --out; the table has fixed values of Ω",
             );
         }
         Ok(table)

@@ -49,7 +49,7 @@ pub enum Problem {
     #[error("the {what} name \"{name}\" cannot be used")]
     Name { what: &'static str, name: String },
     #[error(
-        "section \"{section}\" must be given in one way, but has {}",
+        "section \"{section}\" needs exactly one definition, but has {}",
         list(given)
     )]
     SectionKind {
@@ -95,7 +95,7 @@ pub enum Problem {
         value: f64,
         expected: &'static str,
     },
-    #[error("the support of node \"{node}\" says neither what to fix nor what to drive")]
+    #[error("the support of node \"{node}\" has neither `fix` nor `prescribed`")]
     UselessSupport { node: String },
     #[error("coordinate {dof} of node \"{node}\" is prescribed twice")]
     PrescribedTwice { node: String, dof: &'static str },
@@ -114,7 +114,7 @@ pub enum Problem {
     FollowerGravity,
     #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
     NoMass { line: String, section: String },
-    #[error("gravity finds nothing that has mass")]
+    #[error("gravity acts on nothing that has mass")]
     WeightlessModel,
     #[error("body \"{body}\": {source}")]
     Body { body: String, source: BodyError },
@@ -157,7 +157,7 @@ pub enum Problem {
         first: &'static str,
         second: &'static str,
     },
-    #[error("this initial condition says nothing")]
+    #[error("this initial condition is empty")]
     InitialNothing,
     #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
     Geared { joint: String, key: &'static str },

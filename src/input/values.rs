@@ -69,7 +69,7 @@ pub(super) fn geared(
     Ok(())
 }
 
-/// Refuses lines between nodes moved along with a spherical joint and nodes that stay in place.
+/// Refuses lines between nodes moved along with a spherical joint and nodes that stay.
 fn drawn_apart(
     source: &Text<'_>,
     model: &Model,

@@ -1,4 +1,4 @@
-//! What is doubtful about the equilibria of a static analysis.
+//! Warnings about the equilibria of a static analysis.
 
 use super::LISTED;
 use crate::output::Row;
@@ -15,46 +15,46 @@ struct Change {
     between: [f64; 2],
     /// Unstable directions before and after it.
     directions: [usize; 2],
-    /// Whether the load turns there.
+    /// Whether the load reverses there.
     turns: bool,
 }
 
-/// Sees the rows of a static analysis as they are recorded.
+/// Records the rows of a static analysis.
 #[derive(Clone, Debug)]
 pub(crate) struct Diagnostics {
-    /// Load parameter and unstable directions of the last row that knows them.
+    /// Load parameter and number of unstable directions of the last row that has it.
     stability: (f64, usize),
-    /// Load parameter of the last row, and its change to there.
+    /// Load parameter of the last row, and its last change.
     last: f64,
     sense: f64,
-    /// Whether the load has turned since the last row that knows its stability.
+    /// Whether the load has reversed since the last row with a known stability.
     turns: bool,
     changes: Vec<Change>,
     /// Converged rows.
     rows: usize,
-    /// Whether anything has moved, and whether a support has had anything to hold.
+    /// Whether anything has moved, and whether any reaction is nonzero.
     moved: bool,
     held: bool,
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
     strained: Option<(String, f64, f64)>,
-    /// Residual relative to loads and reactions at which a step has converged, unless what is left is
+    /// Tolerance of the residual relative to loads and reactions, unless the rest is
     /// rounding.
     relative: f64,
-    /// Residual force and moment, the part of loads and reactions that they are, and load parameter of
-    /// the first row where rounding errors leave that much of them.
+    /// Residual force and moment, their ratio to loads and reactions, and load parameter of
+    /// the first row in which rounding errors are that large.
     unresolved: Option<([f64; 2], f64, f64)>,
 }
 
-/// Residuals from this part of loads and reactions on leave too few correct digits.
+/// Ratio of residuals to loads and reactions above which too few digits are correct.
 const UNRESOLVED: f64 = 1e-5;
 
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
 
 impl Diagnostics {
-    /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
+    /// Starts at a load parameter with a stable structure; `relative` is the tolerance of the
     /// residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
@@ -73,16 +73,10 @@ impl Diagnostics {
         }
     }
 
-    /// A converged row, with the model in its configuration; `released` is what was out of balance
-    /// before the first correction at the start: where springs hold each other neither loads nor
-    /// reactions measure them.
-    pub(crate) fn record(
-        &mut self,
-        model: &Model,
-        answers: &Answers,
-        row: &Row,
-        force: [f64; 3],
-    ) {
+    /// Records a converged row, with the model in its configuration; `force` is the residual before the first
+    /// correction at the start: the scale of forces where springs in equilibrium with each other leave neither
+    /// loads nor reactions.
+    pub(crate) fn record(&mut self, model: &Model, answers: &Answers, row: &Row, force: [f64; 3]) {
         let t = row.t;
         self.rows += 1;
         let measures = Scales {
@@ -128,7 +122,7 @@ impl Diagnostics {
         self.stability = (t, now);
     }
 
-    /// What there is to say; that nothing moves only of a run that is complete.
+    /// The warnings; that nothing moves only for a complete run.
     pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
         let unloaded = || {
             (complete && self.rows > 0 && !self.moved).then(|| {
@@ -222,7 +216,7 @@ impl Diagnostics {
     }
 }
 
-/// Whether any node is elsewhere than where it is drawn.
+/// Whether any node has moved from its reference configuration.
 fn moved(model: &Model) -> bool {
     model.frames().any(|(id, _)| {
         let state = model.node_state(id);

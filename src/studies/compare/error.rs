@@ -161,7 +161,7 @@ pub enum CompareError {
     },
     /// A residual below the rounding errors of forces.
     #[error(
-        "residual {value:e} is below the rounding of forces, {:.1e} of them: no run comes there; ask for 1e-10, say",
+        "residual {value:e} is below the rounding of forces, {:.1e} of them: no run reaches it; take 1e-10, for example",
         f64::EPSILON
     )]
     Rounding {

@@ -46,14 +46,14 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     )?;
     add(
         "work.svg",
-        "Error over what it costs: assemblies of the model (one per evaluation, three with a tangent where \
-         rates are spins), and wall-clock time.",
+        "Error over cost: assemblies of the model (one per evaluation, three with a tangent where \
+         rates are spins), and wall time.",
         work(comparison),
     )?;
     add(
         "drift.svg",
         &format!(
-            "What the motion keeps, and the schemes do not: the change since the start at common times. \
+            "Conserved quantities of the motion: their change since the start at common times. \
              Where it does not keep its energy, the defect of the balance of energy: kinetic and stored \
              less supplied. Curves are envelopes: the largest value in each of {PARTS} parts of a run."
         ),
@@ -226,8 +226,8 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         .any(|row| row.seconds_alone.is_some());
     let time = match (alone, comparison.threads) {
         (true, _) => "time / s".to_owned(),
-        (false, 1) => "time with audits / s".to_owned(),
-        (false, n) => format!("time with audits, {n} runs side by side / s"),
+        (false, 1) => "wall time / s".to_owned(),
+        (false, n) => format!("wall time, {n} runs in parallel / s"),
     };
     let seconds = |row: &Row| match alone {
         true => row.seconds_alone,

@@ -1,4 +1,4 @@
-//! Planar linkages with a part that bends.
+//! Planar linkages with a flexible part.
 
 use super::case::{Case, CaseError, Context};
 use super::linkages::{BARS, CRANK, ROD, energy_error, gap, last};
@@ -31,8 +31,8 @@ fn stiffer(file: &ModelFile) -> ModelFile {
 }
 
 /// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the positions below by
-/// 4e-6 and how far the middle is off by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which is
-/// left here. The tolerances are twice the sum of both; the independent values are within 4e-6.
+/// 4e-6 and the deflection of the middle by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which
+/// remains. The tolerances are twice the sum of both; the independent values are within 4e-6.
 fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
     let mut file = file.clone();
     file.lines[0].elements = 8;

@@ -48,7 +48,7 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
         context.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
         context.compare(format!("{name}: time"), t, at, 0.01, source);
     }
-    // The steady state is passed to and fro: its mean counts.
+    // The motion oscillates about the steady state: its mean counts.
     let steady: Vec<f64> = seen.iter().filter(|s| s[0] >= 16.0).map(|s| s[1]).collect();
     let mean = steady.iter().sum::<f64>() / steady.len() as f64;
     let source = "exact: L (tan x / x − 1), D02";

@@ -58,7 +58,7 @@ pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f6
     })
 }
 
-/// The derivative by θ of what is known with two derivatives.
+/// The derivative by θ of a quantity with two derivatives.
 pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
     Taylor {
         v: x.d,
@@ -192,7 +192,7 @@ fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
     }
 }
 
-/// Way of the slider and its rate at a time.
+/// Displacement of the slider and its rate at a time.
 fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
     let [angle, rate] = integrate(&slider_crank_system(rod), [0.0, 12.0], to);
     let angle = Taylor {

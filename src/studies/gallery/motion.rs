@@ -18,7 +18,7 @@ pub(super) struct History {
     pub nodes: Vec<Vec<NodeState>>,
     /// Energies and momenta.
     pub balances: Vec<Audit>,
-    /// What the integrator did.
+    /// Statistics of the integrator.
     pub summary: Summary,
 }
 
@@ -48,17 +48,17 @@ impl History {
     }
 }
 
-/// What a run is asked besides what its file says.
+/// Changes of a run against its file.
 #[derive(Clone, Copy)]
 pub(super) struct Run {
-    /// End, where it is another one.
+    /// End time, if changed.
     pub to: Option<f64>,
-    /// Step, where it is another one.
+    /// Step size, if changed.
     pub step: Option<f64>,
 }
 
 impl Run {
-    /// As the file says.
+    /// No changes.
     pub const FILE: Self = Self {
         to: None,
         step: None,

@@ -145,13 +145,13 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
         drawn.clone().fold(f64::INFINITY, f64::min),
         drawn.fold(0.0, f64::max),
     ];
-    // As the range is printed, to four digits.
+    // The range is published to four digits.
     let source = "published: nutation in [0.3, 0.3267] (Mäkinen 2004, case 3)";
     context.compare("plot: smallest nutation", least, 0.3, 5e-5, source);
     context.compare("plot: largest nutation", most, 0.3267, 5e-5, source);
     let names = ["rigid body", "stiff beam", "flexible beam"];
     let curves = names.into_iter().zip(curves);
-    // Every eighth step is as much as a line shows.
+    // Every eighth step suffices for a line.
     let thin = |c: Vec<(f64, f64)>| c.into_iter().step_by(8).collect();
     context.figure(
         "Fast symmetrical top",
@@ -193,8 +193,8 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
             let position: [f64; 3] = richardson(coarse, fine);
             context.compare_vector(&what, position, x, 1e-5, source);
         }
-        // The attitude turns 24 times: changes of chart at other moments of each step leave more of
-        // its error than can be extrapolated.
+        // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
+        // of its error.
         let mut third = file.clone();
         if let Analysis::Dynamic(d) = &mut third.analysis {
             d.scheme = "radau".into();
@@ -294,7 +294,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let order = observed_order(&[&a, &b, &c].map(body_rate));
     let source = "theory: the trapezoidal rule";
     context.compare("order in the step", order, 2.0, 0.1, source);
-    // Energy is not conserved exactly: its error has the order of the scheme.
+    // Energy is conserved to the order of the scheme only.
     let drift = |h: &History| {
         let energy = h.total_energy();
         let first = energy[0].1;
@@ -305,7 +305,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let size = |c: &[(f64, f64)]| c.iter().fold(0.0_f64, |m, p| m.max(p.1.abs()));
     let order = (size(&curves[0]) / size(&curves[1])).log2();
     context.compare("order of the energy error", order, 2.0, 0.1, source);
-    // The scheme that restores it, at a coarse step.
+    // The scheme with energy projection, at a coarse step.
     let mut kept = file.clone();
     if let Analysis::Dynamic(d) = &mut kept.analysis {
         d.scheme = "em".into();

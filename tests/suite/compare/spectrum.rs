@@ -85,7 +85,7 @@ fn a_range_without_files_is_noted() {
         assert!(output.status.success());
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(
-            said.contains("--from and --to are for files"),
+            said.contains("--from and --to apply to the files"),
             noted,
             "{said}"
         );
@@ -105,7 +105,7 @@ fn what_it_refuses() {
         ),
         (
             &["--schemes", "newmark,lie-ga:0.8"],
-            "no difference to a linear vibration: leave the prefix out, `ga:0.8`",
+            "do not affect a linear vibration: leave the prefix out, `ga:0.8`",
         ),
         (
             &["--schemes", "em:0.5"],

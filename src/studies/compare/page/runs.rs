@@ -122,16 +122,16 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
         false => "",
         true => {
             columns.push("alone / s");
-            "; alone is that of the integration and nothing else but what it looks for before its first step, the \
+            "; alone is that of the integration only, with the search before its first step, the \
              least of some repetitions"
         }
     };
     let beside = match c.threads {
         1 => "one run at a time".to_owned(),
-        n => format!("{n} runs side by side on one machine, which makes each of them slower"),
+        n => format!("{n} runs in parallel on one machine, which slows each of them down"),
     };
     let caption = format!(
-        "Time is wall-clock time with the audits of energy and momentum, {beside}{alone}. An evaluation \
+        "Time is wall time with the evaluation of energies and momenta, {beside}{alone}. An evaluation \
          assembles the model once, with a tangent three times where rates are spins. Increments are \
          centred anew in every step, and each time counts as a change of chart.{}",
         searching(c)
