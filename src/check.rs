@@ -2,7 +2,7 @@
 //!
 //! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
 //! [`element`], [`same`], [`joint`], [`map`], [`implicit`] and [`scheme`] are the [`conformance`](crate::conformance) kit
-//! for what one has written oneself. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
+//! for components of your own. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
 //! it readable.
 //!
 //! ```no_run
@@ -29,12 +29,12 @@ pub use pullback_conformance::{
 const STATES: usize = 3;
 /// Models with more elements than this are checked at their start and one random state.
 const MANY: usize = 500;
-/// How often the check goes nearer to the start of the analysis where it cannot be evaluated.
+/// Attempts to find a state that can be evaluated, each closer to the start of the analysis.
 const CLOSER: usize = 3;
-/// Failures that are described one by one.
+/// Most failures that are described in detail.
 const DESCRIBED: usize = 20;
 
-/// Checks the model of a file where its analysis starts, and around that.
+/// Checks the model of a file at the start of its analysis and at random states around it.
 ///
 /// # Errors
 /// [`InputError`] when the file is refused.
@@ -43,7 +43,7 @@ pub fn file(path: &Path, seed: u64) -> Result<Report, InputError> {
     Ok(job(&mut loaded, seed))
 }
 
-/// Checks the model of a job where its analysis starts, and around that.
+/// Checks the model of a job at the start of its analysis and at random states around it.
 pub fn job(job: &mut Job, seed: u64) -> Report {
     let mut options = options(job, seed);
     let mut report = model(&mut job.model, &options);
@@ -51,7 +51,7 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
         let mut rows = report.rows().iter();
         rows.all(|row| row.law == "domain" && row.at == "start")
     };
-    // What is driven may have gone too far for loops that are where they started.
+    // Prescribed motion may have moved too far for loops that are still at their start.
     let from = job.plan.start();
     for _ in 0..CLOSER {
         if !nowhere(&report) {
@@ -65,8 +65,8 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
 
 /// The state and the time at which the model of a job is checked.
 ///
-/// The time is early in the analysis, while what is driven is near the start, and between the kinks
-/// of functions of time.
+/// The time is early in the analysis, where prescribed motion is close to its start, and lies between the kinks of
+/// functions of time.
 pub fn options(job: &Job, seed: u64) -> Options {
     let from = job.plan.start();
     let range = match &job.plan {
@@ -80,7 +80,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
             .iter()
             .fold(f64::INFINITY, |d, k| d.min((k - t).abs()))
     };
-    // The one of these that has most room.
+    // The state with the largest margin.
     let candidates = [0.37, 0.29, 0.47, 0.19, 0.61].map(|part| from + part * range);
     let t = candidates.into_iter().fold(candidates[0], |best, t| {
         if room(t) > 2.0 * room(best) { t } else { best }
@@ -97,14 +97,14 @@ pub fn options(job: &Job, seed: u64) -> Options {
     }
 }
 
-/// A row of a report as JSON has it.
+/// A row of a report, for JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry<'a> {
     /// Name of the component.
     pub component: &'a str,
     /// The property that was checked.
     pub property: &'a str,
-    /// The state at which it came closest to failing, or failed worst.
+    /// The state at which the property was closest to failing, or failed worst.
     pub at: &'a str,
     /// `defect`, `slope`, or `impossible`.
     pub measure: &'static str,
@@ -116,11 +116,11 @@ pub struct Entry<'a> {
     pub reason: Option<&'a str>,
     /// The verdict.
     pub passed: bool,
-    /// Blocks that are wrong, the worst first.
+    /// Wrong blocks, the worst first.
     pub blocks: Vec<BlockEntry<'a>>,
 }
 
-/// A block that is wrong as JSON has it; see [`Block`].
+/// A wrong block, for JSON; see [`Block`].
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "fields are those of the block")]
 pub struct BlockEntry<'a> {
@@ -166,19 +166,18 @@ pub fn entries(report: &Report) -> Vec<Entry<'_>> {
     out
 }
 
-/// A report as a table: a line for each component, with the property that came closest to failing and
-/// how many there are; elements of one line of a model share theirs. Failures follow one by one, with
-/// the blocks that are wrong.
+/// A report as a table: one line for each component, with the property closest to failing and the number of properties.
+/// The elements of one line of a model share a row. Failures and their wrong blocks follow.
 pub fn summary(report: &Report) -> String {
     lines(report, false)
 }
 
-/// As [`summary`], with a line for each component and property.
+/// Like [`summary`], with a line for each component and property.
 pub fn table(report: &Report) -> String {
     lines(report, true)
 }
 
-/// Rows that share a line: the one closest to failing, the components, and how many rows.
+/// Rows that share a line: the one closest to failing, the components, and the number of rows.
 struct Line<'a> {
     family: String,
     worst: &'a Row,
@@ -275,7 +274,7 @@ fn lines(report: &Report, all: bool) -> String {
     out
 }
 
-/// What the elements of one line have in common: `element arm:7 (beam)` is of `element arm:* (beam)`.
+/// The common name of the elements of one line: `element arm:7 (beam)` is of `element arm:* (beam)`.
 fn family(component: &str) -> String {
     let numbered = component.split_once(':').and_then(|(line, rest)| {
         let rest = rest.trim_start_matches(|c: char| c.is_ascii_digit());

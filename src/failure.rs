@@ -1,11 +1,10 @@
-//! What a program's `main` returns, so that its user reads words.
+//! The error type for a program's `main`, with readable messages.
 
 use std::error::Error;
 use std::fmt;
 
-/// Any error, as `main` returns it: `main() -> Result<(), Failure>` ends with the error's words and
-/// those of its causes, where `Box<dyn Error>` shows how it is made up. `?` turns any error, and a
-/// text, into one.
+/// Any error: `main() -> Result<(), Failure>` prints the message of the error and those of its causes, where
+/// `Box<dyn Error>` prints its debug form. `?` converts any error or text into it.
 ///
 /// ```
 /// use pullback::prelude::*;

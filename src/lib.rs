@@ -87,7 +87,7 @@
 //!   is [`elements`], [`integrators`], [`manifold`] and the [`prelude`], on nalgebra and faer.
 //! - `diffsol`: general solvers of ordinary differential equations in comparisons.
 
-// Both panic where a reader has gone away: `terminal::tell` and `cli::print` do not.
+// Both panic on closed pipes: `terminal::tell` and `cli::print` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[cfg(feature = "cli")]

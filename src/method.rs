@@ -1,20 +1,20 @@
-//! A method of motion: a formulation of rotations and a scheme, by one word.
+//! An integration method: a formulation of rotations and a scheme, from one name.
 
 use pullback_elements::model::Formulation;
 use pullback_integrators::dynamics::{DynamicsError, Scheme};
 use std::fmt;
 use std::str::FromStr;
 
-/// A formulation by the prefix that it puts before the word of a scheme.
+/// A formulation of rotations and its prefix to the name of a scheme.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Prefix {
-    /// The prefix, `lie-` say.
+    /// The prefix, such as `lie-`.
     pub word: &'static str,
     /// The formulation.
     pub formulation: Formulation,
-    /// What it is, and from where, for reports.
+    /// Description with reference, for reports.
     pub about: &'static str,
-    /// The only word of a scheme that it goes with, if there is only one.
+    /// The only scheme that it supports, if there is one.
     only: Option<&'static str>,
 }
 
@@ -61,13 +61,13 @@ pub static PREFIXES: [Prefix; 6] = [
     Prefix {
         word: "mixed-",
         formulation: Formulation::MixedSpins,
-        about: "spin vectors in the fixed frame with rates in the body (nobody's method): components \
+        about: "spin vectors in the fixed frame with rates in the body (not a published method): components \
                 of different frames are added without transport, and an order is lost",
         only: Some("newmark"),
     },
 ];
 
-/// A formulation of rotations and a time integration scheme, from a word such as `ga:0.8`,
+/// A formulation of rotations and a time integration scheme, from a name such as `ga:0.8`,
 /// `ul-ga:0.8`, `lie-hht:-0.1` or `spin-newmark`:
 ///
 /// ```
@@ -77,7 +77,7 @@ pub static PREFIXES: [Prefix; 6] = [
 /// assert_eq!(method.formulation(), Formulation::LieGroup);
 /// assert_eq!(method.scheme().to_string(), "ga:0.8");
 /// assert_eq!(method.to_string(), "lie-ga:0.8");
-/// // Sums of the stages of other schemes would not keep their order.
+/// // Other schemes would lose their order with this formulation.
 /// assert!("lie-radau".parse::<Method>().is_err());
 /// # Ok::<(), pullback::integrators::dynamics::DynamicsError>(())
 /// ```
@@ -91,8 +91,8 @@ impl Method {
     /// A prefix of [`PREFIXES`] with a scheme.
     ///
     /// # Errors
-    /// [`DynamicsError::Word`] for a scheme that the formulation does not go with: spins are for
-    /// schemes with one stage, at the end of the step, as the generalised-α family has it.
+    /// [`DynamicsError::Word`] for a scheme that the formulation does not support: spins need
+    /// schemes with one stage, at the end of the step, like the generalised-α family.
     pub fn new(prefix: &'static Prefix, scheme: Scheme) -> Result<Self, DynamicsError> {
         let refuse = |problem: String| DynamicsError::Word {
             word: format!("{}{scheme}", prefix.word),
@@ -133,14 +133,14 @@ impl Method {
         }
     }
 
-    /// The orders of positions, velocities and accelerations in this formulation where multipliers hold
-    /// equations.
+    /// The orders of positions, velocities and accelerations in this formulation on models with
+    /// multipliers.
     pub fn orders_with_multipliers(&self) -> [usize; 3] {
         let most = self.order();
         self.scheme.orders_with_multipliers().map(|p| p.min(most))
     }
 
-    /// What the formulation is, and from where.
+    /// Description of the formulation with reference.
     pub fn about(&self) -> &'static str {
         self.prefix.about
     }
@@ -164,7 +164,7 @@ impl From<Scheme> for Method {
 impl FromStr for Method {
     type Err = DynamicsError;
 
-    /// A word of [`SCHEMES`](pullback_integrators::dynamics::scheme::SCHEMES) with its numbers,
+    /// A name in [`SCHEMES`](pullback_integrators::dynamics::scheme::SCHEMES) with its parameters,
     /// behind a prefix of [`PREFIXES`].
     fn from_str(text: &str) -> Result<Self, DynamicsError> {
         let text = text.trim();
@@ -183,7 +183,7 @@ impl FromStr for Method {
 }
 
 impl fmt::Display for Method {
-    /// The word that makes it.
+    /// The name from which it is parsed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}{}", self.prefix.word, self.scheme)
     }

@@ -8,7 +8,7 @@ use pullback_elements::element::SectionState;
 use pullback_elements::model::{ElementId, EnergiesAndMomentum, Model, NodeId, Reaction};
 use std::f64::consts::TAU;
 
-/// What a probe looks at.
+/// The object of a probe.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     /// A node and its name.
@@ -30,7 +30,7 @@ pub enum Component {
     One(usize),
     /// The Euclidean norm.
     Norm,
-    /// The quantity is no vector.
+    /// The quantity is a scalar.
     Whole,
 }
 
@@ -45,19 +45,19 @@ pub struct Probe {
     continued: Vector3<f64>,
 }
 
-/// The answers of a model at one step, asked once for all probes.
+/// The quantities of a model at one step, evaluated once for all probes.
 pub struct Answers {
     sections: Vec<(ElementId, SectionState)>,
     /// In the order of their nodes' names.
     reactions: Vec<Reaction>,
     strain_energy: f64,
     load_potential: f64,
-    audit: Option<EnergiesAndMomentum>,
+    energy_balance: Option<EnergiesAndMomentum>,
     energy_defect: f64,
 }
 
 impl Answers {
-    /// Asks a model in the configuration it is in.
+    /// Evaluates a model in its present configuration.
     pub fn of(model: &Model, t: f64) -> Self {
         let mut reactions = model.reactions();
         reactions.sort_unstable_by(|a, b| a.node.cmp(&b.node));
@@ -66,43 +66,43 @@ impl Answers {
             reactions,
             strain_energy: model.strain_energy(t),
             load_potential: model.load_potential(t),
-            audit: None,
+            energy_balance: None,
             energy_defect: 0.0,
         }
     }
 
-    /// The same, with what is known of a motion.
+    /// The same, with the quantities of a motion.
     #[must_use]
-    pub fn moving(self, audit: Option<EnergiesAndMomentum>, energy_defect: f64) -> Self {
+    pub fn moving(self, energy_balance: Option<EnergiesAndMomentum>, energy_defect: f64) -> Self {
         Self {
-            audit,
+            energy_balance,
             energy_defect,
             ..self
         }
     }
 
-    /// Whether they are those of a motion.
+    /// Whether they belong to a motion.
     pub fn is_moving(&self) -> bool {
-        self.audit.is_some()
+        self.energy_balance.is_some()
     }
 
     /// Energies, powers and momenta; zero in statics.
-    pub fn audit(&self) -> EnergiesAndMomentum {
-        self.audit.unwrap_or_default()
+    pub fn energy_balance(&self) -> EnergiesAndMomentum {
+        self.energy_balance.unwrap_or_default()
     }
 
-    /// Energy that was never supplied; zero in statics.
+    /// Defect of the energy balance; zero in statics.
     pub fn energy_defect(&self) -> f64 {
         self.energy_defect
     }
 
-    /// A quantity of the whole model that is no vector.
+    /// A scalar of the whole model.
     fn whole(&self, quantity: Quantity) -> f64 {
-        let audit = self.audit();
+        let balance = self.energy_balance();
         match quantity {
-            Quantity::kinetic_energy => audit.energies.kinetic,
+            Quantity::kinetic_energy => balance.energies.kinetic,
             Quantity::total_energy => {
-                audit.energies.kinetic + self.strain_energy + self.load_potential
+                balance.energies.kinetic + self.strain_energy + self.load_potential
             }
             Quantity::energy_defect => self.energy_defect,
             _ => self.strain_energy,
@@ -124,13 +124,13 @@ impl Answers {
         self.strain_energy
     }
 
-    /// Mean over the integration points of an element; zero for one that has none.
+    /// Mean over the integration points of an element; zero without any.
     pub fn mean(
         &self,
         id: ElementId,
         part: impl Fn(&SectionState) -> Vector3<f64>,
     ) -> Vector3<f64> {
-        // The states stand in the order of the elements.
+        // The states are in the order of the elements.
         let first = self.sections.partition_point(|(e, _)| *e < id);
         let own = self.sections[first..].iter().take_while(|(e, _)| *e == id);
         let (sum, count) = own.fold((Vector3::zeros(), 0.0), |(sum, count), (_, state)| {
@@ -141,7 +141,7 @@ impl Answers {
 }
 
 impl Probe {
-    /// A probe that has seen no rotation yet.
+    /// A probe before its first rotation.
     pub fn new(name: &str, quantity: Quantity, target: Target, component: Component) -> Self {
         Self {
             name: name.to_owned(),
@@ -157,18 +157,18 @@ impl Probe {
         &self.name
     }
 
-    /// Rotation vector at the last step, continued over changes of chart: what the next value
-    /// depends on.
+    /// Rotation vector at the last step, continued over changes of chart; the next value
+    /// depends on it.
     pub fn memory(&self) -> [f64; 3] {
         self.continued.into()
     }
 
-    /// Goes on from a memory.
+    /// Restores that rotation vector.
     pub fn remember(&mut self, memory: [f64; 3]) {
         self.continued = memory.into();
     }
 
-    /// What it records.
+    /// The recorded quantity.
     pub fn quantity(&self) -> Quantity {
         self.quantity
     }
@@ -206,7 +206,7 @@ impl Probe {
         match &self.target {
             Target::Joint(_) => Vector3::zeros(),
             Target::Whole => {
-                let momentum = answers.audit().momentum;
+                let momentum = answers.energy_balance().momentum;
                 match self.quantity {
                     Quantity::momentum => momentum.linear,
                     _ => momentum.angular,
@@ -277,7 +277,7 @@ mod tests {
         let mut continued = Vector3::zeros();
         let path = (0..100).chain((-40..100).rev()).map(|k| 0.3 * f64::from(k));
         for angle in path {
-            // The chart keeps its angle at most π.
+            // The angle in the chart is at most π.
             let folded = angle - TAU * (angle / TAU).round();
             continued = continue_rotation(&continued, &(axis * folded));
             assert!((continued - axis * angle).norm() < 1e-12, "at {angle}");

@@ -12,13 +12,13 @@ use pullback_integrators::dynamics::{DynamicsError, Progress, start};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// Why a run gave no complete results.
+/// Why a run has no results.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The model file is refused; nothing has been written.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// There is nothing that can be resumed; nothing has been written.
+    /// There is no valid checkpoint; nothing has been written.
     #[error(transparent)]
     Resume(#[from] ResumeError),
     /// The motion cannot begin.
@@ -40,37 +40,37 @@ impl From<OutputError> for RunError {
 pub struct Outcome {
     /// How it ended.
     pub ending: Ending,
-    /// The solver's failure, if that was it.
+    /// The failure of the solver, if any.
     pub failure: Option<SolveError>,
-    /// What the analysis did.
+    /// Statistics of the analysis.
     pub counts: Counts,
     /// Converged steps and located events recorded.
     pub rows: usize,
     /// Load parameter or time of the last of them.
     pub t: f64,
-    /// What that is, in words.
+    /// Name of that parameter.
     pub parameter: &'static str,
-    /// What looks doubtful about it.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// How the loops of the model close, and from which coordinates they start.
+    /// Notes on the loops of the model and their initial coordinates.
     pub notes: Vec<String>,
-    /// Where the results are.
+    /// Directory of the results.
     pub directory: PathBuf,
     /// Names of the files.
     pub files: Vec<String>,
 }
 
-/// Where the results of a model file go unless told otherwise: beside it, `model.out`.
+/// Default directory of the results of a model file: `model.out` beside it.
 pub fn default_directory(model: &Path) -> PathBuf {
     model.with_extension("out")
 }
 
-/// Runs a model file. `observer` sees each converged step after it has been recorded and may stop
+/// Runs a model file. `observer` is called after each converged step has been recorded, and may stop
 /// the run.
 ///
 /// # Errors
-/// [`RunError`]. A failure of the solver is no error of the run: it is an [`Outcome`] whose
-/// results hold the steps that converged.
+/// [`RunError`]. A failure of the solver is an [`Outcome`] whose results hold the converged
+/// steps.
 pub fn run(
     model: &Path,
     out: Option<&Path>,
@@ -81,11 +81,11 @@ pub fn run(
     run_job(job, &model.display().to_string(), &directory, observer)
 }
 
-/// Takes up a dynamic run where its last checkpoint stands, with results that are the same to the
-/// last bit as if it had not stopped.
+/// Resumes a dynamic run from its last checkpoint, with results that are bitwise those of an
+/// uninterrupted run.
 ///
 /// # Errors
-/// [`RunError`], [`ResumeError`] where there is no checkpoint of this model in the directory.
+/// [`RunError`], [`ResumeError`] without a checkpoint of this model in the directory.
 pub fn resume(
     model: &Path,
     out: Option<&Path>,
@@ -96,7 +96,7 @@ pub fn resume(
     resume_job(job, &model.display().to_string(), &directory, observer)
 }
 
-/// Runs a job that has been assembled; `source` is what the results call its model file.
+/// Runs an assembled job; `source` is the name of its model file in the results.
 ///
 /// # Errors
 /// As [`run`].
@@ -109,7 +109,7 @@ pub fn run_job(
     execute(job, source, directory, None, observer)
 }
 
-/// As [`resume`], for a job that has been assembled.
+/// Like [`resume`], for an assembled job.
 ///
 /// # Errors
 /// As [`resume`].
@@ -156,7 +156,7 @@ fn execute(
     if !matches!(plan, Plan::Dynamic(_)) {
         notes.extend(warnings::stability_unknown(&model));
     }
-    // Whatever refuses to begin leaves the directory as it is.
+    // A refused start leaves the directory unchanged.
     let mut progress = Progress::default();
     let mut every = 0;
     if let Plan::Dynamic(plan) = &plan {
@@ -212,7 +212,7 @@ fn execute(
     });
     let mut unevaluated = None;
     match unwritten {
-        Some(RecordError::Audit(error)) => unevaluated = Some(error),
+        Some(RecordError::System(error)) => unevaluated = Some(error),
         Some(error) => return Err(error.into()),
         None => {}
     }
@@ -225,7 +225,7 @@ fn execute(
     );
     let ending = match unevaluated {
         Some(error) => Ending::Failed {
-            message: RecordError::Audit(error).to_string(),
+            message: RecordError::System(error).to_string(),
         },
         None => ending(&ended, t),
     };
@@ -246,7 +246,7 @@ fn execute(
     })
 }
 
-/// Records a step, and where it is due a checkpoint.
+/// Records a step, and a checkpoint when it is due.
 fn take(
     recorder: &mut Recorder<'_>,
     model: &mut Model,

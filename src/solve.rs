@@ -1,4 +1,4 @@
-//! Running the analysis of a job: the one position that calls the solvers.
+//! Runs the analysis of a job; the only caller of the solvers.
 
 use crate::input::Plan;
 use pullback_elements::model::Model;
@@ -12,7 +12,7 @@ use pullback_manifold::system::Point;
 use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
 
-/// Why an analysis came to no end.
+/// Failure of an analysis.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
     /// In statics.
@@ -34,7 +34,7 @@ impl SolveError {
     }
 }
 
-/// A step that has converged, of whatever analysis.
+/// A converged step of any analysis.
 #[derive(Clone, Copy, Debug)]
 pub struct Advance<'a> {
     /// Number of the step, from 1; located events repeat the number of the step they lie in.
@@ -51,9 +51,9 @@ pub struct Advance<'a> {
     pub chart_changes: usize,
     /// Index of the event located here, if it is one.
     pub event: Option<usize>,
-    /// In how many directions an equilibrium is unstable, where that is known.
+    /// Number of unstable directions of an equilibrium, where known.
     pub unstable: Option<usize>,
-    /// Where a motion is.
+    /// State of a motion.
     pub progress: Option<&'a Progress>,
 }
 
@@ -93,7 +93,7 @@ impl<'a> From<&StepReport<'a>> for Advance<'a> {
     }
 }
 
-/// What an analysis did, whether it came to its end or not.
+/// Statistics of an analysis, complete or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Counts {
     /// Converged steps.
@@ -113,12 +113,12 @@ pub struct Counts {
     /// Energies, in dynamics.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "energies")]
     pub energy: Option<EnergyBalance>,
-    /// The largest stable step, where the scheme has a limit.
+    /// The largest stable step, if the scheme has a limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stable_step: Option<f64>,
 }
 
-/// What `result.json` tells of the energies; the rest is for a run that goes on.
+/// The energies in `result.json`, without those needed to resume only.
 fn energies<S: Serializer>(energy: &Option<EnergyBalance>, to: S) -> Result<S::Ok, S::Error> {
     let Some(energy) = energy else {
         return to.serialize_none();
@@ -163,21 +163,21 @@ impl Counts {
     }
 }
 
-/// Where an analysis ended, and why.
+/// End of an analysis, and its reason.
 #[derive(Debug)]
 pub struct Ended {
-    /// What it did.
+    /// Its statistics.
     pub counts: Counts,
     /// Whether its end was reached.
     pub finished: bool,
-    /// Most steps allowed, where there is such a limit.
+    /// Most steps allowed, if there is a limit.
     pub step_limit: Option<usize>,
-    /// What stopped it, where the solver failed.
+    /// The failure of the solver, if any.
     pub failure: Option<SolveError>,
 }
 
-/// Charts, consistent accelerations and energies at the start of a motion; nothing to do for one
-/// that is continued, but the charts of the model.
+/// Initialises charts, consistent accelerations and energies at the start of a motion; of a resumed one
+/// only the charts.
 ///
 /// # Errors
 /// [`DynamicsError`].
@@ -195,7 +195,7 @@ pub fn begin(
     })
 }
 
-/// The point that a motion has reached.
+/// The present point of a motion.
 pub fn point(progress: &Progress) -> Point<'_> {
     let state = &progress.state;
     Point {
@@ -206,7 +206,7 @@ pub fn point(progress: &Progress) -> Point<'_> {
     }
 }
 
-/// Computes what the plan says, a motion from where `progress` stands; `observer` sees every
+/// Runs the analysis of the plan, a motion from the state of `progress`; `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
     model: &mut Model,

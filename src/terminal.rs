@@ -1,4 +1,4 @@
-//! What the program shows while it works, and how it is stopped.
+//! Progress display and interrupts of the program.
 
 use crate::solve::{Advance, Counts};
 use crate::studies::gallery::Comparison;
@@ -10,19 +10,19 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Writes a line to standard error. Whoever has closed it does not want to know.
+/// Writes a line to standard error; errors are ignored.
 pub fn tell(what: impl Display) {
     writeln!(io::stderr(), "{what}").ok();
 }
 
-/// A line that tells where the analysis is; silent when standard error is no terminal.
+/// A progress line; silent if standard error is not a terminal.
 pub struct Progress {
     bar: ProgressBar,
     /// The end of a motion.
     to: Option<f64>,
 }
 
-/// Parts of a bar.
+/// Resolution of a bar.
 const WHOLE: u64 = 1000;
 
 impl Progress {
@@ -43,14 +43,14 @@ impl Progress {
         }
     }
 
-    /// Gives the line a bar, for a motion that ends at the time `to`.
+    /// Adds a bar to the line, for a motion that ends at the time `to`.
     pub fn until(&mut self, to: f64) {
         self.to = Some(to);
         self.bar.set_length(WHOLE);
         self.style("{spinner} {elapsed_precise} [{bar:20}] {msg}");
     }
 
-    /// Tells of a converged step.
+    /// Shows a converged step.
     pub fn step(&self, step: &Advance<'_>) {
         if let Some(to) = self.to {
             self.bar.set_position(part(step.t, to));
@@ -59,13 +59,13 @@ impl Progress {
         self.bar.tick();
     }
 
-    /// Tells something.
+    /// Shows a text.
     pub fn say(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         self.bar.tick();
     }
 
-    /// Tells something that stays, above the line.
+    /// Prints a text permanently, above the line.
     pub fn tell(&self, what: &str) {
         self.bar.suspend(|| tell(what));
     }
@@ -76,7 +76,7 @@ impl Progress {
     }
 }
 
-/// What is told of a converged step: where it is, its size and its iterations.
+/// Text for a converged step: its time or load parameter, size and iterations.
 fn news(step: &Advance<'_>) -> String {
     let parameter = match step.progress {
         Some(_) => "time",
@@ -91,7 +91,7 @@ fn news(step: &Advance<'_>) -> String {
     )
 }
 
-/// How much of a motion from 0 to `to` is done at the time `t`, of [`WHOLE`].
+/// The completed part of a motion from 0 to `to` at the time `t`, of [`WHOLE`].
 fn part(t: f64, to: f64) -> u64 {
     match to > 0.0 {
         true => (WHOLE as f64 * (t / to).clamp(0.0, 1.0)) as u64,
@@ -99,18 +99,18 @@ fn part(t: f64, to: f64) -> u64 {
     }
 }
 
-/// Ctrl-C, SIGTERM and SIGHUP: the first asks the analysis to stop after the present step, the second
+/// Ctrl-C, SIGTERM and SIGHUP: the first stops the analysis after the present step, the second
 /// ends the program at once.
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens from now on; a program has one ear, whatever it runs.
+    /// Installs the handler, once for a program.
     pub fn install() -> Self {
-        static ASKED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-        Self(Arc::clone(ASKED.get_or_init(listen)))
+        static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+        Self(Arc::clone(INTERRUPTED.get_or_init(listen)))
     }
 
-    /// Whether to go on.
+    /// Whether to continue.
     pub fn flow(&self) -> ControlFlow<()> {
         if self.0.load(Ordering::Relaxed) {
             ControlFlow::Break(())
@@ -121,8 +121,8 @@ impl Interrupt {
 }
 
 fn listen() -> Arc<AtomicBool> {
-    let asked = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&asked);
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
     let installed = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(crate::cli::INTERRUPTED));
@@ -134,7 +134,7 @@ fn listen() -> Arc<AtomicBool> {
             "warning: Ctrl-C will stop the program without saving: {error}"
         ));
     }
-    asked
+    interrupted
 }
 
 /// The rows of the gallery as text.
@@ -187,7 +187,7 @@ pub fn table(rows: &[Comparison]) -> String {
     out
 }
 
-/// A number of things.
+/// A number with its noun.
 pub fn plural(count: usize, thing: &str) -> String {
     match count {
         1 => format!("1 {thing}"),
@@ -195,7 +195,7 @@ pub fn plural(count: usize, thing: &str) -> String {
     }
 }
 
-/// What an analysis did, in lines.
+/// Statistics of an analysis, in lines.
 pub fn counts(counts: &Counts) -> String {
     let mut out = format!(
         "{} ({} rejected), {}, {}, {}, {} of chart\n",

@@ -1,12 +1,12 @@
-//! What looks doubtful about a model or its results, in words: for the terminal and `result.json`.
+//! Warnings about a model or its results, for the terminal and `result.json`.
 
 #![allow(non_snake_case)]
 
+mod diagnostics;
 mod turns;
-mod watch;
 
+pub(crate) use diagnostics::Diagnostics;
 pub(crate) use turns::{Turn, Turns};
-pub(crate) use watch::Watch;
 
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;
@@ -15,13 +15,13 @@ use pullback_elements::model::{BEFORE_START, Model};
 use pullback_integrators::dynamics::{Progress, State};
 use pullback_manifold::system::{Evaluation, Point, System};
 
-/// Names that a message lists.
+/// Most names in a message.
 const LISTED: usize = 4;
 
-/// Error of the energy over the energy supplied that makes results doubtful.
+/// Defect of the energy balance over the energy supplied, above which results are doubtful.
 const DOUBTFUL: f64 = 0.1;
 
-/// What there is to say of the balance of energy of a motion, or of one without any.
+/// A warning about the energy balance of a motion, or about a model at rest.
 pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     let energy = counts.energy?;
     let doubtful = DOUBTFUL * energy.start.max(energy.work.abs());
@@ -34,8 +34,8 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         );
     }
     Some(if energy.defect() > 0.0 {
-        "the balance of energy is off by much compared with the energy supplied: energy has come from \
-         nowhere; take smaller steps, or a scheme that damps high frequencies (more)"
+        "the balance of energy is off by much compared with the energy supplied: energy is not \
+         conserved, but grows; take smaller steps, or a scheme that damps high frequencies (more)"
     } else {
         "the balance of energy is off by much compared with the energy supplied: energy is lost, as \
          the scheme damps what its steps do not resolve (waves of a sudden start, say), or dampers \
@@ -43,7 +43,7 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
     })
 }
 
-/// Why nobody knows how stable the equilibria of a static analysis are.
+/// Why the stability of static equilibria is unknown.
 pub(crate) fn stability_unknown(model: &Model) -> Option<String> {
     let names: Vec<String> = model.asymmetric().map(str::to_owned).collect();
     (!names.is_empty()).then(|| {
@@ -61,7 +61,7 @@ fn has(own: bool, model: &Model, joint: &Joint) -> bool {
     (model.released()).any(|(node, name, _)| model.is_own(node) == own && is_of(joint, name))
 }
 
-/// Whether a released coordinate of this name is the joint's.
+/// Whether a released coordinate of this name belongs to the joint.
 fn is_of(joint: &Joint, name: &str) -> bool {
     let rest = name.strip_prefix(&joint.name);
     rest.is_some_and(|rest| rest.starts_with(' '))
@@ -82,7 +82,7 @@ fn driven(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Optio
         .chain(joints.map(|j| (format!("joint {}", j.name), Some(j))))
 }
 
-/// The first names of several, and how many more there are.
+/// The first of several names, and the number of the others.
 fn listed(names: &[String]) -> String {
     let first = names[..names.len().min(LISTED)].join("; ");
     match names.len().saturating_sub(LISTED) {
@@ -97,7 +97,7 @@ fn are(names: &[String]) -> String {
     format!("{} {verb}", names.join(", "))
 }
 
-/// A word about what starts with a velocity because it hangs by a joint from something driven.
+/// A warning about bodies that start with a velocity as joints attach them to something prescribed.
 pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
     let driven: Vec<String> = driven(file, 1).map(|(name, _)| name).collect();
     if !file.initial.is_empty() || driven.is_empty() {
@@ -109,7 +109,7 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
             state.velocity.norm() + state.omega.norm() > 0.0
         })
     };
-    // Rates of loops follow from what is driven.
+    // Rates of loops depend on prescribed motion.
     let rests = |joint: &Joint| {
         let mut own = model.released().filter(|(_, name, _)| is_of(joint, name));
         own.all(|(n, _, dim)| {
@@ -123,7 +123,7 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
     let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
     (!carried.is_empty()).then(|| {
         format!(
-            "{} driven with a velocity just before t = 0: what hangs from there by {} starts with it, as rates \
+            "{} driven with a velocity just before t = 0: what is attached to it by {} starts with it, as rates \
              of joints are 0. [[initial]] with velocity = [0, 0, 0] lets it start at rest in space",
             are(&driven),
             listed(&carried)
@@ -131,7 +131,7 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
     })
 }
 
-/// A word about lines that stay behind where a joint at their end starts with a rate.
+/// A warning about lines at rest next to a joint that starts with a rate.
 pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
     let rated = (file.joints.iter()).filter(|j| j.rate.is_some_and(|rate| rate != 0.0));
     rated.filter(|_| file.initial.is_empty()).flat_map(|j| {
@@ -150,19 +150,19 @@ pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
     })
 }
 
-/// A word about energy that is stored at the start of a motion because driven coordinates, or
-/// initial values, are not where the model is drawn.
+/// A warning about energy stored at the start of a motion because prescribed coordinates or
+/// initial values differ from the reference configuration.
 pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
     let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
     let names: Vec<String> = driven(file, 0)
         .chain(valued)
-        // The coordinates of a loop are where they are together.
+        // The coordinates of a loop are compatible.
         .filter(|(_, joint)| joint.is_none_or(|j| !has(false, model, j)))
         .map(|(name, _)| name)
         .collect();
-    // A joint that is let go with its own spring tight is what it seems.
+    // The energy of a joint's own spring is intended.
     let tight = |(_, s): &(_, SectionState)| s.N.norm() + s.M.norm() > 0.0;
     let parts = !file.springs.is_empty() || model.section_states(0.0).iter().any(tight);
     if stored <= 0.0 || names.is_empty() || !parts {
@@ -175,7 +175,7 @@ pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> 
     )]
 }
 
-/// A word about loops that cannot move.
+/// Warnings about loops that cannot move.
 pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
     model.locked().into_iter().map(|(joint, x, equations)| {
         format!(
@@ -186,10 +186,10 @@ pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
     })
 }
 
-/// Part of the forces on a model that rounding errors of a gap may be.
+/// Largest acceptable ratio of rounding errors of a gap to the forces on a model.
 const ROUGH: f64 = 1e-3;
 
-/// A word about penalties with which rounding errors of the gap are no small forces.
+/// A warning about penalties for which rounding errors of the gap are large forces.
 pub(crate) fn drowned(model: &mut Model, file: &ModelFile, progress: &Progress) -> Option<String> {
     let State { t, q, v, .. } = &progress.state;
     let a = vec![0.0; q.len()];
@@ -202,17 +202,17 @@ pub(crate) fn drowned(model: &mut Model, file: &ModelFile, progress: &Progress) 
     let names: Vec<String> = large.map(|j| j.name.clone()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "penalty of {}: rounding errors of the gap are forces that drown those of the model; \
+            "penalty of {}: rounding errors of the gap are forces larger than those of the model; \
              keep it below {most:.0e}",
             listed(&names)
         )
     })
 }
 
-/// A word about coordinates on which no mass acts.
+/// A warning about coordinates on which no mass acts.
 pub(crate) fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
     let state = &progress.state;
-    // A state outside of a domain is told of by the first step.
+    // A state outside of a domain is reported by the first step.
     let names = model.massless(state.t, &state.q, &state.v).ok()?;
     (!names.is_empty()).then(|| {
         format!(

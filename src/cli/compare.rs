@@ -3,7 +3,7 @@
 use super::{FAILED, INTERRUPTED, REFUSED, complain, print};
 use crate::input::{Analysis, Registry, closest};
 use crate::method::Method;
-use crate::studies::compare::{self, CompareError, Contender, Options, Subject, Watch};
+use crate::studies::compare::{self, Candidate, CompareError, Hooks, Options, Subject};
 use crate::studies::gallery;
 use crate::terminal::{Interrupt, Progress, tell};
 use std::ffi::OsString;
@@ -11,21 +11,21 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// What a command line asks of a comparison.
+/// Arguments of `pullback compare`.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// Model file (TOML; see docs/model_file.md) with a dynamic analysis, or the name of a model of
-    /// the gallery, such as top or elbow. Several of them make one page; what belongs to each goes to
-    /// a directory of its name.
+    /// the gallery, such as top or elbow. Several models make one page, and a directory of results
+    /// each.
     #[arg(required = true)]
     models: Vec<PathBuf>,
-    /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
-    /// all there are. A prefix chooses the formulation of rotations: ul-ga:0.8 (updated
+    /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
+    /// A prefix selects the formulation of rotations: ul-ga:0.8 (updated
     /// Lagrangian), lie-ga:0.8 (Lie group), spin-newmark (sums of spatial spins).
     /// diffsol-bdf and diffsol-esdirk are general solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
-    /// Step sizes, from large to small; with an x behind them multiples of the model file's own
+    /// Step sizes, from large to small; with the suffix x multiples of the model file's own
     /// step: 2x,1x,0.5x.
     #[arg(
         long,
@@ -34,33 +34,33 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     steps: Vec<Size>,
-    /// Scheme of the reference, with the prefix of a formulation where it is to have one; radau by default.
+    /// Scheme of the reference solution, with an optional prefix for its formulation; radau by default.
     #[arg(long)]
     reference: Option<String>,
-    /// CSV file of an exact solution in place of the reference: see docs/comparing_schemes.md.
+    /// CSV file of an exact solution that replaces the reference: see docs/comparing_schemes.md.
     #[arg(long, conflicts_with = "reference")]
     exact: Option<PathBuf>,
-    /// Directory of the results; beside the (first) model file by default, `MODEL.compare`.
+    /// Directory of the results; `MODEL.compare` beside the (first) model file by default.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Runs at a time; as many as there are cores by default. Results do not depend on it.
+    /// Runs at a time; one per core by default. Results do not depend on it.
     #[arg(long, value_parser = threads)]
     threads: Option<NonZeroUsize>,
-    /// Makes each run again, alone on the machine, to take its time.
+    /// Repeats each run alone on the machine to measure its time.
     #[arg(long)]
     timed: bool,
-    /// Residual over forces that runs are converged to, where it is smaller than the model file's.
+    /// Tolerance of the residual relative to forces, where smaller than the model file's.
     #[arg(long)]
     residual: Option<f64>,
-    /// Runs every scheme once more with the largest step, for so many times the duration, to see
-    /// what becomes of energies and momenta.
+    /// Also runs every scheme with the largest step for this multiple of the duration, to show
+    /// the drift of energies and momenta.
     #[arg(long, value_name = "TIMES")]
     long: Option<f64>,
-    /// Runs every scheme once more at every step size with charts of rotations that are kept until
-    /// three quarters of a turn, in place of half a one, to see what changes of chart cost.
+    /// Also runs every scheme at every step size with charts of rotations that are kept until three
+    /// quarters of a turn instead of half a turn, to show what changes of chart cost.
     #[arg(long)]
     charts: bool,
-    /// Says nothing unless something goes wrong.
+    /// Prints errors only.
     #[arg(long, short)]
     quiet: bool,
 }
@@ -93,11 +93,11 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
         .map_err(|_| "give a whole number of runs at a time, 1 or more".to_owned())
 }
 
-/// The scheme of the reference, in whatever formulation; it has no tolerance.
+/// The scheme of the reference, in any formulation; it has no tolerance.
 fn reference(word: &str) -> Result<Method, CompareError> {
-    let contender: Contender = word.parse()?;
-    match contender {
-        Contender::Method(method) => Ok(method),
+    let candidate: Candidate = word.parse()?;
+    match candidate {
+        Candidate::Method(method) => Ok(method),
         other => Err(CompareError::ReferenceForm {
             name: other.to_string(),
         }),
@@ -125,14 +125,14 @@ impl Arguments {
         })
     }
 
-    /// A model and what is compared on it.
+    /// A model and the options of its comparison.
     fn subject<'a>(
         &self,
         registry: &'a Registry,
         path: &Path,
     ) -> Result<Subject<'a>, CompareError> {
         let model = path.display().to_string();
-        // Every run has a model of its own, of the file as it is now.
+        // Every run builds its own model, from the file as it is now.
         let built_in = gallery::model(path).filter(|_| !path.is_file());
         let file = match built_in {
             Some(text) => registry.assemble_text(&model, text)?.file,
@@ -173,7 +173,7 @@ impl Arguments {
     }
 }
 
-/// A command line as a shell would take it, the program by its bare name.
+/// A command line in shell syntax, with the bare name of the program.
 pub(super) fn quoted(arguments: &[OsString]) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
     let word = |(k, word): (usize, &OsString)| {
@@ -190,16 +190,16 @@ pub(super) fn quoted(arguments: &[OsString]) -> String {
     words.join(" ")
 }
 
-/// Compares, and tells how it ended; the exit code.
-pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u8 {
+/// Runs the comparison and prints its outcome; returns the exit code.
+pub(super) fn compare(registry: &Registry, args: Arguments, command: &str) -> u8 {
     let Arguments {
         models, out, quiet, ..
-    } = &asked;
+    } = &args;
     let directory = out.clone();
     let directory = directory.unwrap_or_else(|| compare::default_directory(&models[0]));
     let progress = Progress::new(*quiet);
-    let watch = Watch {
-        // As in a run, from the first step on.
+    let hooks = Hooks {
+        // Interrupts are handled from the first step on, as in a run.
         flow: &|| Interrupt::install().flow(),
         ended: &|done, all, name| progress.say(&format!("{done} of {all} runs, {name}")),
         refused: &|name, why| {
@@ -208,7 +208,7 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
         },
     };
     let subjects = models.iter().map(|path| {
-        asked.subject(registry, path).map_err(|error| match error {
+        args.subject(registry, path).map_err(|error| match error {
             CompareError::Static => error.of(&path.display().to_string()),
             error => error,
         })
@@ -222,10 +222,10 @@ pub(super) fn compare(registry: &Registry, asked: Arguments, command: &str) -> u
                 options,
                 ..
             } = only;
-            let one = compare::run(&**make, model, Some(command), &directory, options, &watch)?;
+            let one = compare::run(&**make, model, Some(command), &directory, options, &hooks)?;
             Ok(vec![one])
         }
-        several => compare::run_several(several, Some(command), &directory, &watch),
+        several => compare::run_several(several, Some(command), &directory, &hooks),
     });
     progress.clear();
     let comparisons = match ran {

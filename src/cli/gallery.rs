@@ -11,7 +11,7 @@ pub(super) fn cases() -> String {
     format!("Cases: {}", names.join(", "))
 }
 
-/// Computes the cases and prints how they compare; the exit code.
+/// Computes the cases and prints the comparison; returns the exit code.
 pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     let progress = Progress::new(json);
     let ran = gallery::run(cases, out, &mut |case| progress.say(case));
@@ -38,7 +38,7 @@ pub(super) fn gallery(cases: &[String], json: bool, out: Option<&Path>) -> u8 {
     }
 }
 
-/// What is printed, and the exit code: 0 only where every row is within its tolerance.
+/// The output and the exit code, which is 0 only if every row is within its tolerance.
 fn answer(rows: &[Comparison], json: bool) -> serde_json::Result<(String, u8)> {
     let text = if json {
         serde_json::to_string_pretty(rows)? + "\n"

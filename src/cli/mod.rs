@@ -1,4 +1,4 @@
-//! The program `pullback`, and programs like it with joints of their own.
+//! The program `pullback`, and programs that add joints of their own.
 
 mod compare;
 mod gallery;
@@ -36,27 +36,27 @@ enum Command {
     /// Runs a model file and writes history, results, figures and ParaView files.
     ///
     /// Exit code 0: complete; 1: the analysis failed; 2: the model file is refused or the results
-    /// cannot be written; 130: interrupted. After a failure, Ctrl-C, SIGTERM or SIGHUP the steps that
-    /// converged are kept, and result.json says that they are not all; a dynamic analysis can be resumed.
+    /// cannot be written; 130: interrupted. After a failure, Ctrl-C, SIGTERM or SIGHUP the converged steps
+    /// are kept, and result.json marks them as incomplete; a dynamic analysis can be resumed.
     Run {
         /// Model file (TOML; see docs/model_file.md).
         model: PathBuf,
-        /// Directory of the results; beside the model file by default, `MODEL.out`.
+        /// Directory of the results; `MODEL.out` beside the model file by default.
         #[arg(long)]
         out: Option<PathBuf>,
-        /// Goes on from the checkpoint in the directory of the results (dynamic analyses): the
-        /// results are the same to the last bit as those of a run that has not been stopped.
+        /// Resumes from the checkpoint in the directory of the results (dynamic analyses): the
+        /// results are bitwise those of an uninterrupted run.
         #[arg(long)]
         resume: bool,
-        /// Says nothing unless something goes wrong.
+        /// Prints errors only.
         #[arg(long, short)]
         quiet: bool,
     },
     /// Checks every element, load and joint of a model file and the assembled system: tangents
     /// against residuals, symmetry, objectivity, changes of chart, the balance of power.
     ///
-    /// Prints a line for each component with the property that came closest to failing, and for what
-    /// is wrong which block of which component and by how much. Exit code 0: all is well; 1: something is wrong; 2: the model file is refused.
+    /// Prints one line for each component with the property closest to failing, and for a failure the
+    /// wrong blocks and their errors. Exit code 0: all is well; 1: something is wrong; 2: the model file is refused.
     Check {
         /// Model file (TOML; see docs/model_file.md).
         model: PathBuf,
@@ -71,16 +71,16 @@ enum Command {
         json: bool,
     },
     /// Compares schemes of time integration on model files, at several step sizes: errors against
-    /// a reference solution, observed orders, cost, drift of what the motion keeps.
+    /// a reference solution, observed orders, cost, drift of invariants.
     ///
-    /// Writes compare.html (a page that needs no other file), compare.json, compare.csv and figures;
-    /// of several model files one page, and the rest in a directory each.
+    /// Writes compare.html (one self-contained page), compare.json, compare.csv and figures;
+    /// several model files make one page, with a directory of other results each.
     /// A scheme that fails at a step size is a row with the reason. Exit code 0: complete; 1: there
     /// is no reference, or no run came to its end; 2: the model or an argument is refused, or the
     /// results cannot be written; 130: interrupted.
     Compare(compare::Arguments),
-    /// Shows what schemes of time integration do to vibrations over Ω = ω h: spectral radius,
-    /// algorithmic damping ratio, period elongation, overshoot of the first step; by the steps that
+    /// Shows spectra of schemes of time integration over Ω = ω h: spectral radius, algorithmic
+    /// damping ratio, period elongation, overshoot of the first step; measured from the steps that
     /// runs make, beside the closed forms of theory.
     ///
     /// Prints a table; with --out it writes spectrum.json, spectrum.csv and figures too. Exit code
@@ -109,14 +109,14 @@ pub fn main(registry: &Registry) -> ExitCode {
     ExitCode::from(run(registry, std::env::args_os()))
 }
 
-/// Does what a command line says, the program's name first; the exit code.
+/// Runs a command line, which begins with the program's name; returns the exit code.
 pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let command_line = compare::quoted(&arguments);
     let command = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments.command,
         Err(error) => {
-            // Help and version are no errors; who does not read them has gone away.
+            // Help and version are no errors; a closed output is ignored.
             error.print().ok();
             return u8::from(error.use_stderr()) * REFUSED;
         }
@@ -134,14 +134,14 @@ pub fn run(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -
             all,
             json,
         } => check(registry, &model, seed, [all, json]),
-        Command::Compare(asked) => compare::compare(registry, asked, &command_line),
-        Command::Spectrum(asked) => spectrum::spectrum(asked, &command_line),
+        Command::Compare(args) => compare::compare(registry, args, &command_line),
+        Command::Spectrum(args) => spectrum::spectrum(args, &command_line),
         Command::Schema => print_schema(registry),
         Command::Gallery { cases, json, out } => gallery::gallery(&cases, json, out.as_deref()),
     }
 }
 
-/// Prints to standard output; a reader that has gone away (`| head`) is no failure.
+/// Prints to standard output; a closed pipe (`| head`) is no failure.
 fn print(text: &str) -> u8 {
     match io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -178,7 +178,7 @@ fn run_model(
     }
     let mut observer = |step: &Advance<'_>| {
         progress.step(step);
-        // Before the first step there is nothing to keep: until then Ctrl-C ends the program at once.
+        // Before the first step there is nothing to save: until then Ctrl-C ends the program at once.
         Interrupt::install().flow()
     };
     let ran = job.and_then(|job| match again {
@@ -210,7 +210,7 @@ fn report(outcome: &Outcome, quiet: bool) -> u8 {
         significant(*t)
     );
     let again = match parameter {
-        &"time" => "; --resume goes on from there",
+        &"time" => "; --resume continues from there",
         _ => "",
     };
     let mut code = 0;

@@ -9,14 +9,13 @@ use std::path::PathBuf;
 const FROM: f64 = 0.01;
 const TO: f64 = 1000.0;
 
-/// What a command line asks of spectra.
+/// Arguments of `pullback spectrum`.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Schemes by their words, such as newmark, hht:-0.1, ga:0.8; an unknown word is answered by
-    /// all there are.
+    /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
     #[arg(long, value_delimiter = ',', default_value = spectrum::SCHEMES)]
     schemes: Vec<String>,
-    /// Smallest Ω of the files that --out asks for; the table has positions of its own.
+    /// Smallest Ω of the files written with --out; the table has fixed values of Ω.
     #[arg(long, default_value_t = FROM, allow_hyphen_values = true)]
     from: f64,
     /// Largest Ω of the files.
@@ -27,17 +26,17 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Prints the table and writes the files; the exit code.
-pub(super) fn spectrum(asked: Arguments, command: &str) -> u8 {
+/// Prints the table and writes the files; returns the exit code.
+pub(super) fn spectrum(args: Arguments, command: &str) -> u8 {
     let done = || -> Result<String, SpectrumError> {
-        let all = spectrum::all(&asked.schemes, [asked.from, asked.to])?;
+        let all = spectrum::all(&args.schemes, [args.from, args.to])?;
         let table = spectrum::table(&all)?;
-        if let Some(directory) = &asked.out {
+        if let Some(directory) = &args.out {
             spectrum::write(&all, Some(command), directory)?;
         }
-        if asked.out.is_none() && [asked.from, asked.to] != [FROM, TO] {
+        if args.out.is_none() && [args.from, args.to] != [FROM, TO] {
             tell(
-                "note: --from and --to are for files, which --out asks for; the table has positions of its own",
+                "note: --from and --to apply to the files written with --out; the table has fixed values of Ω",
             );
         }
         Ok(table)

@@ -1,4 +1,4 @@
-//! What would be right instead, where a model file is refused.
+//! Suggestions for refused model files.
 
 use super::error::Problem;
 use super::suggest::closest;
@@ -13,7 +13,7 @@ fn names(known: &[String]) -> String {
     shown.join(", ")
 }
 
-/// Words of other programs, and ours.
+/// Words of other programs and the keys here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("linear", "proportional"),
     ("limit-point", "turning-point"),
@@ -28,7 +28,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("angle", "joint_coordinate"),
 ];
 
-/// Words of earlier versions, and today's.
+/// Keys of earlier versions and the present ones.
 pub(super) const RENAMED: &[(&str, &str)] = &[
     ("master", "parent"),
     ("driven", "prescribed"),
@@ -42,7 +42,7 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("way 2", "displacement 2"),
 ];
 
-/// What a message of the parser alone does not tell.
+/// Explanation of a parser message.
 fn explanation(message: &str) -> Option<String> {
     let told = if message.contains("an array of length 3") {
         "three numbers in brackets are expected, such as [X, Y, Z] of a position or [Fx, Fy, Fz] of a \
@@ -91,7 +91,7 @@ fn suggestion(found: &str, known: &[String]) -> String {
 }
 
 impl Problem {
-    /// What would be right.
+    /// The suggestion for a refusal.
     pub fn advice(&self) -> Option<String> {
         let fixed = match self {
             Self::UnknownKey { found, known }

@@ -1,4 +1,4 @@
-//! The whole model: names, references, and the order in which things are made.
+//! Assembles the whole model: names, references, and the order of construction.
 
 use super::file::{Analysis, ModelFile, Output};
 use super::initial::Start;
@@ -19,7 +19,7 @@ pub struct Job {
     pub title: Option<String>,
     /// The model.
     pub model: Model,
-    /// Where a dynamic analysis starts.
+    /// Initial state of a dynamic analysis.
     pub start: Start,
     /// What to compute.
     pub plan: Plan,
@@ -33,7 +33,7 @@ pub struct Job {
     pub file: ModelFile,
 }
 
-/// Where the lines of elements are.
+/// Geometry of lines, supports, bodies and links.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     /// Lines in the order of the file.
@@ -68,14 +68,13 @@ pub struct LineGeometry {
     pub nodes: Vec<NodeId>,
     /// Reference orientation (columns E₁, E₂, E₃) at each node.
     pub frames: Vec<Matrix3<f64>>,
-    /// Mass and first moment that each node of each element carries, where the mass centre is beside
-    /// the axis.
+    /// Mass and first moment at each node of each element, where the mass centre is off the axis.
     pub carried: Vec<Vec<(f64, Vector3<f64>)>>,
     /// Elements from start to end.
     pub elements: Vec<ElementId>,
 }
 
-/// Things by name.
+/// Named items.
 pub(super) struct Names<T> {
     what: &'static str,
     order: Vec<String>,
@@ -104,7 +103,7 @@ impl<T: Copy> Names<T> {
         self.things.insert(name, thing);
     }
 
-    /// The thing of a name, or a refusal of the value at `path`.
+    /// The item of a name, or a refusal of the value at `path`.
     pub(super) fn find(
         &self,
         source: &Text<'_>,
@@ -135,13 +134,13 @@ impl Names<usize> {
     }
 }
 
-/// Whether a name can stand in messages, columns and composed names.
+/// Whether a name is allowed in messages, columns and composed names.
 pub(super) fn usable_name(name: &str) -> bool {
     let forbidden = |c: char| c.is_control() || "/:,\"'".contains(c);
     !name.trim().is_empty() && !name.contains(forbidden)
 }
 
-/// Refuses the second of two things with one name.
+/// Refuses duplicate names.
 pub(super) fn distinct<'a>(
     source: &Text<'_>,
     table: &str,
@@ -171,7 +170,7 @@ pub(super) fn distinct<'a>(
     Ok(())
 }
 
-/// What a file describes, in a formulation of rotations other than its own if one is given.
+/// Assembles a file, in a formulation of rotations other than its own if one is given.
 pub(super) fn assemble(
     source: &Text<'_>,
     registry: &Registry,
@@ -196,7 +195,7 @@ pub(super) fn assemble(
         made.insert(name.clone(), sections::section(source, name, described)?);
     }
     let mut builder = ModelBuilder::new();
-    // A scheme that is none is refused with its place, when the analysis is read.
+    // An unknown scheme is refused at its position in the file, when the analysis is read.
     let own = match &file.analysis {
         Analysis::Dynamic(d) => d.scheme.method().ok().map(|m| m.formulation()),
         _ => None,
@@ -242,7 +241,7 @@ pub(super) fn assemble(
     let mut model = builder
         .build()
         .and_then(|model| {
-            // A free structure is a fine thing in dynamics.
+            // A structure without supports is allowed in dynamics.
             if !dynamic {
                 model.check_supports()?;
             }
@@ -314,7 +313,7 @@ pub(super) fn assemble(
     })
 }
 
-/// Names of lines, joints, bodies and springs: usable, and each of its own.
+/// Checks that names of lines, joints, bodies and springs are valid and unique.
 fn check_names(source: &Text<'_>, file: &ModelFile) -> Result<(), InputError> {
     let lines = file.lines.iter().map(|l| l.name.as_str());
     distinct(source, "lines", "line", lines)?;
@@ -349,7 +348,7 @@ fn add_nodes(
     Ok(nodes)
 }
 
-/// The position of a problem that only the whole model shows: the node, or the line it lies in.
+/// Position of a problem of the whole model: the node, or the line it lies in.
 pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> InputError {
     let node = match &error {
         ModelError::Unconnected { node } | ModelError::Unsupported { node, .. } => node.clone(),
@@ -367,7 +366,7 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
         }
         ModelError::PrescribedSlave { coordinate, .. }
         | ModelError::PrescribedSolved { coordinate, .. } => {
-            // What asks for it: a drive of the joint, or a support of the node.
+            // The cause: prescribed motion of the joint, or a support of the node.
             let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
             let name = name.split(", ").next().unwrap_or_default().to_owned();
             let driven = |j: &super::file::Joint| {

@@ -16,7 +16,7 @@ pub(super) struct Placed {
     pub matter: Matter,
 }
 
-/// What a body is.
+/// A body as an element.
 pub(super) enum Matter {
     Point(PointMass),
     Rigid(RigidBody),

@@ -1,4 +1,4 @@
-//! Why a model file is refused: what is wrong, where it stands, what would be right.
+//! Refusals of model files: the problem, its position, a suggestion.
 
 use super::registry::BoxedError;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -49,7 +49,7 @@ pub enum Problem {
     #[error("the {what} name \"{name}\" cannot be used")]
     Name { what: &'static str, name: String },
     #[error(
-        "section \"{section}\" must be given in one way, but has {}",
+        "section \"{section}\" needs exactly one definition, but has {}",
         list(given)
     )]
     SectionKind {
@@ -95,7 +95,7 @@ pub enum Problem {
         value: f64,
         expected: &'static str,
     },
-    #[error("the support of node \"{node}\" says neither what to fix nor what to drive")]
+    #[error("the support of node \"{node}\" has neither `fix` nor `prescribed`")]
     UselessSupport { node: String },
     #[error("coordinate {dof} of node \"{node}\" is prescribed twice")]
     PrescribedTwice { node: String, dof: &'static str },
@@ -114,7 +114,7 @@ pub enum Problem {
     FollowerGravity,
     #[error("gravity acts on line \"{line}\", but its section \"{section}\" has no mass")]
     NoMass { line: String, section: String },
-    #[error("gravity finds nothing that has mass")]
+    #[error("gravity acts on nothing that has mass")]
     WeightlessModel,
     #[error("body \"{body}\": {source}")]
     Body { body: String, source: BodyError },
@@ -157,7 +157,7 @@ pub enum Problem {
         first: &'static str,
         second: &'static str,
     },
-    #[error("this initial condition says nothing")]
+    #[error("this initial condition is empty")]
     InitialNothing,
     #[error("joint \"{joint}\" follows another one through a gear: its {key} cannot be chosen")]
     Geared { joint: String, key: &'static str },
@@ -224,7 +224,7 @@ pub enum Problem {
     Model(ModelError),
 }
 
-/// What stands next to each other in a message.
+/// Items joined by commas.
 fn list(words: &[&'static str]) -> String {
     match words {
         [] => "none".to_owned(),
@@ -233,7 +233,7 @@ fn list(words: &[&'static str]) -> String {
     }
 }
 
-/// A refusal of a model file, with the text it points into.
+/// A refusal of a model file, with the text that it refers to.
 #[derive(Debug)]
 pub struct InputError {
     /// What is wrong.
@@ -256,7 +256,7 @@ impl InputError {
 
     /// A problem at a position of the text.
     pub fn at(problem: Problem, span: Option<Range<usize>>, name: &str, text: &str) -> Self {
-        // A span over many lines (a whole table) would print them all: its first line will do.
+        // The first line represents a span over many lines (a whole table).
         let span = span.map(|s| {
             let start = s.start.min(text.len());
             let end = s.end.clamp(start, text.len());
@@ -283,7 +283,7 @@ impl InputError {
         Some((line, column))
     }
 
-    /// The refusal with its position in the file and advice, for a terminal.
+    /// The refusal with its position in the file and a suggestion, for a terminal.
     pub fn report(&self, color: bool) -> String {
         let message = self.to_string();
         let mut report = Group::with_title(Level::ERROR.primary_title(&message));

@@ -1,8 +1,8 @@
 //! Initial conditions of the file as vectors of the model.
 
-use super::asked::{self, Asked, Rate};
 use super::assemble::{LineGeometry, Names};
 use super::file::{Initial, ModelFile};
+use super::requests::{self, Rate, VelocityRequest};
 use super::values::{self, geared, given};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
@@ -11,7 +11,7 @@ use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
 use std::f64::consts::TAU;
 
-/// What velocities may be off, relative to the largest.
+/// Tolerance of velocities, relative to the largest.
 pub(super) const LEFT: f64 = 1e-9;
 
 /// Coordinates and velocities at the start.
@@ -46,10 +46,10 @@ pub(super) fn start(
             None => None,
         };
         if let Some(node) = node {
-            hangs(source, &path, model, node, initial)?;
+            check_attached(source, &path, model, node, initial)?;
             position(source, &path, model, node, initial, &mut q)?;
             let of = [initial.displacement.is_some(), initial.rotation.is_some()];
-            placed.extend(asked::unknowns(model, node, of));
+            placed.extend(requests::unknowns(model, node, of));
         }
         let line = match &initial.line {
             Some(name) => {
@@ -61,16 +61,16 @@ pub(super) fn start(
         chosen.push((node, line));
     }
     values::start(source, model, released, lines, file, &mut q, &placed)?;
-    // Rates in loops: what is asked for, by whom, and where the first of them stands.
+    // Rates prescribed in loops, their names, and the path of the first.
     let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
-    // What entries ask for of the loops that multipliers and penalties close.
-    let mut asked: Vec<Asked> = Vec::new();
+    // Velocities prescribed in loops that multipliers and penalties close.
+    let mut requests: Vec<VelocityRequest> = Vec::new();
     let whole = |path: &[&str]| {
         path.iter()
             .map(|p| (*p).to_owned())
             .collect::<Vec<String>>()
     };
-    // Rates of joints decide where the motion of the whole does not fit them.
+    // Rates of joints take precedence over the motion of the whole model.
     let chosen_rates = file
         .joints
         .iter()
@@ -106,7 +106,7 @@ pub(super) fn start(
             .map(|n| model.free_rotation_of(n))
             .filter(|&n| model.in_loop(n))
         {
-            // A rotation that a spherical joint has released in a loop.
+            // The rotation of a spherical joint in a loop.
             let a = vec![0.0; v.len()];
             let at = Point {
                 t: 0.0,
@@ -116,7 +116,7 @@ pub(super) fn start(
             };
             let psi = match model.configure(at) {
                 Ok(()) => Vector3::from_fn(|k, _| model.coordinate(free, k).map_or(0.0, |x| x[0])),
-                // The analysis says so.
+                // The analysis reports the error.
                 Err(_) => Vector3::zeros(),
             };
             let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
@@ -130,21 +130,21 @@ pub(super) fn start(
             initial.velocity.is_some() || initial.about.is_some(),
             turns.is_some(),
         ];
-        // What the entry does not speak of stays.
-        let others = node.map(|node| asked::unknowns(model, node, of.map(|of| !of)));
+        // Components that the entry does not prescribe stay.
+        let others = node.map(|node| requests::unknowns(model, node, of.map(|of| !of)));
         let others = others.into_iter().flatten();
         let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
         model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
         if let Some(node) = node {
             movable(source, &path, model, node, initial, &q, &motion)?;
-            asked.push(Asked::of_node(k, model, node, of));
+            requests.push(VelocityRequest::of_node(k, model, node, of));
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
         let fitted = model.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
         let against = fitted.unwrap_or_default();
         if node.is_none() {
-            asked.push(Asked::of_nodes(k, model, chosen.as_deref()));
+            requests.push(VelocityRequest::of_nodes(k, model, chosen.as_deref()));
         }
         if let (Some(joint), false) = (against.first(), chosen_rates) {
             let joint = joint.clone();
@@ -182,7 +182,7 @@ pub(super) fn start(
         if left > LEFT * most {
             let path = first.unwrap_or_default();
             let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            // One of several components of a spherical joint may well be free.
+            // A single component of a spherical joint may be free.
             let problem = match (names.as_slice(), rates.len()) {
                 ([one], 1) => Problem::LoopLocked { of: one.clone() },
                 (all, _) => Problem::LoopRates {
@@ -193,7 +193,8 @@ pub(super) fn start(
             return Err(source.value(&path, problem));
         }
     }
-    asked::satisfy(source, model, file, Start { q, v }, &held, &placed, asked)
+    let start = Start { q, v };
+    requests::satisfy(source, model, file, start, &held, &placed, requests)
 }
 
 fn check<'a>(
@@ -237,8 +238,8 @@ fn check<'a>(
     Ok(())
 }
 
-/// Refuses what a node that is attached to a joint cannot have of its own.
-fn hangs<'a>(
+/// Refuses coordinates that a node attached to a joint does not have.
+fn check_attached<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
     model: &Model,

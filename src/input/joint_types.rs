@@ -1,4 +1,4 @@
-//! The joints of the library as model files name them, with the keys of each.
+//! The joints of the library under their names in model files, with their keys.
 
 use super::registry::{BoxedError, Registry};
 use nalgebra::Vector3;
@@ -9,14 +9,14 @@ use pullback_elements::joint::{
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Nothing is released: a rigid link to a node at another position.
+/// A rigid link to a node at another position.
 #[derive(Deserialize, JsonSchema)]
 struct Offset {
-    /// Position of the node that is attached to it, like that of a node.
+    /// Position of the node of the joint, global like that of a node.
     position: [f64; 3],
 }
 
-/// Nothing is released: a frame at the same position.
+/// A rigid connection at the same position.
 #[derive(Deserialize, JsonSchema)]
 struct Weld {}
 
@@ -34,7 +34,7 @@ struct Spherical {}
 /// Releases the arc length along lines.
 #[derive(Deserialize, JsonSchema)]
 struct Slide {
-    /// Where it starts: arc length from the beginning of the first line.
+    /// Initial arc length, from the beginning of the first line.
     #[serde(default)]
     start: f64,
 }
@@ -44,7 +44,7 @@ struct Slide {
 struct Universal {
     /// Axis that the parent carries, in global components of the reference configuration.
     axis: [f64; 3],
-    /// Axis that the joint's own node carries.
+    /// Axis fixed to the node of the joint.
     second_axis: [f64; 3],
 }
 
@@ -53,7 +53,7 @@ struct Universal {
 struct ConstantVelocity {
     /// Shaft of the parent, in global components of the reference configuration.
     axis: [f64; 3],
-    /// Shaft of the joint's own node.
+    /// Shaft fixed to the node of the joint.
     second_axis: [f64; 3],
 }
 
@@ -71,13 +71,13 @@ struct Prismatic {
     axis: [f64; 3],
 }
 
-/// Releases two ways in a plane, and the angle about its normal.
+/// Releases two displacements in a plane, and the angle about its normal.
 #[derive(Deserialize, JsonSchema)]
 struct Planar {
     /// Normal of the plane in global components of the reference configuration; the parent carries
     /// it.
     axis: [f64; 3],
-    /// Direction of the first displacement, of which the part in the plane counts.
+    /// Direction of the first displacement; its part in the plane counts.
     second_axis: [f64; 3],
 }
 
@@ -86,7 +86,7 @@ struct Planar {
 struct Helical {
     /// Axis in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
-    /// Way along the axis in one turn.
+    /// Displacement along the axis per turn.
     pitch: f64,
 }
 
@@ -95,20 +95,20 @@ struct Helical {
 struct OnCurve {
     /// Points of the curve, like positions of nodes; the parent carries them.
     through: Vec<[f64; 3]>,
-    /// Whether it goes on from the last point to the first.
+    /// Whether the curve is closed from the last point to the first.
     #[serde(default)]
     closed: bool,
-    /// Where it starts: sum of the straight ways from point to point.
+    /// Initial arc length: sum of the straight distances from point to point.
     #[serde(default)]
     start: f64,
 }
 
-/// Releases two ways on a surface, and all rotations.
+/// Releases two parameters of a surface, and all rotations.
 #[derive(Deserialize, JsonSchema)]
 struct OnSurface {
-    /// Where it starts, like the position of a node.
+    /// Initial position, global like that of a node.
     position: [f64; 3],
-    /// The surface, which the parent carries.
+    /// The surface, fixed to the parent.
     surface: Shape,
 }
 
@@ -128,7 +128,7 @@ enum Shape {
         /// Direction of its axis.
         axis: [f64; 3],
     },
-    /// A sphere, of which the hemisphere around the start can be used.
+    /// A sphere, of which the hemisphere around the start is used.
     Sphere {
         /// Its centre.
         center: [f64; 3],

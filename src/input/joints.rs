@@ -16,7 +16,7 @@ use pullback_elements::spring::{CoordinateLaw, CoordinateSpring};
 /// Keys of a joint that releases one coordinate.
 const ACTS: [&str; 5] = ["spring", "actuator", "prescribed", "value", "rate"];
 
-/// A joint of the file, and where it stands.
+/// A joint of the file with its position there.
 struct Entry<'a> {
     source: &'a Text<'a>,
     joint: &'a Joint,
@@ -29,7 +29,7 @@ impl Entry<'_> {
         [&["joints", self.index.as_str()][..], inner].concat()
     }
 
-    /// A key that is needed and not there.
+    /// A missing key.
     fn missing(&self, key: impl Into<String>) -> InputError {
         let key = key.into();
         let earlier = RENAMED.iter().filter(|(_, now)| *now == key);
@@ -46,15 +46,15 @@ impl Entry<'_> {
         self.source.value(&self.path(&[]), problem)
     }
 
-    /// A key (the last one of a path) that means nothing here.
+    /// A key (the last one of a path) that does not apply.
     fn useless(&self, path: &[&str]) -> InputError {
-        let hangs = if self.made.along { "lines" } else { "parent" };
+        let base = if self.made.along { "lines" } else { "parent" };
         let mut known = self.made.keys();
-        let all = ["name", "type", hangs, "child", "closure", "penalty"];
+        let all = ["name", "type", base, "child", "closure", "penalty"];
         known.extend(all.map(str::to_owned));
         known.extend(["penalty_damping", "coordinates"].map(str::to_owned));
         known.extend(ACTS.map(str::to_owned));
-        // What stands in the joint itself for one coordinate stands in `coordinates` for several.
+        // A joint with several coordinates has these keys in `coordinates`.
         known.retain(|known| path != [known]);
         let problem = Problem::JointKey {
             joint: self.joint.name.clone(),
@@ -65,7 +65,7 @@ impl Entry<'_> {
         self.source.key(&self.path(path), problem)
     }
 
-    /// Why the type refuses to make the joint.
+    /// Refusal of a joint by its type.
     fn refused(&self, refusal: Refusal) -> InputError {
         fn strings(path: &[String]) -> Vec<&str> {
             path.iter().map(String::as_str).collect()
@@ -99,8 +99,8 @@ impl Entry<'_> {
     }
 }
 
-/// Makes joint number `k` of the file, whose parents exist: the node that is attached to it and the nodes
-/// of the single coordinates that it releases.
+/// Adds joint number `k` of the file, whose parents exist; returns its node and the nodes of its
+/// single coordinates.
 pub(super) fn make(
     source: &Text<'_>,
     registry: &Registry,
@@ -144,7 +144,7 @@ pub(super) fn make(
     Ok(JointNodes { frame, coordinates })
 }
 
-/// The nodes that a joint is attached to, and the interpolation of rotations between them.
+/// The nodes to which a joint is attached, and the interpolation of rotations between them.
 fn hangs_on(
     entry: &Entry<'_>,
     nodes: &Names<NodeId>,
@@ -165,7 +165,7 @@ fn hangs_on(
     Ok((vec![node], Interpolation::default()))
 }
 
-/// Puts on the released coordinates what the file says about them.
+/// Adds springs, actuators and prescribed motions to the released coordinates.
 fn acts(
     entry: &Entry<'_>,
     builder: &mut ModelBuilder,
@@ -219,7 +219,7 @@ fn chain(entry: &Entry<'_>, laid: &Laid) -> Result<(Vec<NodeId>, Interpolation),
     for (i, name) in joint.lines.iter().enumerate() {
         let index = i.to_string();
         let at = entry.path(&["lines", index.as_str()]);
-        // Its lines are laid before a joint is made.
+        // The lines of a joint are meshed before it.
         let Some(line) = &laid.lines[laid.names.find(source, &at, name)?] else {
             continue;
         };
@@ -239,7 +239,7 @@ fn chain(entry: &Entry<'_>, laid: &Laid) -> Result<(Vec<NodeId>, Interpolation),
     Ok((chain, interpolation.unwrap_or_default()))
 }
 
-/// Spring, actuator and prescribed motion of the released coordinate `name`; `at` is where they stand.
+/// Spring, actuator and prescribed motion of the released coordinate `name` at the path `at`.
 fn act(
     source: &Text<'_>,
     builder: &mut ModelBuilder,

@@ -8,10 +8,10 @@ use pullback_elements::beam::{self, Interpolation, Section};
 use pullback_elements::model::{Arc, Axis, Line, ModelBuilder, ModelError, NodeId, Straight};
 use std::collections::BTreeMap;
 
-/// Elements that one line may have: more would only be a slip of the pen.
+/// Most elements of a line; more are taken for a typing error.
 const MOST_ELEMENTS: usize = 1_000_000;
 
-/// Lays the elements of line number `k` of the file.
+/// Adds the elements of line number `k` of the file.
 pub(super) fn lay(
     source: &Text<'_>,
     builder: &mut ModelBuilder,
@@ -197,8 +197,8 @@ fn axis<'p>(
     Ok(made)
 }
 
-/// Refuses angles of half a turn and more from one end of an element to the other: which way round it
-/// is meant cannot be seen from its ends.
+/// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be
+/// ambiguous.
 fn per_element(
     source: &Text<'_>,
     path: &[&str],

@@ -69,8 +69,8 @@ pub(super) fn support(
     Ok(supported)
 }
 
-/// The nodes at which anything knows of their rotation: point masses, springs along lines and forces
-/// do not, and a rotation that nothing resists has no solution.
+/// The nodes with rotational stiffness or inertia: point masses, springs along lines and forces have
+/// none, and a rotation that nothing resists has no solution.
 fn turning(file: &ModelFile) -> HashSet<&String> {
     let lines = file.lines.iter().flat_map(|l| [&l.from, &l.to]);
     let joints = file.joints.iter();
@@ -102,7 +102,7 @@ pub(super) fn function(
         .map_err(|error| source.value(path, Problem::Time { source: error }))
 }
 
-/// The function of a driven coordinate, which must not jump.
+/// The function of a prescribed coordinate, which must not jump.
 pub(super) fn drive(
     source: &Text<'_>,
     path: &[&str],
@@ -114,7 +114,7 @@ pub(super) fn drive(
     }
 }
 
-/// What loads act on, besides nodes.
+/// Lines, sections and bodies, on which loads act.
 pub(super) struct Loaded<'a> {
     pub lines: &'a [LineGeometry],
     pub bodies: &'a [Placed],
@@ -181,7 +181,7 @@ pub(super) fn apply(
                     let name = &file.lines[l].section;
                     let A_rho = sections.get(name).map_or(0.0, |s| s.inertia.mass);
                     if A_rho == 0.0 && only.is_none() && !bodies.is_empty() {
-                        // The bodies are heavy, these lines are not.
+                        // The bodies have weight, these lines do not.
                         continue;
                     }
                     if A_rho == 0.0 {
@@ -227,8 +227,8 @@ struct Weight {
 }
 
 impl Weight {
-    /// Adds it. A mass centre beside the axis has its weight there, node by node, by the shares that
-    /// the inertia has: what falls freely does not turn.
+    /// Adds it. The weight of a mass centre off the axis is distributed over the nodes like the
+    /// inertia, so that free fall causes no rotation.
     fn add(
         &self,
         builder: &mut ModelBuilder,
@@ -261,7 +261,7 @@ impl Weight {
     }
 }
 
-/// What a load is.
+/// A load as an element.
 enum Kind<'a> {
     Node(LoadKind, [f64; 3], &'a str),
     Line([f64; 3], &'a str),

@@ -1,4 +1,4 @@
-//! Where things stand in the text of a model file.
+//! Positions of keys and values in the text of a model file.
 
 use std::ops::Range;
 use toml::Spanned;
@@ -13,19 +13,19 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// Reads the structure of a text; one that is no TOML has no positions.
+    /// Reads the structure of a text; invalid TOML has no positions.
     pub fn new(text: &'a str) -> Self {
         Self {
             root: DeTable::parse(text).ok(),
         }
     }
 
-    /// Span of the value at `path`, or of the closest thing around it that exists.
+    /// Span of the value at `path`, or of its closest existing ancestor.
     pub fn value(&self, path: &[&str]) -> Option<Range<usize>> {
         self.find(path).map(|found| found.1)
     }
 
-    /// Span of the last key of `path`, or of the closest thing around it that exists.
+    /// Span of the last key of `path`, or of its closest existing ancestor.
     pub fn key(&self, path: &[&str]) -> Option<Range<usize>> {
         self.find(path).map(|found| found.0)
     }
@@ -55,13 +55,13 @@ impl<'a> Locator<'a> {
         Some(spans)
     }
 
-    /// Whether the file says nothing at all.
+    /// Whether the file is empty.
     pub fn is_empty(&self) -> bool {
         self.root.as_ref().is_some_and(|r| r.get_ref().is_empty())
     }
 
-    /// The first array that has other components than were taken from it, when the file is read
-    /// back as `read`: span, components found and taken.
+    /// The first array whose components differ from those parsed, when the file is parsed
+    /// again as `read`: span, components found and parsed.
     pub fn surplus(&self, read: &serde_json::Value) -> Option<(Range<usize>, usize, usize)> {
         let root = self.root.as_ref()?.get_ref();
         let found = root

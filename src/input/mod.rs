@@ -1,10 +1,8 @@
 //! From a model file to a model: read, parse, check, assemble.
 //!
-//! Every refusal is an [`InputError`]: what is wrong, at which line and column, and what would be
-//! right.
+//! Every refusal is an [`InputError`] with the problem, its line and column, and a suggestion.
 
 mod advice;
-mod asked;
 mod assemble;
 mod bodies;
 mod error;
@@ -18,6 +16,7 @@ mod locate;
 mod parts;
 mod probes;
 mod registry;
+mod requests;
 mod schema;
 mod sections;
 mod settings;
@@ -40,7 +39,7 @@ use pullback_elements::model::{Formulation, Model};
 use std::ops::Range;
 use std::path::Path;
 
-/// The text of a model file, to point into.
+/// The text of a model file, for positions in messages.
 struct Text<'a> {
     name: &'a str,
     text: &'a str,
@@ -81,7 +80,7 @@ impl Registry {
         self.assemble_text(&path.display().to_string(), &text)
     }
 
-    /// Parses and assembles a text; `name` is what messages call it.
+    /// Parses and assembles a text; messages refer to it as `name`.
     ///
     /// # Errors
     /// As [`Registry::load`].
@@ -99,7 +98,7 @@ impl Registry {
         assemble::assemble(&Text::new(name, ""), self, file.clone(), None)
     }
 
-    /// As [`Registry::job`], with rotations in a formulation other than that of the file's scheme.
+    /// Like [`Registry::job`], with a formulation of rotations other than that of the file's scheme.
     ///
     /// # Errors
     /// As [`Registry::job`].
@@ -122,7 +121,7 @@ pub fn load(path: &Path) -> Result<Job, InputError> {
     Registry::standard().load(path)
 }
 
-/// Parses and assembles a text; `name` is what messages call it.
+/// Parses and assembles a text; messages refer to it as `name`.
 ///
 /// # Errors
 /// As [`load`].
@@ -130,11 +129,11 @@ pub fn assemble_text(name: &str, text: &str) -> Result<Job, InputError> {
     Registry::standard().assemble_text(name, text)
 }
 
-/// Parses the text of a model file; `name` is what messages call it.
+/// Parses the text of a model file; messages refer to it as `name`.
 ///
 /// # Errors
-/// [`InputError`] for what no TOML of this form says. References between its parts are checked
-/// when it is assembled.
+/// [`InputError`] for invalid TOML and unknown keys. References between parts are checked
+/// by the assembly.
 pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
     parse_text(&Text::new(name, text))
 }
@@ -155,7 +154,7 @@ pub fn job(name: &str, file: &ModelFile) -> Result<Job, InputError> {
     Registry::standard().job(name, file)
 }
 
-/// As [`job`], with rotations in a formulation other than that of the file's scheme.
+/// Like [`job`], with a formulation of rotations other than that of the file's scheme.
 ///
 /// # Errors
 /// As [`load`], without positions.
@@ -203,7 +202,7 @@ fn parse_text(source: &Text<'_>) -> Result<ModelFile, InputError> {
     Ok(file)
 }
 
-/// A message of the parser without the words of the program's types.
+/// A parser message without the names of the program's types.
 fn plain(message: &str) -> String {
     for (said, meant) in [
         (
@@ -241,7 +240,7 @@ fn plain(message: &str) -> String {
     out
 }
 
-/// Reads serde's message about an unknown field or variant: the names stand in backticks, the
+/// Parses serde's message about an unknown field or variant: names are in backticks, the
 /// unknown one first.
 fn unknown_key(message: &str) -> Option<Problem> {
     if !message.starts_with("unknown field") && !message.starts_with("unknown variant") {

@@ -1,5 +1,4 @@
-//! Lines and joints: each needs nodes that others make, so they are made in the order in which
-//! their nodes come to be.
+//! Lines and joints, constructed in an order in which the nodes of each exist before it.
 
 use super::assemble::{LineGeometry, Names};
 use super::file::{Closure as Word, Joint, ModelFile};
@@ -11,7 +10,7 @@ use pullback_elements::joint;
 use pullback_elements::model::{Closure, ModelBuilder, NodeId};
 use std::collections::BTreeMap;
 
-/// What lines and joints have made.
+/// The constructed lines and joints.
 pub(super) struct Parts {
     /// Lines in the order of the file.
     pub lines: Vec<LineGeometry>,
@@ -19,20 +18,20 @@ pub(super) struct Parts {
     pub released: Names<NodeId>,
 }
 
-/// The lines of the file, those that are laid with their nodes.
+/// The lines of the file, with their nodes once they are meshed.
 pub(super) struct Laid {
     pub names: Names<usize>,
     pub lines: Vec<Option<LineGeometry>>,
 }
 
-/// A part that waits for its nodes.
+/// A part whose nodes do not exist yet.
 #[derive(Clone, Copy)]
 enum Part {
     Line(usize),
     Joint(usize),
 }
 
-/// Lays all lines and makes all joints; their nodes are added to `nodes`.
+/// Constructs all lines and joints; their nodes are added to `nodes`.
 pub(super) fn make(
     source: &Text<'_>,
     registry: &Registry,
@@ -74,7 +73,7 @@ pub(super) fn make(
                     let made = joints::make(source, registry, builder, nodes, file, &laid, k)?;
                     nodes.add(joint.name.clone(), made.frame);
                     for &coordinate in &made.coordinates {
-                        // Where there is but one the joint's name says enough.
+                        // A single coordinate has the name of the joint.
                         let name = match made.coordinates.len() {
                             1 => joint.name.clone(),
                             _ => builder.node_name(coordinate).to_owned(),
@@ -113,7 +112,7 @@ pub(super) fn make(
     })
 }
 
-/// How a joint and its child are made one; refuses keys that say nothing, and those that lack.
+/// The closure between a joint and its child; refuses inapplicable and missing keys.
 fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, InputError> {
     let path = |key: &'static str| ["joints", index, key];
     let useless = |key: &'static str, needs: &'static str| {
@@ -163,17 +162,17 @@ fn closure(source: &Text<'_>, joint: &Joint, index: &str) -> Result<Closure, Inp
     }
 }
 
-/// Whether a joint's parents are there.
+/// Whether a joint's parents exist.
 fn ready(joint: &Joint, nodes: &Names<NodeId>, laid: &Laid) -> bool {
     let line_ready = |name: &String| {
-        // An unknown line is refused when the joint is made.
+        // An unknown line is refused with the joint.
         let k = laid.names.get(name);
         k.is_none_or(|k| laid.lines[k].is_some())
     };
     joint.lines.iter().all(line_ready) && joint.parent.as_ref().is_none_or(|m| nodes.knows(m))
 }
 
-/// Why no waiting part can be made: a node that does not exist, or parts that wait for each other.
+/// Why no remaining part can be constructed: an unknown node, or a cycle of dependencies.
 fn stuck(
     source: &Text<'_>,
     nodes: &Names<NodeId>,

@@ -54,7 +54,7 @@ pub(super) fn resolve(
     Ok(out)
 }
 
-/// What probes may refer to.
+/// The objects that probes refer to.
 struct Known<'a> {
     nodes: &'a Names<NodeId>,
     released: &'a Names<NodeId>,
@@ -82,7 +82,7 @@ fn one(
         source.value(&path("quantity"), problem)
     };
     let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
-    // The frame that is attached to a joint has the joint's name.
+    // The frame of a joint has the joint's name.
     let (key, node, released) = match (&probe.node, &probe.joint) {
         (None, frame) if joint => ("joint", frame, &None),
         (node, released) => ("node", node, released),
@@ -147,7 +147,7 @@ impl Quantity {
     const NOTHING: &'static str = "neither node nor element";
     const SPACE: &'static str = "neither node nor element nor joint";
 
-    /// What a probe of it refers to.
+    /// The object that a probe of it refers to.
     fn needs(self) -> &'static str {
         match self {
             Self::displacement
@@ -171,7 +171,7 @@ impl Quantity {
         }
     }
 
-    /// As it is written in the file.
+    /// Its name in the file.
     pub fn key(self) -> &'static str {
         match self {
             Self::displacement => "displacement",
@@ -233,7 +233,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it is asked of a motion.
+    /// Whether it is defined in dynamics only.
     pub fn is_dynamic(self) -> bool {
         matches!(
             self,
@@ -251,7 +251,7 @@ impl Quantity {
         )
     }
 
-    /// Whether momenta and kinetic energy of the whole model must be known for it.
+    /// Whether it needs momenta and kinetic energy of the whole model.
     pub fn needs_audit(self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! The types of joints that model files may name: those of the library, and a program's own.
+//! The types of joints in model files: those of the library, and a program's own.
 
 use super::joint_types;
 use pullback_elements::beam::Interpolation;
@@ -10,20 +10,20 @@ use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
 use std::collections::BTreeMap;
 
-/// An error of any type, as a joint's maker hands it back.
+/// An error of any type, returned by the constructor of a joint.
 pub type BoxedError = Box<dyn std::error::Error + Send + Sync>;
 
-/// The joint of a model file that is being made, and the model so far.
+/// The context in which a joint of a model file is constructed.
 pub struct Site<'a> {
-    /// Where nodes of joint and coordinates are added.
+    /// Builder to which the nodes of joint and coordinates are added.
     pub builder: &'a mut ModelBuilder,
-    /// Name of the joint, and of the node that is to be attached to it.
+    /// Name of the joint and of its node.
     pub name: &'a str,
     /// Node it is attached to; the first one of `chain`.
     pub parent: NodeId,
-    /// Nodes it is attached to: the parent alone, or all along `lines`.
+    /// Nodes it is attached to: the parent alone, or all nodes of `lines`.
     pub chain: &'a [NodeId],
-    /// How the beams along `lines` interpolate rotations between those nodes.
+    /// Interpolation of rotations between those nodes in the beams of `lines`.
     pub interpolation: Interpolation,
 }
 
@@ -42,8 +42,8 @@ impl Site<'_> {
 
 /// Types of joints by name.
 ///
-/// A program built on this library adds its own to those of [`Registry::standard`]; with
-/// [`cli::main`](crate::cli::main) it then has all commands of `pullback` for model files with
+/// A program adds its own types to those of [`Registry::standard`]; with
+/// [`cli::main`](crate::cli::main) it has all commands of `pullback` for model files with
 /// `type = "..."` of its own:
 ///
 /// ```no_run
@@ -54,7 +54,7 @@ impl Site<'_> {
 /// struct Screw {
 ///     /// Axis, global components of the reference configuration.
 ///     axis: [f64; 3],
-///     /// Way in one turn.
+///     /// Displacement per turn.
 ///     pitch: f64,
 /// }
 ///
@@ -78,11 +78,10 @@ impl Registry {
 
     /// Adds a type of joint that is attached to one node, the `parent`; one of the same name is replaced.
     ///
-    /// `make` is given the keys that the file has for it besides those of every joint (`name`,
-    /// `type`, `parent`, and what acts on its coordinates). Their names, and what the JSON Schema
-    /// says about them, are those of `K`, a struct; keys that it does not have are refused.
-    /// Springs, motors, drives and probes act on the nodes that `make` tells to be released and
-    /// that have one coordinate; their names begin with that of the joint and a blank, as
+    /// `make` takes the keys of the file that are not those of every joint (`name`, `type`, `parent`, springs,
+    /// actuators and prescribed motions). `K` is a struct with these keys, whose documentation goes into the
+    /// JSON Schema; unknown keys are refused. Springs, actuators, prescribed motions and probes act on the
+    /// nodes with one coordinate that `make` returns; their names begin with that of the joint and a blank, as
     /// [`ModelBuilder::attach`] names them.
     #[must_use]
     pub fn joint<K, N, E>(
@@ -98,7 +97,7 @@ impl Registry {
         self.add(name, false, make)
     }
 
-    /// As [`Registry::joint`], for a type of joint that runs along `lines` instead of hanging on a
+    /// Like [`Registry::joint`], for a type of joint that is attached to `lines` instead of a
     /// `parent`.
     #[must_use]
     pub fn joint_along<K, N, E>(
@@ -153,11 +152,11 @@ type Make = dyn Fn(&Map<String, Value>, &mut Site<'_>) -> Result<JointNodes, Ref
 
 /// A type of joint.
 pub(super) struct JointType {
-    /// Whether it runs along lines; it is attached to a parent otherwise.
+    /// Whether it is attached to lines instead of a parent.
     pub along: bool,
-    /// What the schema says about its own keys.
+    /// Schema of its own keys.
     pub schema: fn(&mut SchemaGenerator) -> Schema,
-    /// Makes a joint of its own keys.
+    /// Constructs a joint from its own keys.
     pub make: Box<Make>,
 }
 
@@ -170,19 +169,19 @@ impl JointType {
     }
 }
 
-/// Why a joint cannot be made.
+/// Why a joint cannot be constructed.
 pub(super) enum Refusal {
-    /// A key that is not there.
+    /// A missing key.
     Missing(String),
-    /// A key that means nothing, by its path.
+    /// An inapplicable key, by its path.
     Unknown(Vec<String>),
     /// A value of the wrong form, by its path.
     Value(Vec<String>, String),
-    /// The joint itself says no.
+    /// An error of the constructor.
     Joint(BoxedError),
 }
 
-/// The keys of a joint as the struct of its type; all of them must have been taken.
+/// Parses the keys of a joint as the struct of its type; all of them must be used.
 fn read<K: DeserializeOwned>(keys: &Map<String, Value>) -> Result<K, Refusal> {
     let value = Value::Object(keys.clone());
     let mut unknown = None;

@@ -1,4 +1,4 @@
-//! The JSON Schema of the model file, made from the types that read it.
+//! The JSON Schema of the model file, derived from the types that parse it.
 
 use super::file::ModelFile;
 use super::registry::{JointType, Registry};
@@ -40,8 +40,8 @@ fn alternative(joint: &Value, name: &str, made: &JointType, keys: &Value) -> Val
     );
     properties.extend(members(&keys["properties"]));
     let needed = keys["required"].as_array().into_iter().flatten().cloned();
-    let hangs = if made.along { "lines" } else { "parent" };
-    let mut required = vec![json!("name"), json!("type"), json!(hangs)];
+    let base = if made.along { "lines" } else { "parent" };
+    let mut required = vec![json!("name"), json!("type"), json!(base)];
     required.extend(needed);
     json!({
         "type": "object",

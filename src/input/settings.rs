@@ -9,10 +9,10 @@ use pullback_elements::model::{Model, NodeId};
 use pullback_integrators::dynamics::{self as integrator, Adaptivity, DynamicOptions};
 use pullback_integrators::statics::{ArcLengthOptions, Event, NewtonOptions, StaticOptions};
 
-/// More steps than a user would wait for.
+/// Largest number of steps accepted.
 const MOST_STEPS: f64 = 1e9;
 
-/// What the solver is asked to do.
+/// The analysis to run.
 #[allow(
     clippy::large_enum_variant,
     reason = "there is one in a run: its size costs nothing"
@@ -27,10 +27,10 @@ pub enum Plan {
     Dynamic(DynamicPlan),
 }
 
-/// A motion in time, and how often it is written.
+/// A dynamic analysis and the frequency of its output.
 #[derive(Clone, Copy, Debug)]
 pub struct DynamicPlan {
-    /// What the integrator is asked to do.
+    /// Options of the integrator.
     pub options: DynamicOptions,
     /// A row every this many steps, where the options have no interval.
     pub record_every: usize,
@@ -57,7 +57,7 @@ impl Plan {
         }
     }
 
-    /// What the steps advance, for messages and axes.
+    /// Name of the independent variable, for messages and axes.
     pub fn parameter(&self) -> &'static str {
         match self {
             Self::Dynamic(_) => "time",
@@ -173,7 +173,7 @@ fn dynamic(source: &Text<'_>, d: &Dynamic) -> Result<DynamicPlan, InputError> {
     })
 }
 
-/// Refuses intervals of rows that cannot be.
+/// Refuses invalid intervals of rows.
 fn record_interval(source: &Text<'_>, d: &Dynamic) -> Result<(), InputError> {
     let Some(interval) = d.record_interval else {
         return Ok(());
@@ -193,7 +193,7 @@ fn record_interval(source: &Text<'_>, d: &Dynamic) -> Result<(), InputError> {
     Err(source.value(&path, problem))
 }
 
-/// Refuses more iterations than any step is worth.
+/// Refuses excessive numbers of iterations.
 fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), InputError> {
     if max_iterations <= 1000 {
         return Ok(());
@@ -206,7 +206,7 @@ fn few(source: &Text<'_>, path: &[&str], max_iterations: usize) -> Result<(), In
     Err(source.value(path, problem))
 }
 
-/// Refuses tolerances of Newton's method that take what is far from balance for it.
+/// Refuses tolerances of Newton's method that are too loose for equilibrium.
 fn tight(source: &Text<'_>, path: &[&str], relative: f64) -> Result<(), InputError> {
     positive(source, path, "relative", relative)?;
     if relative <= NewtonOptions::LOOSEST {
@@ -309,7 +309,7 @@ fn load_steps(source: &Text<'_>, s: &Static) -> Result<StaticOptions, InputError
     })
 }
 
-/// Puts the defaults that depend on other keys into the settings that a run reports.
+/// Writes defaults that depend on other keys into the settings that a run reports.
 pub(super) fn fill_in(plan: &Plan, analysis: &mut Analysis) {
     if let (Plan::Static(options), Analysis::Static(s)) = (plan, analysis) {
         s.min_step = Some(options.min_step);

@@ -1,6 +1,6 @@
-//! "Did you mean": the closest of the names there are.
+//! "Did you mean": the closest of the known names.
 
-/// The name closest to `given`, if it is close enough to be a slip of the pen.
+/// The name closest to `given`, if it is close enough for a typing error.
 pub fn closest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let allowed = 1 + given.chars().count() / 3;
     known

@@ -1,12 +1,12 @@
-//! Values that joints start with, and what they carry along.
+//! Initial values of joints, and their effect on attached nodes.
 
 use super::assemble::{LineGeometry, Names};
 use super::file::{Acts, Analysis, ModelFile};
 use super::{InputError, Problem, Text};
 use pullback_elements::model::{Model, NodeId};
 
-/// Sets the coordinates of joints that have a value, and turns what ball joints hold with the frames above
-/// them; the unknowns that are `placed` stay.
+/// Sets the initial coordinates of joints, and rotates the frames above them with them, those of spherical
+/// joints included; unknowns that are `placed` stay.
 pub(super) fn start(
     source: &Text<'_>,
     model: &mut Model,
@@ -19,8 +19,8 @@ pub(super) fn start(
     for (index, name, value) in given(file, |acts| acts.value) {
         let at = ["joints", index.as_str(), "value"];
         let node = released.find(source, &at, &name)?;
-        // In a model that enforces equations values have been there when it was assembled, where they
-        // fit together.
+        // In a model that enforces equations values were taken into account by its assembly, as far as they are
+        // compatible.
         let assembled = model.is_enforced() && model.unknown_at(node, 0).is_some();
         if !assembled && !model.set(q, node, 0, value) && !model.in_loop(node) {
             geared(source, &at, file, &name, "value")?;
@@ -34,8 +34,8 @@ pub(super) fn start(
     drawn_apart(source, model, lines, [&carried, placed])
 }
 
-/// What the file gives of the coordinates that joints release one by one: number of the joint, name
-/// of the coordinate, and the number itself.
+/// Values of single joint coordinates in the file: number of the joint, name of the coordinate, and the
+/// value.
 pub(super) fn given(
     file: &ModelFile,
     pick: fn(&Acts) -> Option<f64>,
@@ -50,7 +50,7 @@ pub(super) fn given(
     })
 }
 
-/// Refuses a value or rate of a coordinate that follows from another one through a gear.
+/// Refuses a value or rate of a coordinate that depends on another one through a gear.
 pub(super) fn geared(
     source: &Text<'_>,
     at: &[&str; 3],
@@ -69,7 +69,7 @@ pub(super) fn geared(
     Ok(())
 }
 
-/// Refuses lines from what a ball joint has carried along to nodes that stay where they are drawn.
+/// Refuses lines between nodes moved along with a spherical joint and nodes that stay.
 fn drawn_apart(
     source: &Text<'_>,
     model: &Model,

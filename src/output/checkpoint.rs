@@ -1,5 +1,5 @@
-//! `checkpoint.json`: with the rows in the log beside it, everything that a motion needs to go on as if
-//! it had never stopped.
+//! `checkpoint.json`: with the rows in the log beside it, everything needed to resume a motion with bitwise the
+//! same results.
 
 use super::directory::{self, OutputError};
 use super::history::Row;
@@ -17,39 +17,39 @@ use std::path::{Path, PathBuf};
 /// Program and version.
 const PROGRAM: &str = concat!("pullback ", env!("CARGO_PKG_VERSION"));
 
-/// What is wrong with a file that was damaged, or changed by hand.
+/// Message for a file that was damaged or edited.
 const CHECKSUM: &str = "its checksum is not that of its content";
 
 /// Name of the file.
 pub(super) const NAME: &str = "checkpoint.json";
 
-/// What has been recorded so far, besides rows and grids.
+/// Recorded data other than rows and grids.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Record {
-    /// Shapes on the way, thinned out as they grow many.
+    /// Intermediate shapes, thinned out as their number grows.
     pub shapes: Vec<(f64, Shapes)>,
-    /// The shape of the last row, where it is not among them.
+    /// The shape of the last row, if it is not among them.
     pub latest: Option<(f64, Shapes)>,
-    /// The grid of the last row, where it has not been written.
+    /// The grid of the last row, if it has not been written.
     pub pending: Option<(Frame, String)>,
-    /// Every how many rows a shape is kept.
+    /// Number of rows per shape.
     pub stride: usize,
-    /// Iterations and changes of chart of steps after the last row.
+    /// Iterations and chart changes since the last row.
     pub since: [usize; 2],
     /// Largest rotation angle of any node so far.
     pub largest_rotation: f64,
-    /// What looked doubtful at the start.
+    /// Warnings at the start.
     pub warnings: Vec<String>,
-    /// Largest change of a joint's rate in a step, where steps do not resolve it.
+    /// Largest change of a joint's rate in a step, if steps do not resolve it.
     pub turn: Option<Turn>,
     /// Wall-clock time spent.
     pub seconds: f64,
 }
 
-/// A motion that can be taken up again.
+/// A motion that can be resumed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Of what stands behind it in the file.
+    /// Checksum of the rest of the file.
     #[serde(skip_serializing)]
     crc32: u32,
     program: String,
@@ -59,12 +59,12 @@ pub struct Checkpoint {
     unknowns: Vec<String>,
     pub(super) progress: Progress,
     pub(super) element_charts: Vec<u32>,
-    /// What maps remember of their way.
+    /// State of the maps: reference configurations, splits, branches.
     pub(super) maps: Vec<Vec<f64>>,
-    /// Rotation vectors that the probes have seen last.
+    /// Last rotation vectors of the probes.
     pub(super) memories: Vec<[f64; 3]>,
     pub(super) record: Record,
-    /// How much of the log is its own.
+    /// The part of the log that belongs to it.
     pub(super) log: Extent,
     /// The rows in the log.
     #[serde(skip)]
@@ -77,18 +77,18 @@ pub struct Checkpoint {
 /// Why a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
-    /// Only a motion has checkpoints.
+    /// Only dynamic analyses have checkpoints.
     #[error("only a dynamic analysis can be resumed; run without --resume")]
     Statics,
     /// There is no checkpoint.
     #[error("cannot read {}: {source}; run without --resume first", path.display())]
     None {
-        /// Where it should be.
+        /// Its path.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
-    /// The file is no checkpoint of this program.
+    /// The file is not a checkpoint of this program.
     #[error("{} is no checkpoint of this version of the program: {source}", path.display())]
     Unusable {
         /// The file.
@@ -96,7 +96,7 @@ pub enum ResumeError {
         /// Why.
         source: serde_json::Error,
     },
-    /// The model file is another one by now.
+    /// The model file has changed.
     #[error(
         "`{part}` has changed in the model file since {} was written; only `output` and \
          `analysis.dynamic` (but not its scheme) may change. Undo that, or run without --resume",
@@ -108,7 +108,7 @@ pub enum ResumeError {
         /// What has changed.
         part: String,
     },
-    /// The file is not as it was written.
+    /// The file is damaged or was edited.
     #[error("{} is damaged: {what}; run without --resume", path.display())]
     Damaged {
         /// The file.
@@ -116,14 +116,14 @@ pub enum ResumeError {
         /// What is wrong with it.
         what: String,
     },
-    /// The run has passed the end that is asked for.
+    /// The run has passed the requested end.
     #[error(
         "the checkpoint is at time {t}, not before `to` = {to}: there is nothing left to compute"
     )]
     Passed {
         /// Time reached.
         t: f64,
-        /// Time asked for.
+        /// Requested end time.
         to: f64,
     },
 }
@@ -146,7 +146,7 @@ impl Checkpoint {
         }
     }
 
-    /// Its text: an object of JSON, whose first entry is the checksum of what follows.
+    /// Its text: a JSON object, whose first entry is the checksum of the rest.
     pub(super) fn text(&self) -> Result<String, OutputError> {
         let text = serde_json::to_string(self).map_err(|source| OutputError::Encode {
             name: NAME.to_owned(),
@@ -157,7 +157,7 @@ impl Checkpoint {
         Ok(format!("{{\"crc32\":{crc32},{content}"))
     }
 
-    /// Reads the checkpoint of a directory, for a model file that now says `settings`.
+    /// Reads the checkpoint of a directory, for a model file with the present `settings`.
     ///
     /// # Errors
     /// [`ResumeError`].
@@ -191,7 +191,7 @@ impl Checkpoint {
         }
         let path = directory.join(log::NAME);
         let lines = directory::read(&path).map_err(none(&path))?;
-        // What stands behind was written after this checkpoint.
+        // The rest was written after this checkpoint.
         let Some(lines) = lines.get(..read.log.bytes) else {
             return Err(damaged(path, "it ends before its checkpoint does"));
         };
@@ -202,15 +202,15 @@ impl Checkpoint {
         Ok(read)
     }
 
-    /// Where the motion is.
+    /// State of the motion.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// Puts a model into the charts that it was in.
+    /// Restores the charts of a model.
     ///
     /// # Errors
-    /// [`ResumeError::Damaged`] where they are not those of this model.
+    /// [`ResumeError::Damaged`] if they do not belong to this model.
     pub(crate) fn restore(&self, model: &mut Model, directory: &Path) -> Result<(), ResumeError> {
         model.set_element_charts(&self.element_charts);
         if model.restore_maps(&self.maps) {
@@ -222,7 +222,7 @@ impl Checkpoint {
         })
     }
 
-    /// Names of the ParaView files written by then.
+    /// Names of the ParaView files of the rows so far.
     pub(crate) fn grids(&self) -> Vec<&str> {
         self.frames.iter().map(|f| f.file.as_str()).collect()
     }
@@ -233,7 +233,7 @@ pub(super) fn names(model: &Model) -> Vec<String> {
     (0..model.pattern().dim()).map(|i| model.name(i)).collect()
 }
 
-/// The part of the model file that must not have changed but has.
+/// The first changed part of the model file that must not change.
 fn changed(before: &Value, now: &Value) -> Option<String> {
     let scheme = "/analysis/dynamic/scheme";
     if before.pointer(scheme) != now.pointer(scheme) {

@@ -1,5 +1,5 @@
-//! The directory of a run's results, with files that are either whole or not there, but for the log
-//! of a checkpoint, which says itself how much of it counts.
+//! The directory of a run's results. Files are written as a whole or not at all, except the log of a
+//! checkpoint, whose valid length is in the checkpoint.
 
 use super::plot::PlotError;
 use std::fs::{self, TryLockError};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The file system refuses.
+    /// An error of the file system.
     #[error("cannot write {}: {source}", path.display())]
     Write {
         /// The file or directory.
@@ -17,7 +17,7 @@ pub enum OutputError {
         /// Why.
         source: io::Error,
     },
-    /// The position for results is a file.
+    /// The path for results is a file.
     #[error("cannot write results to {}: it is a file, and they take a directory", path.display())]
     File {
         /// The file.
@@ -32,7 +32,7 @@ pub enum OutputError {
     Busy {
         /// The directory.
         path: PathBuf,
-        /// What the process has written of its number.
+        /// The process id that it has left.
         process: String,
     },
     /// A figure cannot be drawn.
@@ -43,7 +43,7 @@ pub enum OutputError {
         /// Why.
         source: PlotError,
     },
-    /// A result cannot be put into words.
+    /// A result cannot be serialised.
     #[error("cannot encode {name}: {source}")]
     Encode {
         /// Its file name.
@@ -53,28 +53,28 @@ pub enum OutputError {
     },
 }
 
-/// A directory that results are written into, by nobody else as long as this is there.
+/// A directory for results, claimed by one process while this value exists.
 #[derive(Debug)]
 pub struct Directory {
     path: PathBuf,
     files: Vec<String>,
-    /// Locked, so that the claim of a process ends with it however it ends.
+    /// Locked, so that the claim ends with the process.
     _claim: fs::File,
 }
 
-/// Name of the file that holds the number of the process that writes into a directory.
+/// Name of the file with the id of the process that writes into a directory.
 const CLAIM: &str = ".lock";
 
 impl Drop for Directory {
     fn drop(&mut self) {
-        // Best effort: an old file is no claim, as nobody has locked it.
+        // Best effort: an old file without a lock is no claim.
         fs::remove_file(self.path.join(CLAIM)).ok();
     }
 }
 
 impl Directory {
-    /// Opens a directory, makes it where it does not exist, and removes what an earlier run has
-    /// left there (known by its `result.json`): steps of two runs must not mix.
+    /// Opens a directory, creates it if needed, and removes the results of an earlier run
+    /// (identified by its `result.json`): steps of two runs must not mix.
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -82,9 +82,8 @@ impl Directory {
         Self::cleared(path, super::results::NAME, &is_result)
     }
 
-    /// Opens a directory for files of these names, makes it where it does not exist, and removes
-    /// what an earlier program of the kind has left there (known by the first of the names). Other
-    /// files stay.
+    /// Opens a directory for files of these names, creates it if needed, and removes files of an earlier
+    /// run (identified by the first name). Other files stay.
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -124,8 +123,8 @@ impl Directory {
         })
     }
 
-    /// Opens the directory of a run that goes on, and removes the ParaView files that were not
-    /// written by the time of its checkpoint.
+    /// Opens the directory of a resumed run, and removes the ParaView files written after its
+    /// checkpoint.
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -153,7 +152,7 @@ impl Directory {
         })
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -163,17 +162,17 @@ impl Directory {
         &self.files
     }
 
-    /// Writes a file as a whole, in place of one of the same name.
+    /// Writes or replaces a file as a whole.
     ///
     /// # Errors
-    /// [`OutputError::Write`]; nothing is left under the final name then that was not there.
+    /// [`OutputError::Write`]; the file is then unchanged.
     pub fn write(&mut self, name: &str, content: &str) -> Result<(), OutputError> {
         let path = self.path.join(name);
         let temporary = self.path.join(format!(".{name}.{}", std::process::id()));
         let outcome = fs::File::create(&temporary)
             .and_then(|mut file| {
                 file.write_all(content.as_bytes())?;
-                // Grids are many, and not what a run is resumed from.
+                // Grids are numerous, and not needed to resume a run.
                 if is_grid(name) {
                     Ok(())
                 } else {
@@ -182,7 +181,7 @@ impl Directory {
             })
             .and_then(|()| fs::rename(&temporary, &path));
         if let Err(source) = outcome {
-            // Best effort: the failure to be told is the first one.
+            // Best effort: the first failure is reported.
             fs::remove_file(&temporary).ok();
             return Err(OutputError::Write { path, source });
         }
@@ -190,15 +189,15 @@ impl Directory {
         Ok(())
     }
 
-    /// Continues a file behind its first bytes, in place of what may stand there; with none of them it
-    /// is a new file, whatever had its name.
+    /// Truncates a file after its first bytes and appends to it; without first bytes the file is
+    /// created or replaced.
     ///
     /// # Errors
-    /// [`OutputError::Write`]; the first bytes are as they were then.
+    /// [`OutputError::Write`]; the first bytes are then unchanged.
     pub fn append(&mut self, name: &str, bytes: usize, content: &str) -> Result<(), OutputError> {
         let path = self.path.join(name);
         if bytes == 0 {
-            // A link would be followed, and a pipe waits for its reader.
+            // A link would be followed, and a pipe would block.
             fs::remove_file(&path).ok();
         }
         let mut options = fs::OpenOptions::new();
@@ -224,13 +223,13 @@ impl Directory {
     }
 }
 
-/// Reads a file of results; one that is a link or a pipe is none.
+/// Reads a file of results; links and pipes are refused.
 pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
     regular(path)?;
     fs::read(path)
 }
 
-/// Refuses what has a name but is no file of its own.
+/// Refuses a path that exists but is no regular file.
 fn regular(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(found) if !found.is_file() => Err(io::Error::new(
@@ -254,7 +253,7 @@ fn claim(directory: &Path) -> Result<fs::File, OutputError> {
         let mut options = fs::OpenOptions::new();
         let options = options.write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(fail)?;
-        // A file system without locks goes without.
+        // The file system has no locks.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(OutputError::Busy {
                 path: directory.to_owned(),
@@ -263,7 +262,7 @@ fn claim(directory: &Path) -> Result<fs::File, OutputError> {
         }
         file.set_len(0).map_err(fail)?;
         file.write_all(own.as_bytes()).map_err(fail)?;
-        // Whoever had it may have removed the file after it was opened here.
+        // The previous owner may have removed the file after it was opened here.
         if fs::read_to_string(&path).is_ok_and(|owner| owner == own) {
             return Ok(file);
         }
@@ -278,13 +277,13 @@ pub(super) fn is_grid(name: &str) -> bool {
     step.is_some_and(|digits| digits.len() >= 4 && digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Whether a file name is that of a file that was being written when a program was killed.
+/// Whether a file name is that of an unfinished file of a killed program.
 fn is_litter(name: &str, ours: &dyn Fn(&str) -> bool) -> bool {
     let inner = name.strip_prefix('.').and_then(|n| n.rsplit_once('.'));
     inner.is_some_and(|(name, id)| ours(name) && id.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Whether a file name is one that a run gives.
+/// Whether a file name belongs to a run's results.
 fn is_result(name: &str) -> bool {
     is_grid(name)
         || [

@@ -1,8 +1,8 @@
-//! Which rows have a grid (a ParaView file), and what it is called.
+//! Selection and names of the grids (ParaView files) of rows.
 
 use crate::input::Plan;
 
-/// Grids that a motion gives unless told otherwise, about.
+/// Approximate default number of grids of a motion.
 const GRIDS: f64 = 200.0;
 
 /// Name of the grid of a row.
@@ -20,12 +20,12 @@ pub(super) enum Grids {
     None,
     /// Every this many rows.
     Rows(usize),
-    /// At the first row in each of these spans of time.
+    /// At the first row in each interval of this duration.
     Spans(f64),
 }
 
 impl Grids {
-    /// As often as the model file says, if it does.
+    /// As often as the model file says, or by default.
     pub fn of(every: Option<usize>, plan: &Plan) -> Self {
         match (every, plan) {
             (Some(0), _) => Self::None,
@@ -35,13 +35,13 @@ impl Grids {
         }
     }
 
-    /// Whether row `number` at time `t`, after one at time `before`, has one.
+    /// Whether row `number` at time `t`, after a row at time `before`, has a grid.
     pub fn due(self, number: usize, before: Option<f64>, t: f64) -> bool {
         match self {
             Self::None => false,
             Self::Rows(every) => number.is_multiple_of(every),
             Self::Spans(span) => {
-                // Times that are meant to be at the beginning of a span are.
+                // Tolerates rounding of times at the beginning of an interval.
                 let span = |t: f64| (t / span + 1e-6).floor();
                 before.is_none_or(|before| span(before) < span(t))
             }

@@ -31,7 +31,7 @@ pub const DYNAMIC_COLUMNS: [&str; 2] = ["kinetic_energy", "energy_defect"];
 pub struct Row {
     /// Number of the step; 0 is the start.
     pub step: usize,
-    /// What was located here, if anything.
+    /// The located event, if any.
     pub event: Option<String>,
     /// Load parameter or time.
     pub t: f64,
@@ -39,9 +39,9 @@ pub struct Row {
     pub step_size: f64,
     /// Linear solutions since the row before.
     pub iterations: usize,
-    /// Largest force and moment out of balance.
+    /// Largest residual force and moment.
     pub residual: [f64; 2],
-    /// The worse of them over what the convergence test allows.
+    /// The larger of the two relative to its tolerance.
     pub ratio: f64,
     /// Last correction, relative to the scale of its coordinate.
     pub correction: f64,
@@ -51,10 +51,10 @@ pub struct Row {
     pub largest_rotation: f64,
     /// Strain energy.
     pub strain_energy: f64,
-    /// In how many directions an equilibrium is unstable, where that is known; in statics.
+    /// Number of unstable directions of an equilibrium, where known; in statics.
     #[serde(default)]
     pub unstable: Option<usize>,
-    /// Kinetic energy, and energy that was never supplied; in dynamics.
+    /// Kinetic energy, and the defect of the energy balance; in dynamics.
     pub motion: Option<[f64; 2]>,
     /// Values of the probes.
     pub probes: Vec<f64>,
@@ -98,7 +98,7 @@ pub fn csv(probes: &[String], rows: &[Row]) -> String {
             out += &row.unstable.map_or_else(String::new, |n| n.to_string());
         }
         for value in row.motion.iter().flatten().chain(&row.probes) {
-            // No signs of zero.
+            // Zero has no sign.
             let _ = write!(out, ",{:?}", value + 0.0);
         }
         out += "\n";

@@ -1,5 +1,5 @@
-//! `checkpoint.log`: the rows up to a checkpoint, a line of JSON each. It is appended to and never
-//! rewritten, so that a checkpoint costs the same however many rows there are.
+//! `checkpoint.log`: the rows up to a checkpoint, one JSON line each. It is only appended to, so that the cost
+//! of a checkpoint does not depend on the number of rows.
 
 use super::history::Row;
 use super::vtu::Frame;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Name of the file.
 pub(super) const NAME: &str = "checkpoint.log";
 
-/// How much of the file belongs to a checkpoint. A program that was killed may have written more.
+/// The part of the file that belongs to a checkpoint. A killed program may have written more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Extent {
     pub rows: usize,
@@ -20,7 +20,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The checksum when `lines` stand behind.
+    /// The checksum with `lines` appended.
     pub(super) fn crc32_with(&self, lines: &str) -> u32 {
         let mut hasher = crc32fast::Hasher::new_with_initial(self.crc32);
         hasher.update(lines.as_bytes());
@@ -28,8 +28,8 @@ impl Extent {
     }
 }
 
-/// The lines of rows, of which some have a grid: `frames` in the same order, and `name` that of the
-/// grid which the k-th of the rows would have.
+/// The lines of rows, some of which have a grid: `frames` in the same order; `name` is that of the
+/// grid that the k-th of the rows would have.
 pub(super) fn lines(
     rows: &[Row],
     frames: &[Frame],
@@ -45,7 +45,7 @@ pub(super) fn lines(
     Ok(out)
 }
 
-/// What lines hold.
+/// Parses lines.
 pub(super) fn read(lines: &[u8]) -> Result<(Vec<Row>, Vec<Frame>), serde_json::Error> {
     let (mut rows, mut frames) = (Vec::new(), Vec::new());
     for line in serde_json::Deserializer::from_slice(lines).into_iter() {

@@ -1,7 +1,7 @@
-//! What a run writes: history, results, figures, ParaView files.
+//! Output of a run: history, results, figures, ParaView files.
 //!
-//! Files are written under temporary names and renamed when they are whole; the log of a checkpoint
-//! grows instead, and what of it counts stands in the checkpoint.
+//! Files are written under temporary names and renamed when they are complete. The log of a checkpoint
+//! is appended to instead; its valid length is in the checkpoint.
 
 mod checkpoint;
 mod directory;

@@ -1,21 +1,21 @@
-//! What the figure of the history shows.
+//! Panels of the figure of the history.
 
 use super::history::Row;
 use super::plot::{Curve, Panel};
 use crate::input::{Plan, Quantity};
 use crate::probe::Probe;
 
-/// Curves in a panel that a reader can tell apart.
+/// Most curves in a panel.
 const CURVES: usize = 6;
 
-/// Values below this part of what is comparable in the model are round-off.
+/// Values below this fraction of their scale in the model are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// What the values of a model are compared with.
+/// Scales of the values of a model.
 struct Scales {
-    /// The largest extent of the structure on its way.
+    /// The largest extent of the structure during the run.
     length: f64,
-    /// The span of time, or of the load parameter.
+    /// The range of time, or of the load parameter.
     time: f64,
     /// The largest sum of kinetic and strain energy.
     energy: f64,
@@ -32,7 +32,7 @@ impl Scales {
         }
     }
 
-    /// The size of a quantity where it matters in the model, by its unit; zero where none is known.
+    /// The scale of a quantity in the model, by its unit; zero if none is known.
     fn size(&self, quantity: Quantity) -> f64 {
         use Quantity::*;
         let Self {
@@ -43,7 +43,7 @@ impl Scales {
         let size = match quantity {
             displacement | position => length,
             rotation | chart_rotation | Gamma => 1.0,
-            // A way or an angle: whatever is less.
+            // A length or an angle: the smaller of the two.
             joint_coordinate => length.min(1.0),
             joint_rate => length.min(1.0) / time,
             joint_acceleration => length.min(1.0) / time / time,
@@ -62,7 +62,7 @@ impl Scales {
     }
 }
 
-/// Draws zero where a panel has nothing but round-off: noise at full scale would look like a result.
+/// Draws zero if a panel has nothing but round-off, which full scale would show as a result.
 fn without_noise(curves: &mut [Curve], size: f64, value: fn(&mut (f64, f64)) -> &mut f64) {
     let points = |curves: &mut [Curve], f: &mut dyn FnMut(&mut f64)| {
         let points = curves.iter_mut().flat_map(|c| &mut c.points);
@@ -75,11 +75,11 @@ fn without_noise(curves: &mut [Curve], size: f64, value: fn(&mut (f64, f64)) -> 
     }
 }
 
-/// One panel per quantity (more where there are many curves), in the order of the probes; the strain
-/// energy where there are none. `length` is the largest extent of the structure on its way.
+/// One panel per quantity (more if there are many curves), in the order of the probes; the strain
+/// energy if there are none. `length` is the largest extent of the structure during the run.
 pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -> Vec<Panel> {
     let scales = Scales::of(length, rows);
-    // A path turns back in the load: its custom is to have the load upright.
+    // By custom the load of a path, which may turn back, is on the vertical axis.
     let upright = matches!(plan, Plan::Path(..));
     let mut panels: Vec<(Quantity, Vec<Curve>)> = Vec::new();
     let mut column = 0;
@@ -153,7 +153,7 @@ mod tests {
             curves.map(|c| c.points[1])
         };
         assert_eq!(after([3e-13, 9e-12]), [(1.0, 0.0); 2]);
-        // Beside a curve that is more, round-off is seen to be none.
+        // Beside a larger curve round-off is recognised as such.
         assert_eq!(after([3e-13, 2e-11]), [(1.0, -3e-13), (1.0, -2e-11)]);
     }
 

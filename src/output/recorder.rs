@@ -1,4 +1,4 @@
-//! Records converged steps and writes what they give.
+//! Records converged steps and writes the results.
 
 mod finish;
 
@@ -13,7 +13,7 @@ use super::vtu::{Frame, collection, grid};
 use crate::input::{DynamicPlan, Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
-use crate::warnings::{Turn, Turns, Watch};
+use crate::warnings::{Diagnostics, Turn, Turns};
 use pullback_elements::model::Model;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -25,19 +25,19 @@ const SAVED: Duration = Duration::from_secs(5);
 /// Shapes kept for the figure of the deformed structure.
 const SHAPES: usize = 64;
 
-/// What does not change while an analysis runs.
+/// The constant data of an analysis.
 pub struct Setting<'a> {
-    /// The model file's path, as it is shown.
+    /// Path of the model file, as displayed.
     pub source: &'a str,
     /// The file with defaults.
     pub file: &'a ModelFile,
-    /// What is computed.
+    /// The analysis.
     pub plan: &'a Plan,
-    /// Where the lines are.
+    /// Geometry of the lines.
     pub geometry: &'a Geometry,
-    /// What there is to know of the model.
+    /// Notes on the model.
     pub notes: &'a [String],
-    /// What is written.
+    /// Options of the output.
     pub output: Output,
 }
 
@@ -50,11 +50,11 @@ pub struct Recorder<'a> {
     rows: Vec<Row>,
     frames: Vec<Frame>,
     record: Record,
-    /// What of rows and frames is in the log of the last checkpoint.
+    /// The rows and frames in the log of the last checkpoint.
     log: Extent,
     last: Option<FinalState>,
     grids: Grids,
-    watch: Watch,
+    diagnostics: Diagnostics,
     turns: Turns,
     statistics: Statistics,
     started: Instant,
@@ -62,8 +62,8 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as the position of a run that has not ended. `warnings` are those that the
-    /// model gives rise to.
+    /// Marks the directory as that of an unfinished run. `warnings` are those of the
+    /// model.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -88,7 +88,7 @@ impl<'a> Recorder<'a> {
         let mut recorder = Self {
             reference: Shapes::of(model, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
-            watch: Watch::new(setting.plan.start(), setting.plan.relative()),
+            diagnostics: Diagnostics::new(setting.plan.start(), setting.plan.relative()),
             turns: Turns::default(),
             setting,
             directory,
@@ -110,7 +110,7 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Goes on from a checkpoint.
+    /// Resumes from a checkpoint.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -123,14 +123,14 @@ impl<'a> Recorder<'a> {
         self.frames = checkpoint.frames;
         self.log = checkpoint.log;
         self.statistics.counts = Counts::of_motion(&checkpoint.progress.summary);
-        // Grids that were written after the checkpoint are gone.
+        // Grids written after the checkpoint were removed.
         match self.grids {
             Grids::None => Ok(()),
             _ => self.write_collection(),
         }
     }
 
-    /// Records the reference configuration where nothing acts on it at the first load; otherwise the
+    /// Records the reference configuration if nothing acts on it at the first load; otherwise the
     /// equilibrium there is a step of its own, number 0.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl<'a> Recorder<'a> {
         Ok(self.add(model, row, answers)?)
     }
 
-    /// Looks at the state in which a motion goes on, without a row of its own.
+    /// Observes the state from which a motion is resumed, without a row of its own.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -192,8 +192,8 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Records a converged step, with the model in its configuration; in a motion as often as the
-    /// plan says.
+    /// Records a converged step, with the model in its configuration; in a motion at the interval of
+    /// the plan.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -205,7 +205,7 @@ impl<'a> Recorder<'a> {
             *counts = Counts::of_motion(&progress.summary);
             let furthest = &mut self.record.turn;
             self.turns
-                .see(model, &progress.state, step.step_size, furthest);
+                .record(model, &progress.state, step.step_size, furthest);
         } else {
             counts.iterations += step.iterations;
             if step.event.is_none() {
@@ -249,7 +249,7 @@ impl<'a> Recorder<'a> {
                 let answers = Answers::of(model, step.t);
                 let first = step.residuals.first().filter(|_| step.number == 0);
                 let released = first.map_or([0.0; 3], |i| i.residual);
-                self.watch.see(model, &answers, &row, released);
+                self.diagnostics.record(model, &answers, &row, released);
                 answers
             }
         };
@@ -262,7 +262,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Whether a step makes a row.
+    /// Whether a step is recorded as a row.
     fn due(&self, step: &Advance<'_>) -> bool {
         match self.setting.plan {
             Plan::Dynamic(DynamicPlan {
@@ -284,7 +284,10 @@ impl<'a> Recorder<'a> {
         row.largest_rotation = model.largest_rotation();
         row.strain_energy = answers.strain_energy();
         if answers.is_moving() {
-            row.motion = Some([answers.audit().energies.kinetic, answers.energy_defect()]);
+            row.motion = Some([
+                answers.energy_balance().energies.kinetic,
+                answers.energy_defect(),
+            ]);
         }
         for probe in &mut self.probes {
             probe.record(model, &answers, &mut row.probes);
@@ -300,7 +303,7 @@ impl<'a> Recorder<'a> {
             self.record.latest = Some(shape);
         }
         if self.grids != Grids::None {
-            // A path may turn back in the load, but a player goes on.
+            // A path may turn back in the load; ParaView needs ascending times.
             let (at, load) = match self.setting.plan {
                 Plan::Dynamic(_) => (row.t, None),
                 Plan::Static(_) => (row.t, Some(row.t)),
@@ -321,7 +324,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Keeps a shape; when there are too many, every second one goes. The limit is even, so the
+    /// Keeps a shape; if there are too many, every second one is dropped. The limit is even, so the
     /// last one stays.
     fn keep(&mut self, shape: (f64, Shapes)) {
         let record = &mut self.record;
@@ -355,9 +358,9 @@ impl<'a> Recorder<'a> {
         self.directory.write("history.csv", &text)
     }
 
-    /// What looks doubtful so far, of a run that is complete or not.
+    /// The warnings so far, of a complete run or not.
     pub fn warnings(&self, ending: &Ending) -> Vec<String> {
-        let seen = self.watch.warnings(*ending == Ending::Complete);
+        let seen = self.diagnostics.warnings(*ending == Ending::Complete);
         let turn = self.record.turn.as_ref().map(Turn::warning);
         let warnings = self.record.warnings.iter().cloned();
         warnings.chain(seen).chain(turn).collect()
@@ -367,8 +370,8 @@ impl<'a> Recorder<'a> {
         self.record.seconds + self.started.elapsed().as_secs_f64()
     }
 
-    /// Writes what is needed to go on from here: first the rows since the last checkpoint behind
-    /// those that are in the log, then what says that they are there.
+    /// Writes a checkpoint: first appends the rows since the last one to the log, then writes the state with the
+    /// new length of the log.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -405,14 +408,14 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// The answers of a model at the state that a motion has reached.
+/// The answers of a model at the present state of a motion.
 fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
-    let audit = model
+    let balance = model
         .energies_and_momentum(point(progress))
-        .map_err(RecordError::Audit)?;
+        .map_err(RecordError::System)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
-    Ok(Answers::of(model, t).moving(Some(audit), defect))
+    Ok(Answers::of(model, t).moving(Some(balance), defect))
 }
 
 /// Why a step cannot be recorded.
@@ -421,7 +424,7 @@ pub enum RecordError {
     /// It cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The model cannot be asked there.
+    /// The model cannot be evaluated there.
     #[error("a converged state cannot be evaluated: {0}")]
-    Audit(SystemError),
+    System(SystemError),
 }

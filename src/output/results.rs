@@ -17,16 +17,16 @@ pub(super) const NAME: &str = "result.json";
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Ending {
-    /// It has not ended (or the program was killed).
+    /// Not yet (or the program was killed).
     Running,
-    /// The end of the load or of time, or a stop on the path, was reached.
+    /// The end of the load or of time, or a stop on the path.
     Complete,
-    /// The user or an observer stopped it.
+    /// Stopped by the user or an observer.
     Interrupted {
         /// Load parameter or time of the last converged step.
         t: f64,
     },
-    /// The path had its most steps before any stop was reached.
+    /// The path reached the limit of steps before any stop.
     StepLimit {
         /// The limit.
         max_steps: usize,
@@ -57,9 +57,9 @@ pub struct Results<'a> {
     pub settings: &'a ModelFile,
     /// Counts.
     pub statistics: Statistics,
-    /// What there is to know of the model, as the terminal tells it.
+    /// Notes on the model, as on the terminal.
     pub notes: &'a [String],
-    /// What looks doubtful about the model or its results.
+    /// Warnings about the model or its results.
     pub warnings: &'a [String],
     /// The last converged state.
     pub last: Option<&'a FinalState>,
@@ -78,7 +78,7 @@ pub struct Statistics {
     pub unknowns: usize,
     /// Whether the tangent is symmetric: all loads are conservative.
     pub symmetric: bool,
-    /// What the analysis did.
+    /// Statistics of the analysis.
     #[serde(flatten)]
     pub counts: Counts,
     /// Largest rotation angle ψ of any node in its chart, in radians.
@@ -102,10 +102,10 @@ pub struct FinalState {
     pub strain_energy: f64,
     /// Potential of the loads that have one.
     pub load_potential: f64,
-    /// In how many directions the equilibrium is unstable, in statics where that is known.
+    /// Number of unstable directions of the equilibrium, in statics where known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unstable: Option<usize>,
-    /// What moves, in dynamics.
+    /// Energy and momentum, in dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionResult>,
 }
@@ -157,14 +157,14 @@ pub struct ElementResult {
     pub M: [f64; 3],
 }
 
-/// Whether the results in a directory tell of a run that came to its end.
+/// Whether the results in a directory are those of a complete run.
 pub(crate) fn is_complete(directory: &Path) -> bool {
     let text = super::directory::read(&directory.join(NAME));
     let read = text.map(|text| serde_json::from_slice::<Value>(&text));
     matches!(read, Ok(Ok(read)) if read["complete"] == true)
 }
 
-/// The state that a model is in.
+/// The present state of a model.
 pub(super) fn final_state(
     model: &Model,
     answers: &Answers,
@@ -210,11 +210,11 @@ pub(super) fn final_state(
         load_potential: model.load_potential(row.t),
         unstable: row.unstable,
         motion: moving.then(|| {
-            let audit = answers.audit();
+            let balance = answers.energy_balance();
             MotionResult {
-                kinetic_energy: audit.energies.kinetic,
-                momentum: audit.momentum.linear.into(),
-                angular_momentum: audit.momentum.angular.into(),
+                kinetic_energy: balance.energies.kinetic,
+                momentum: balance.momentum.linear.into(),
+                angular_momentum: balance.momentum.angular.into(),
             }
         }),
     }

@@ -1,7 +1,7 @@
 //! ParaView files: an unstructured grid per step and a collection of them.
 //!
-//! Each line has points of its own, so that lines that meet at a node keep their section axes. A
-//! body is a point of its own at its centre of mass, a rigid link or spring a line between two.
+//! Each line has its own points, so that lines that meet at a node keep their section axes. A body
+//! is a point at its centre of mass, a rigid link or spring a line between two points.
 
 #![allow(non_snake_case)]
 
@@ -42,8 +42,8 @@ pub fn collection(frames: &[Frame]) -> String {
     out + "</Collection>\n</VTKFile>\n"
 }
 
-/// The grid (`.vtu`) of a model in its present configuration: points where the nodes are now, and
-/// in statics the load parameter.
+/// The grid (`.vtu`) of a model in its present configuration, in statics with the load
+/// parameter.
 pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
     let mut points = Points::default();
     let mut connectivity = Vec::new();
@@ -123,7 +123,7 @@ pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<
     out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
 }
 
-/// Points with what is known of them.
+/// Points and their data.
 #[derive(Default)]
 struct Points {
     positions: Vec<Vector3<f64>>,

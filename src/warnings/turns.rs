@@ -6,8 +6,8 @@ use pullback_integrators::significant;
 use pullback_manifold::system::{Quantity, System};
 use serde::{Deserialize, Serialize};
 
-/// Change of a rate in a step, times the step, from which on steps do not resolve what moves, in radians: a
-/// swing of one radian has as much with 14 steps in its period.
+/// Change of a rate in a step, times the step, above which steps do not resolve a motion, in radians: a
+/// swing of one radian with 14 steps per period reaches it.
 const FAR: f64 = 0.2;
 
 /// The largest change of the rate of an angle in a step.
@@ -18,17 +18,17 @@ pub(crate) struct Turn {
     t: f64,
 }
 
-/// Sees the angles of joints from step to step.
+/// Records the angles of joints from step to step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Turns {
-    /// Unknowns that are angles alone.
+    /// Unknowns that are single angles.
     angles: Vec<usize>,
     /// Their rates at the last step.
     last: Vec<f64>,
 }
 
 impl Turns {
-    /// Begins at a state.
+    /// Starts at a state.
     pub(crate) fn new(model: &Model, state: &State) -> Self {
         let mut angles = model.single_unknowns();
         angles.retain(|&i| model.quantity(i) == Quantity::Angle);
@@ -36,8 +36,8 @@ impl Turns {
         Self { angles, last }
     }
 
-    /// A converged step of size `h`; `furthest` so far becomes its own where that is further.
-    pub(crate) fn see(
+    /// Records a converged step of size `h`; `furthest` is replaced by a larger change.
+    pub(crate) fn record(
         &mut self,
         model: &Model,
         state: &State,
@@ -59,7 +59,7 @@ impl Turns {
 }
 
 impl Turn {
-    /// What there is to say of it.
+    /// The warning.
     pub(crate) fn warning(&self) -> String {
         format!(
             "the rate of {} changes by {:.2} rad a step within one step (that to t = {}): steps do not \

@@ -7,7 +7,7 @@ mod laboratory;
 use laboratory::{bob, compared, model, options, until};
 use nalgebra::Vector3;
 use pullback::input;
-use pullback::studies::compare::{Contender, Exact, Options, Quantity};
+use pullback::studies::compare::{Candidate, Exact, Options, Quantity};
 
 const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
 
@@ -20,7 +20,7 @@ fn a_general_solver_swings_the_pendulum() {
     };
     let comparison = compared(&file, &asked).unwrap();
     for word in WORDS {
-        let name = word.parse::<Contender>().unwrap().to_string();
+        let name = word.parse::<Candidate>().unwrap().to_string();
         let rows: Vec<_> = comparison.of(&name).collect();
         assert_eq!(rows.len(), 3);
         for row in &rows {
@@ -94,11 +94,11 @@ fn kinks_are_met_and_multipliers_refused() {
 
 #[test]
 fn words_name_them_and_their_tolerance() {
-    let known = "diffsol-bdf".parse::<Contender>();
+    let known = "diffsol-bdf".parse::<Candidate>();
     assert_eq!(known.unwrap().order(), None);
-    let with: Contender = "diffsol-esdirk:0.00001".parse().unwrap();
+    let with: Candidate = "diffsol-esdirk:0.00001".parse().unwrap();
     assert_eq!(with.to_string(), "diffsol-esdirk:0.00001");
     for word in ["diffsol-bdf:2", "diffsol-bdf:x", "diffsol-bdf:"] {
-        assert!(word.parse::<Contender>().is_err(), "{word}");
+        assert!(word.parse::<Candidate>().is_err(), "{word}");
     }
 }

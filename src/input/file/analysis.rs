@@ -1,4 +1,4 @@
-//! The analysis and what it writes.
+//! The analysis and its output.
 
 use super::{DofName, Scheme};
 use schemars::JsonSchema;
@@ -22,7 +22,7 @@ impl Default for Analysis {
     }
 }
 
-/// Load stepping. A step that fails is halved; easy ones are followed by larger ones.
+/// Load stepping. A step that fails is halved; steps grow when they converge fast.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Static {
@@ -81,10 +81,10 @@ pub struct ArcLength {
     /// Change of the load parameter that counts as much as a change of the coordinates by the
     /// size of the model.
     pub load_scale: f64,
-    /// Iterations a step should take.
+    /// Target number of iterations per step.
     #[schemars(range(min = 1))]
     pub target_iterations: usize,
-    /// Whether the load grows or shrinks at the start.
+    /// Whether the load increases or decreases at the start.
     pub direction: Direction,
     /// The analysis is complete when one of these is met.
     #[schemars(length(min = 1))]
@@ -113,13 +113,13 @@ impl Default for ArcLength {
     }
 }
 
-/// Sense in which the load parameter changes at the start.
+/// Direction in which the load parameter changes at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
-    /// It grows.
+    /// It increases.
     Forward,
-    /// It shrinks.
+    /// It decreases.
     Backward,
 }
 
@@ -129,9 +129,9 @@ pub enum Direction {
 pub enum Stop {
     /// The load has a maximum or minimum.
     TurningPoint,
-    /// The load parameter passes this value.
+    /// The load parameter crosses this value.
     Load(f64),
-    /// A coordinate passes a value.
+    /// A coordinate crosses a value.
     Coordinate(Coordinate),
 }
 
@@ -141,7 +141,7 @@ pub enum Stop {
 pub struct Coordinate {
     /// Name of the node.
     pub node: String,
-    /// Which coordinate; it must be free.
+    /// Coordinate; it must be free.
     pub dof: DofName,
     /// The value.
     pub value: f64,
@@ -170,7 +170,7 @@ pub struct Dynamic {
     #[serde(default = "one")]
     #[schemars(range(min = 1))]
     pub record_every: usize,
-    /// Instead, a row at every multiple of this time, where steps end exactly.
+    /// Instead of `record_every`: a row at every multiple of this time, where steps end exactly.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub record_interval: Option<f64>,
     /// A checkpoint to resume from every this many steps; 0 writes one at the end only.
@@ -211,7 +211,7 @@ pub struct DynamicNewton {
     pub max_iterations: usize,
     /// How often the tangent is factorised.
     pub tangent: TangentRule,
-    /// Where the iteration begins.
+    /// Initial guess of the iteration.
     pub predictor: Predictor,
 }
 
@@ -238,17 +238,17 @@ pub enum TangentRule {
     Once,
 }
 
-/// Where Newton's iteration of a step begins.
+/// Initial guess of Newton's method in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Predictor {
-    /// At the coordinates that the velocities lead to.
+    /// Coordinates extrapolated with the velocities.
     Velocity,
-    /// At the old coordinates.
+    /// Coordinates of the last step.
     Keep,
 }
 
-/// When a Newton iteration has converged, and when it has failed.
+/// Criteria of convergence and failure of Newton's method.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NewtonSettings {
@@ -284,7 +284,7 @@ pub struct Output {
     pub paraview_every: Option<usize>,
     /// SVG figures.
     pub figures: bool,
-    /// Factor of the displacements in `deformed.svg`, to show small ones; the figure tells it.
+    /// Scale factor of the displacements in `deformed.svg`, stated in the figure.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub deformation_scale: f64,
 }

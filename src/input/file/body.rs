@@ -51,7 +51,7 @@ pub struct Spring {
     /// Damping along the line: force per velocity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
-    /// Length without force; that of the reference configuration by default.
+    /// Free length; that of the reference configuration by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_length: Option<f64>,
     /// Six stiffnesses and dampings instead.

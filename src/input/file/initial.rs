@@ -22,13 +22,13 @@ pub struct Initial {
     /// Rotation vector of the node, in radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<[f64; 3]>,
-    /// Velocity, of the point `about` where that is given.
+    /// Velocity; that of the point `about` if it is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
     /// Angular velocity in global components, in radians per unit of time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<[f64; 3]>,
-    /// Angular velocity of the node in components of axes that turn with it, instead.
+    /// Instead of `angular_velocity`: components in axes that rotate with the node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_angular_velocity: Option<[f64; 3]>,
     /// Point that moves with `velocity`: the origin by default, for a node the node itself.

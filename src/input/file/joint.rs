@@ -1,4 +1,4 @@
-//! Joints, and what acts on the coordinates they release.
+//! Joints, and the springs, actuators and prescribed motions of their coordinates.
 
 use super::Time;
 use schemars::JsonSchema;
@@ -8,24 +8,24 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::{self, Formatter};
 
-/// A joint. It makes a node of its own name that is attached to the parent: lines, bodies, loads and
+/// A joint. It adds a node of its own name that is attached to the parent: lines, bodies, loads and
 /// further joints may use that node like any other, but it cannot be supported.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Joint {
     /// Name of the joint and of the node that is attached to it.
     pub name: String,
-    /// What kind of joint it is: one of the names in the [`Registry`](crate::input::Registry).
+    /// Type of the joint: a name in the [`Registry`](crate::input::Registry).
     #[serde(rename = "type")]
     pub kind: String,
     /// Node it is attached to; for a slide give `lines` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
-    /// Node that is one with the node that is attached to the joint. A node that is still free is attached to
-    /// the joint from now on. One that is attached to something else already, or is supported, closes a
-    /// loop: the coordinates of the joints along it then follow from those that it leaves free.
+    /// Node that is identified with the node of the joint. A node that is still free is then attached to
+    /// the joint. One that is attached to something else already, or is supported, closes a
+    /// loop: the coordinates of the joints along it then depend on those that it leaves free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub child: Option<String>,
-    /// How the node that is attached to the joint and the `child` are made one: by a `map` (the default),
+    /// Closure between the node of the joint and the `child`: by a `map` (the default),
     /// by Lagrange `multipliers`, or by a `penalty`.
     #[serde(
         default,
@@ -40,7 +40,7 @@ pub struct Joint {
     /// Time of dampers in parallel with a `penalty`: damping over stiffness. 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty_damping: Option<f64>,
-    /// Lines of two-node elements, one after the other, that a slide runs along.
+    /// Consecutive lines of two-node elements along which a slide moves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<String>,
     /// Spring and damper on the released coordinate, where there is one.
@@ -52,26 +52,26 @@ pub struct Joint {
     /// The angle or displacement itself as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Time>,
-    /// Angle or displacement at the start (dynamics); what is attached to the joint moves along, but not nodes of
-    /// their own. In a loop it is kept where the loop closes with it, and a first guess where not.
+    /// Angle or displacement at the start (dynamics); nodes attached to the joint move along, free nodes
+    /// do not. In a loop it is kept if the loop closes with it, and is an initial guess otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Rate of the angle or displacement at the start (dynamics); the rates of a loop's other joints follow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
-    /// What acts on the coordinates of a joint that releases several, by their names.
+    /// Springs, actuators and prescribed motions of a joint with several coordinates, by coordinate.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub coordinates: BTreeMap<String, Acts>,
-    /// The keys that joints of this type have besides.
+    /// Further keys of this type of joint.
     #[serde(flatten)]
     pub keys: Map<String, Value>,
 }
 
-/// How a joint and its child are made one.
+/// Closure between a joint and its child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Closure {
-    /// Coordinates of joints along the loop follow from those that it leaves free.
+    /// Coordinates of joints along the loop depend on those that it leaves free.
     Map,
     /// Lagrange multipliers are unknowns: for statics, and schemes that damp infinite frequencies.
     Multipliers,
@@ -79,7 +79,7 @@ pub enum Closure {
     Penalty,
 }
 
-/// Reads the word for a closure; anything else is told which words there are.
+/// Reads the name of a closure; any other lists the names.
 fn closure<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Closure>, D::Error> {
     struct Word;
     impl Visitor<'_> for Word {
@@ -100,14 +100,14 @@ fn closure<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Closure>, D::Err
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
-    /// The two joints; of one that releases several coordinates name one, as in `"hub angle 2"`.
+    /// The two joints; name one coordinate of a joint with several, as in `"hub angle 2"`.
     pub joints: [String; 2],
     /// Second coordinate over first one: -z1/z2 for gears with z1 and z2 teeth, the radius of the
     /// pinion (or less it) for the displacement of a rack over its angle.
     pub ratio: f64,
 }
 
-/// What acts on a released coordinate.
+/// Spring, actuator, prescribed motion and initial values of a released coordinate.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Acts {
@@ -129,7 +129,7 @@ pub struct Acts {
 }
 
 impl Joint {
-    /// What acts on its one coordinate.
+    /// What acts on the only coordinate.
     pub fn acts(&self) -> Acts {
         Acts {
             spring: self.spring,
@@ -140,7 +140,7 @@ impl Joint {
         }
     }
 
-    /// All that acts on its coordinates; the name is empty where there is but one.
+    /// What acts on each coordinate; the name is empty if there is one coordinate only.
     pub fn all_acts(&self) -> impl Iterator<Item = (&str, Acts)> {
         let named = self
             .coordinates
@@ -160,6 +160,6 @@ pub struct JointSpring {
     pub k3: f64,
     /// Damping.
     pub c: f64,
-    /// Coordinate without force.
+    /// Coordinate at which the force is zero.
     pub x0: f64,
 }

@@ -26,7 +26,7 @@ pub struct Line {
     /// How rotations are interpolated between the nodes of an element.
     #[serde(default, skip_serializing_if = "Interpolation::is_total")]
     pub interpolation: Interpolation,
-    /// Makes it a circular arc.
+    /// Circular arc instead of a straight line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Arc>,
     /// Direction of the section axis E2 at the start (its part normal to the line counts). By
@@ -42,7 +42,7 @@ pub struct Line {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
-    /// Total rotation vectors: the fastest; strains change with a rigid rotation by as much as the
+    /// Total rotation vectors: the fastest; strains change with a rigid rotation by the order of the
     /// mesh error.
     #[default]
     Total,

@@ -34,7 +34,7 @@ impl DofName {
         Dof::ALL[self as usize]
     }
 
-    /// As it is written in the file.
+    /// Its name in the file.
     pub fn key(self) -> &'static str {
         ["x", "y", "z", "rx", "ry", "rz"][self as usize]
     }
@@ -50,7 +50,7 @@ pub struct Support {
     /// (x, y, z), or "rotation" (rx, ry, rz).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fix: Option<Fix>,
-    /// Coordinates that follow a given function of the load parameter, or of time.
+    /// Coordinates prescribed as functions of the load parameter, or of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prescribed: Option<Driven>,
 }
@@ -152,8 +152,8 @@ pub struct Load {
     /// bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
-    /// Whether the load turns with the node or the cross-sections; otherwise its direction is
-    /// fixed in space.
+    /// Whether the load rotates with the node or the cross-sections (follower load); otherwise its direction
+    /// is fixed in space.
     #[serde(default)]
     pub follower: bool,
     /// Factor as a function of the load parameter or time; by default it grows in proportion to

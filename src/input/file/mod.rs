@@ -1,6 +1,6 @@
-//! The types of the model file, as the user writes it.
+//! The types of the model file.
 //!
-//! Their documentation is what the JSON Schema says about each key, so it speaks to the user.
+//! Their documentation becomes the descriptions of the JSON Schema, so it addresses the user.
 
 mod analysis;
 mod body;
@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A model for `pullback run`: nodes, lines of beam elements between them, bodies, joints, springs,
-/// supports, loads, the analysis and what to record. Consistent units are the user's business; vectors are in global
+/// supports, loads, the analysis and what to record. Units are consistent ones of the user's choice; vectors are in global
 /// components (e1, e2, e3), angles in radians unless a key ends in `_deg`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,4 +1,4 @@
-//! Probes: what is recorded at each step.
+//! Probes: quantities recorded at each step.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ pub enum Quantity {
     /// Current position of a node.
     position,
     /// Rotation vector Ψ of a node in radians, continued over changes of chart. About a fixed axis
-    /// it counts turns; about one that moves no rotation vector does (ask for the joint_coordinate).
+    /// it counts turns; about a moving axis use joint_coordinate.
     rotation,
     /// Rotation vector Ψ of a node in the chart in use; jumps by a turn where the chart changes.
     chart_rotation,
@@ -48,11 +48,11 @@ pub enum Quantity {
     acceleration,
     /// Rate of the angular velocity of a node, global components.
     angular_acceleration,
-    /// Angle that a revolute joint has released (radians, any number of turns), or arc length of a slide.
+    /// Coordinate of a joint: an angle (radians, any number of turns), displacement or arc length.
     joint_coordinate,
-    /// Its rate.
+    /// Rate of the joint coordinate.
     joint_rate,
-    /// The rate of that.
+    /// Acceleration of the joint coordinate.
     joint_acceleration,
     /// Force with which a joint acts on the node that is attached to it.
     joint_force,
@@ -76,7 +76,7 @@ pub enum Quantity {
     kinetic_energy,
     /// Kinetic energy, strain energy and potential of the loads that have one.
     total_energy,
-    /// Energy that is there without having been supplied by loads and supports: the error of the
+    /// Defect of the energy balance: energy not supplied by loads and supports, the error of the
     /// integration.
     energy_defect,
     /// Linear momentum of everything that has mass.

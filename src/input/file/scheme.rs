@@ -1,4 +1,4 @@
-//! The scheme of a dynamic analysis, by the words of the list of schemes.
+//! The scheme of a dynamic analysis, by its name in the list of schemes.
 
 use crate::method::{Method, PREFIXES};
 use pullback_integrators::dynamics::DynamicsError;
@@ -10,13 +10,13 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A scheme by its word, `"bathe"` or `"ga:0.8"`, or as `{ generalised-alpha = 0.8 }`, with the prefix
-/// of a formulation of rotations ([`PREFIXES`]) where it is not the total one.
+/// A scheme by its name, `"bathe"` or `"ga:0.8"`, or as `{ generalised-alpha = 0.8 }`, with the prefix
+/// of a formulation of rotations ([`PREFIXES`]) unless that is the total one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scheme(String);
 
 impl Default for Scheme {
-    /// A little damping of the highest frequencies, which no step resolves.
+    /// Some damping of the highest frequencies, which no step resolves.
     fn default() -> Self {
         Self::from("generalised-alpha:0.9")
     }
@@ -29,7 +29,7 @@ impl From<&str> for Scheme {
 }
 
 impl Scheme {
-    /// The word with its numbers, such as `ga:0.8`.
+    /// The name with its parameters, such as `ga:0.8`.
     pub fn word(&self) -> &str {
         &self.0
     }
@@ -37,13 +37,13 @@ impl Scheme {
     /// The scheme and the formulation.
     ///
     /// # Errors
-    /// [`DynamicsError`] for a word that there is none for, or a number outside its range.
+    /// [`DynamicsError`] for an unknown name, or a parameter outside its range.
     pub fn method(&self) -> Result<Method, DynamicsError> {
         self.0.parse()
     }
 }
 
-/// Numbers of a scheme: one, or a list.
+/// Parameters of a scheme: one, or a list.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -94,7 +94,7 @@ impl<'de> Deserialize<'de> for Scheme {
     }
 }
 
-/// `{ word = numbers }`, for a scheme that has numbers.
+/// `{ name = parameters }`, for a scheme with parameters.
 fn table(family: &Family) -> Option<Value> {
     let takes = |n: usize| (family.make)(&[0.25, 0.5][..n]).is_some();
     let one = takes(1).then(|| json!({ "type": "number" }));

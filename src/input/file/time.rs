@@ -33,10 +33,10 @@ pub enum Time {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
-    /// Where it begins to rise.
+    /// Start of the rise.
     #[serde(default)]
     pub start: f64,
-    /// Where it reaches its value.
+    /// End of the rise.
     pub end: f64,
     /// The value reached.
     #[serde(default = "one")]
@@ -47,12 +47,12 @@ pub struct Ramp {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Triangle {
-    /// Where it begins to rise.
+    /// Start of the rise.
     #[serde(default)]
     pub start: f64,
-    /// Where it reaches its value.
+    /// End of the rise.
     pub peak: f64,
-    /// Where it is back at 0.
+    /// End of the fall.
     pub end: f64,
     /// The value at the peak.
     #[serde(default = "one")]
@@ -63,10 +63,10 @@ pub struct Triangle {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pulse {
-    /// Where it begins.
+    /// Start of the pulse.
     #[serde(default)]
     pub start: f64,
-    /// Where it ends.
+    /// End of the pulse.
     pub end: f64,
     /// Its value.
     #[serde(default = "one")]

@@ -1,4 +1,4 @@
-//! Axes, tick labels and legends that all figures share.
+//! Axes, tick labels and legends of all figures.
 
 use super::{FINE, GRID, INK, PALETTE, PlotError, TEXT, font, width};
 use plotters::chart::{ChartBuilder, ChartContext};
@@ -14,19 +14,19 @@ pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Room for tick labels and descriptions at the left and at the bottom, and around a plot.
+/// Margins for tick labels and descriptions at the left and at the bottom, and around a plot.
 pub(super) const LEFT: i32 = 80;
 pub(super) const BOTTOM: i32 = 44;
 pub(super) const MARGIN: i32 = 14;
 
-/// A number as it stands at a tick.
+/// A number as a tick label.
 pub(super) fn tick(value: f64, range: f64) -> String {
     if value.abs() < 1e-9 * range {
         return "0".to_owned();
     }
     let size = value.abs().max(range);
     let text = if (1e-3..1e5).contains(&size) {
-        // Four digits of the range are more than ticks need.
+        // Four digits of the range suffice for ticks.
         let digits = (3.0 - range.log10().floor()).clamp(0.0, 9.0) as usize;
         let fixed = format!("{value:.digits$}");
         match fixed.contains('.') {
@@ -72,7 +72,7 @@ pub(super) fn axes<'a, 'b>(
         .axis_desc_style(font(TEXT))
         .set_all_tick_mark_size(5 * FINE)
         .draw()?;
-    // The frame is closed by hand: the library draws two sides of it.
+    // Closes the frame: the library draws two sides of it.
     let [(x0, y0), (x1, y1)] = [(x[0], y[0]), (x[1], y[1])];
     chart.draw_series(std::iter::once(PathElement::new(
         vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)],
@@ -81,7 +81,7 @@ pub(super) fn axes<'a, 'b>(
     Ok(chart)
 }
 
-/// What a legend shows beside a word.
+/// The symbol of a legend entry.
 #[derive(Clone, Copy)]
 pub(super) enum Mark {
     Line(RGBColor, i32),
@@ -96,7 +96,7 @@ pub(super) enum Mark {
 /// Half the size of a marker, in units.
 const HALF: i32 = 4;
 
-/// Draws the marker of a number: shapes that stay apart without their colours.
+/// Draws the marker of a number: shapes that differ without their colours.
 pub(super) fn marker(
     area: &Area<'_>,
     (x, y): (i32, i32),
@@ -114,7 +114,7 @@ pub(super) fn marker(
         let corners = corners.iter().map(|c| (x + c.0, y + c.1));
         area.draw(&Polygon::new(corners.collect::<Vec<_>>(), fill))
     };
-    // Where colours begin anew, shapes are shifted against them.
+    // Where colours repeat, shapes are shifted against them.
     match (number + number / PALETTE.len()) % 7 {
         0 => area.draw(&Circle::new((x, y), r, fill))?,
         1 => area.draw(&Rectangle::new([(x - r, y - r), (x + r, y + r)], fill))?,
@@ -142,7 +142,7 @@ const SAMPLE: i32 = 26;
 const GAP: i32 = 18;
 const ROW: i32 = 22;
 
-/// Rows that a legend of these entries needs in a width (in units).
+/// Number of rows of a legend with these entries in a width (in units).
 pub(super) fn legend_rows(entries: &[(String, Mark)], room: i32) -> i32 {
     position(entries, room).last().map_or(0, |(_, row)| row + 1)
 }
@@ -214,7 +214,7 @@ pub(super) fn legend(
     Ok(())
 }
 
-/// A range that holds all values with some room, never empty.
+/// A range of all values with a margin, never empty.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = values.filter(|v| v.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {

@@ -10,13 +10,13 @@ use plotters::style::{Color, RGBColor, WHITE};
 /// A curve with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What the legend says.
+    /// Name in the legend.
     pub label: String,
     /// Points, in order.
     pub points: Vec<(f64, f64)>,
     /// Whether only the points are drawn, without lines between them (published values, say).
     pub scattered: bool,
-    /// Number of its colour, where curves of a kind share one; by its place otherwise.
+    /// Number of its colour, if curves of a kind share one; its index otherwise.
     pub color: Option<usize>,
 }
 
@@ -39,7 +39,7 @@ impl Curve {
         }
     }
 
-    /// The same with a colour of its own choice.
+    /// The same with a given colour.
     #[must_use]
     pub fn colored(self, color: usize) -> Self {
         Self {
@@ -129,11 +129,11 @@ fn entries(panel: &Panel) -> Vec<(String, Mark)> {
         .collect()
 }
 
-/// Points of a curve of which a figure of this size can show no more; more are thinned out.
+/// Most points of a curve in a figure of this size; more are thinned out.
 const POINTS: usize = 4000;
 
-/// The first, the last, the highest and the lowest of each group of neighbours: what a curve of
-/// many points looks like.
+/// The first, the last, the highest and the lowest point of each group of neighbours: the envelope of a curve
+/// with many points.
 fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     if points.len() <= POINTS {
         return points;
@@ -172,7 +172,7 @@ fn draw(area: &Area<'_>, panel: &Panel) -> Result<(), PlotError> {
         } else {
             thinned(points)
         };
-        // Few points are shown as what they are: converged steps.
+        // Converged steps are marked if there are few.
         if curve.scattered || points.len() <= 40 {
             let radius = 3 * FINE;
             let dots = points

@@ -1,5 +1,5 @@
-//! Graphs side by side on linear or logarithmic axes, one legend for all of them, and triangles
-//! that show orders of convergence.
+//! Graphs side by side on linear or logarithmic axes, with a common legend, and triangles that show orders
+//! of convergence.
 
 use super::axes::{self, Area, BOTTOM, LEFT, MARGIN, Mark, legend_height, legend_rows};
 use super::curves::heading;
@@ -10,17 +10,17 @@ use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, ShapeStyle, WHITE};
 
-/// Curves over the same axes, marked at their points, or at some of them where there are more curves than
+/// Curves over the same axes, marked at their points, or at some of them if there are more curves than
 /// colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     /// Descriptions of the horizontal and the vertical axis.
     pub description: [String; 2],
-    /// How the axes are divided.
+    /// Divisions of the axes.
     pub division: [Division; 2],
     /// The curves. Those of one colour have one entry in the legend and one kind of mark.
     pub curves: Vec<Curve>,
-    /// Whether points of all curves are marked; those of scattered ones are nothing but marked.
+    /// Whether points of all curves are marked; scattered ones always are.
     pub marked: bool,
     /// Slopes shown by triangles under the curves; for logarithmic axes.
     pub slopes: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Graph {
 /// Width and height of a graph.
 const SIZE: [i32; 2] = [520, 360];
 
-/// A figure of graphs, two in a row, as SVG text; `level` is what the legend says of levels.
+/// A figure of graphs, two in a row, as SVG text; `level` is the name of levels in the legend.
 ///
 /// # Errors
 /// [`PlotError`] of the drawing library.
@@ -84,7 +84,7 @@ fn entries(level: &str, graphs: &[Graph]) -> Vec<(String, Mark)> {
 }
 
 impl Graph {
-    /// Whether colours come again, so that lines without marks could not be told apart.
+    /// Whether colours repeat, so that lines need marks.
     fn is_crowded(&self) -> bool {
         let mut curves = self.curves.iter().enumerate();
         let again =
@@ -93,7 +93,7 @@ impl Graph {
     }
 }
 
-/// Marks on a curve whose points are too many to be marked.
+/// Number of marks on a curve with too many points to mark each.
 const MARKS: usize = 9;
 
 fn curve_mark(color: usize, marked: bool) -> Mark {
@@ -104,7 +104,7 @@ fn curve_mark(color: usize, marked: bool) -> Mark {
     }
 }
 
-/// Where positions are in the fine pixels of an area.
+/// Map from positions to the fine pixels of an area.
 struct Frame {
     /// Ranges of positions.
     x: [f64; 2],
@@ -155,7 +155,7 @@ fn draw(area: &Area<'_>, graph: &Graph) -> Result<(), PlotError> {
         let color = curve.color.unwrap_or(position);
         let rgb = PALETTE[color % PALETTE.len()];
         let points: Vec<(i32, i32)> = points.iter().map(|p| frame.at(p.0, p.1)).collect();
-        // Marks of neighbours stand beside each other.
+        // Marks of neighbouring curves are shifted.
         let apart = match graph.marked || curve.scattered {
             true => 1,
             false => points.len().div_ceil(MARKS).max(1),
@@ -251,7 +251,7 @@ fn triangles(
     y: [f64; 2],
 ) -> Vec<Triangle> {
     let span = x[1] - x[0];
-    // As wide as is well seen, and not much higher than half of the graph.
+    // Wide enough to be visible, and not much higher than half of the graph.
     let steepest = slopes.iter().fold(1.0_f64, |m, s| m.max(*s));
     let width = (0.18 * span).min(0.4 * (y[1] - y[0]) / steepest);
     if curves.iter().all(|c| c.len() < 2) || width <= 0.0 {

@@ -17,12 +17,12 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, TextStyle};
 /// Why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The drawing library refuses.
+    /// An error of the drawing library.
     #[error("{0}")]
     Drawing(#[from] DrawingAreaErrorKind<std::io::Error>),
 }
 
-/// Colours that stay apart for all readers and in print (Okabe & Ito 2008), the palest left out.
+/// Colours that all readers can tell apart, in print too (Okabe & Ito 2008), without the palest.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -44,8 +44,8 @@ const PALE: RGBColor = RGBColor(150, 150, 150);
 const TEXT: i32 = 15;
 const TITLE: i32 = 18;
 
-/// The library positions everything at whole pixels; this many of them are one unit of the figure,
-/// so that curves stay smooth.
+/// The library positions everything at whole pixels; this many of them make one unit of the figure,
+/// which keeps curves smooth.
 const FINE: i32 = 8;
 
 fn font(size: i32) -> TextStyle<'static> {

@@ -1,18 +1,18 @@
-//! Linear and logarithmic axes: where values lie, and at which of them there are ticks.
+//! Linear and logarithmic axes: positions of values and ticks.
 
 use super::axes::tick;
 
-/// How an axis is divided.
+/// Division of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Division {
-    /// Equal differences are equal lengths.
+    /// Linear.
     Linear,
-    /// Equal ratios are equal lengths; values that are not positive are not drawn.
+    /// Logarithmic; values that are not positive are not drawn.
     Logarithmic,
 }
 
 impl Division {
-    /// Where a value lies: itself, or its decimal logarithm; `None` where it cannot be drawn.
+    /// Position of a value: itself, or its decimal logarithm; `None` if it cannot be drawn.
     pub(super) fn position(self, value: f64) -> Option<f64> {
         let position = match self {
             Self::Linear => value,
@@ -36,7 +36,7 @@ impl Division {
 pub(super) struct Ticks {
     /// Positions with labels.
     pub labelled: Vec<(f64, String)>,
-    /// Positions of small ticks without.
+    /// Positions of minor ticks without labels.
     pub small: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ fn linear([low, high]: [f64; 2], most: usize) -> Ticks {
     }
 }
 
-/// Powers of ten where there are two of them; otherwise 1, 2 and 5 times one, or every digit.
+/// Powers of ten if there are two of them; otherwise 1, 2 and 5 times one, or every digit.
 fn logarithmic([low, high]: [f64; 2], most: usize) -> Ticks {
     let inside = |x: &f64| (low..=high).contains(x);
     let [from, to] = [low.floor() as i32, high.ceil() as i32];

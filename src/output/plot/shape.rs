@@ -15,11 +15,11 @@ use serde::{Deserialize, Serialize};
 
 /// Points per element of higher order.
 const PIECES: usize = 8;
-/// Intermediate shapes drawn at most.
+/// Most intermediate shapes drawn.
 const BETWEEN: usize = 4;
-/// Nodes are marked where there are at most so many.
+/// Nodes are marked if there are at most so many.
 const MARKED: usize = 41;
-/// A structure is plane when its extent across is at most this part of the largest.
+/// A structure is plane if its extent across is at most this fraction of the largest.
 const FLAT: f64 = 1e-3;
 
 /// Lines of a structure in one configuration.
@@ -38,7 +38,7 @@ pub struct Shapes {
 }
 
 impl Shapes {
-    /// The configuration that a model is in, with displacements times `scale`: 0 gives the reference
+    /// The present configuration of a model, with displacements times `scale`; 0 gives the reference
     /// configuration.
     pub fn of(model: &Model, geometry: &Geometry, scale: f64) -> Self {
         let between = |reference: Vector3<f64>, position: Vector3<f64>| match scale {
@@ -148,7 +148,7 @@ fn extent([low, high]: [f64; 2]) -> f64 {
     high - low
 }
 
-/// A figure of the reference shape, the last one and some between, as SVG text: one view of a
+/// A figure of the reference, intermediate and last shapes, as SVG text: one view of a
 /// plane structure, three views and an isometric one of any other.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! What a run ends with: figures and `result.json`.
+//! The results at the end of a run: figures and `result.json`.
 
 use super::Recorder;
 use crate::output::directory::{Directory, OutputError};
@@ -34,8 +34,8 @@ impl Recorder<'_> {
         self.directory.write(NAME, &(text + "\n"))
     }
 
-    /// Title of a figure, with what a reader has to know of the run, and of shapes that are drawn
-    /// with exaggerated displacements.
+    /// Title of a figure, which says whether the run is incomplete, and for shapes whether displacements are
+    /// scaled.
     fn figure_title(&self, ending: &Ending, shape: bool) -> Option<String> {
         let mut words: Vec<String> = self.setting.file.title.iter().cloned().collect();
         let scale = self.setting.output.deformation_scale;
@@ -48,7 +48,7 @@ impl Recorder<'_> {
         (!words.is_empty()).then(|| words.join(", "))
     }
 
-    /// Writes everything that a run ends with; `result.json` comes last.
+    /// Writes all results at the end of a run; `result.json` comes last.
     ///
     /// # Errors
     /// [`OutputError`].

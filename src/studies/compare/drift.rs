@@ -1,11 +1,11 @@
-//! What becomes of energies and momenta along a run.
+//! Drift of energies and momenta along a run.
 
 use super::sample::{Pose, Sample};
 use nalgebra::Vector3;
 use pullback_integrators::dynamics::EnergyBalance;
 use serde::Serialize;
 
-/// Energies and momenta that the motion keeps, as the reference shows.
+/// Energies and momenta that the motion conserves, as found from the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Kept {
     /// The energy: kinetic, stored, and the potential of loads.
@@ -31,10 +31,10 @@ impl Kept {
     }
 }
 
-/// A momentum over what the motion could have, below which it is zero.
+/// Momentum relative to its scale in the motion, below which it is zero.
 const NOTHING: f64 = 1e-12;
 
-/// Components of momenta that are zero all along all of these runs: to keep them is nothing that a scheme does.
+/// Components of momenta that are zero throughout these runs: no scheme can fail to conserve them.
 pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Components {
     let samples = || runs.clone().flatten();
     let largest = |value: &dyn Fn(&Sample) -> f64| samples().map(value).fold(0.0, f64::max);
@@ -46,7 +46,7 @@ pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Com
         fastest(&|n| n.omega.norm()),
     ];
     [0, 1].map(|k| {
-        // What moves with this speed and this energy has a momentum of about their quotient.
+        // A body with this speed and energy has a momentum of about their quotient.
         let could = if speeds[k] > 0.0 {
             energy / speeds[k]
         } else {
@@ -57,34 +57,34 @@ pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Com
     })
 }
 
-/// The largest changes since the start, at the common times, of what the motion keeps, and the
+/// The largest changes of conserved quantities since the start, at the common times, and the
 /// balance of energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Drift {
-    /// Of the energy, where it is kept.
+    /// Of the energy, if it is conserved.
     pub energy: Option<f64>,
-    /// Of those components of the linear momentum that are kept.
+    /// Of the conserved components of the linear momentum.
     pub momentum: Option<f64>,
-    /// Of those components of the angular momentum that are kept.
+    /// Of the conserved components of the angular momentum.
     pub angular_momentum: Option<f64>,
     /// Largest defect of the balance of energy over all steps: kinetic and stored less supplied, the
     /// work by the trapezoidal rule.
     pub balance: Option<f64>,
-    /// Mean change of the energy in the last quarter of the run less that in the first, where it is
-    /// kept, or else of the defect of its balance: what grows with time, not what comes and goes.
+    /// Mean change of the energy in the last quarter of the run less that in the first, if the energy is
+    /// conserved, or else of the defect of its balance: growth with time, without oscillations.
     pub trend: Option<f64>,
-    /// The largest |h| of the equations with which loops close, each over its size, where there are
-    /// such.
+    /// The largest |h| of the equations of loops, each relative to its size, if there are
+    /// any.
     pub violation: Option<f64>,
     /// The largest energy: the magnitudes of kinetic, stored and load potential.
     pub largest_energy: Option<f64>,
 }
 
-/// Samples below which quarters of a run say nothing.
+/// Fewest samples for quarters of a run.
 const FEW: usize = 8;
 
 impl Drift {
-    /// That of a run.
+    /// The drift of a run.
     pub(super) fn of(samples: &[Sample], kept: Kept, balance: Option<EnergyBalance>) -> Self {
         let energy = |s: &Sample| {
             if kept.energy {
@@ -126,8 +126,8 @@ pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The largest change since the start of those components of a vector that are kept; `None` where
-/// none is.
+/// The largest change since the start of the conserved components of a vector; `None` if there
+/// are none.
 fn drift_of(
     samples: &[Sample],
     kept: [bool; 3],

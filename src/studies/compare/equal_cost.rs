@@ -1,31 +1,31 @@
-//! Errors of schemes that cost the same.
+//! Errors of schemes at equal cost.
 
 use super::{Quantity, Reference, Row, Values};
 use serde::Serialize;
 
 /// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
-/// neighbouring step sizes. The cost is in the middle (of logarithms) of what all schemes have in
-/// common; where that is nothing, in the middle of the gap, and the nearest two runs are extrapolated, but not
-/// if they cost nearly the same: of times that vary the slope would be anything.
+/// neighbouring step sizes. The cost is the middle (of logarithms) of the common range of all schemes. If
+/// there is none it is the middle of the gap, and the nearest two runs are extrapolated, unless their costs are
+/// nearly equal, which would make the slope arbitrary.
 #[derive(Clone, Debug, Serialize)]
 pub struct EqualCost {
     /// The cost: assemblies of the model, or seconds of the integration alone.
     pub cost: f64,
     /// Whether it is a time.
     pub seconds: bool,
-    /// Schemes, their errors (not a number where one beside it is below that of the reference), and whether these are extrapolated; schemes that came to no end in equal
-    /// steps at two step sizes are missing.
+    /// Schemes, their errors (NaN next to an error below that of the reference), and whether these are extrapolated; schemes
+    /// without two runs in equal steps are missing.
     pub schemes: Vec<(String, Values, bool)>,
 }
 
-/// Finds a cost for all schemes, a time or a number of assemblies, and their errors there.
+/// Finds a common cost, a time or a number of assemblies, and the errors there.
 pub(super) fn find(
     schemes: &[String],
     rows: &[Row],
     reference: Option<&Reference>,
     seconds: bool,
 ) -> Option<EqualCost> {
-    // An error below that of the reference is not known.
+    // An error below that of the reference is unknown.
     let known = |errors: Values| {
         Values(Quantity::ALL.map(|q| {
             let least = reference.map_or(0.0, |r| r.error.of(q));
@@ -67,10 +67,10 @@ pub(super) fn find(
     })
 }
 
-/// Costs over each other below which two runs are not extrapolated.
+/// Ratio of costs below which two runs are not extrapolated.
 const APART: f64 = 1.4;
 
-/// The error in a quantity at a cost, on the line of the two runs beside it, or nearest to it.
+/// The error in a quantity at a cost, on the line through the two adjacent or nearest runs.
 fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
     let behind = points.iter().position(|p| p.0 >= cost);
     let behind = behind.unwrap_or(points.len()).clamp(1, points.len() - 1);
@@ -83,7 +83,7 @@ fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
         true => (cost - from) / (to - from),
         false => 1.0,
     };
-    // Errors of zero have no logarithm: there is nothing between them.
+    // Errors of zero have no logarithm: no interpolation.
     Some((a + (b - a) * part).exp()).filter(|e| e.is_finite())
 }
 
@@ -115,7 +115,7 @@ mod tests {
                 "{cost}: {found:?}"
             );
         }
-        // Twice the steps in nearly the same time are no line to go on along.
+        // Twice the steps in nearly the same time are not extrapolated.
         let noise = super::tests::points(&[(1.0, 1.0), (2.0, 0.25), (2.02, 0.0625)]);
         assert_eq!(at(&noise, f64::ln(4.0), Quantity::Rotation), None);
         assert!(at(&noise, f64::ln(2.01), Quantity::Rotation).is_some());

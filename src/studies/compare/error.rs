@@ -1,26 +1,26 @@
-//! Why a comparison cannot be made.
+//! Errors of comparisons.
 
 use crate::input::InputError;
 use crate::output::OutputError;
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::significant;
 
-/// Why a comparison cannot be made. A scheme that fails at a step is none of these: it is a row
-/// with the reason.
+/// Why a comparison cannot be made. The failure of a scheme at a step size is not among them: it is a
+/// row with the reason.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// The model file is refused.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// Anything else that is wrong, with the model that it is wrong with.
+    /// Any other error, with its model.
     #[error("{model}: {error}")]
     Of {
-        /// What results call the model.
+        /// Name of the model in the results.
         model: String,
-        /// What is wrong.
+        /// The error.
         error: Box<Self>,
     },
-    /// The model is not in motion.
+    /// The analysis is not dynamic.
     #[error(
         "the analysis of this model is not dynamic: give it [analysis.dynamic] with `to` and `step`"
     )]
@@ -28,21 +28,21 @@ pub enum CompareError {
     /// No scheme at all.
     #[error("no scheme to compare: name one at least, such as `newmark`")]
     NoScheme,
-    /// No scheme can begin.
+    /// No scheme can start.
     #[error("no scheme can begin this motion; {name}: {why}")]
     NoneBegins {
         /// The first one.
         name: String,
-        /// Why it cannot.
+        /// The reason.
         why: String,
     },
     /// A scheme twice.
-    #[error("scheme `{name}` is asked for twice: name it once")]
+    #[error("scheme `{name}` is given twice: name it once")]
     SchemeTwice {
         /// Its name.
         name: String,
     },
-    /// A reference that is not accurate, or not stable, enough to be one.
+    /// A reference scheme that is not accurate or stable enough.
     #[error(
         "scheme `{name}` is no reference: take one of order 2 or more that is stable at every step"
     )]
@@ -64,14 +64,14 @@ pub enum CompareError {
         near.as_ref().map_or("; the".to_owned(), |near| format!(": did you mean `{near}`? The"))
     )]
     NoModel {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The nearest name.
         near: Option<String>,
         /// All names.
         known: String,
     },
-    /// A step that is the whole motion.
+    /// A step as long as the motion.
     #[error("step size {} makes one step of the whole motion: take smaller ones", significant(*value))]
     OneStep {
         /// Its value.
@@ -83,13 +83,13 @@ pub enum CompareError {
         /// How many were given.
         found: usize,
     },
-    /// A step size that is none.
+    /// An invalid step size.
     #[error("step size {} is not usable: it must be positive and finite", significant(*value))]
     Step {
         /// Its value.
         value: f64,
     },
-    /// Step sizes in another order than from large to small.
+    /// Step sizes that do not descend.
     #[error("step sizes must decrease, and {} comes after {}", significant(*after), significant(*before))]
     Order {
         /// A step size.
@@ -108,7 +108,7 @@ pub enum CompareError {
         /// The duration.
         to: f64,
     },
-    /// More steps than anybody would wait for.
+    /// Too many steps.
     #[error("step size {} makes more than {most:e} steps: take larger ones", significant(*value))]
     Many {
         /// Its value.
@@ -116,7 +116,7 @@ pub enum CompareError {
         /// Most steps.
         most: f64,
     },
-    /// A long run with more steps than anybody would wait for.
+    /// A long run with too many steps.
     #[error(
         "a run of {} times the duration makes more than {most:e} steps: take it shorter",
         significant(*value)
@@ -127,7 +127,7 @@ pub enum CompareError {
         /// Most steps.
         most: f64,
     },
-    /// Two step sizes that come to the same number of steps.
+    /// Two step sizes with the same number of steps.
     #[error(
         "step sizes {before} and {after} both come to {count} equal steps: take sizes further apart"
     )]
@@ -139,36 +139,36 @@ pub enum CompareError {
         /// Number of steps.
         count: usize,
     },
-    /// A file of exact values that cannot be used.
+    /// An invalid file of exact values.
     #[error("the exact solution {}: {problem}", path.display())]
     Exact {
         /// The file.
         path: std::path::PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
-    /// Long runs that are none.
+    /// An invalid factor of long runs.
     #[error("long runs of {} times the duration are none: it must be 1 or more, and finite", significant(*value))]
     Longer {
         /// The factor.
         value: f64,
     },
-    /// A residual that is none.
+    /// An invalid residual.
     #[error("residual {value} is not usable: it must be positive and finite, such as 1e-10")]
     Residual {
         /// Its value.
         value: f64,
     },
-    /// A residual below what arithmetic leaves of any sum of forces.
+    /// A residual below the rounding errors of forces.
     #[error(
-        "residual {value:e} is below the rounding of forces, {:.1e} of them: no run comes there; ask for 1e-10, say",
+        "residual {value:e} is below the rounding of forces, {:.1e} of them: no run reaches it; take 1e-10, for example",
         f64::EPSILON
     )]
     Rounding {
         /// Its value.
         value: f64,
     },
-    /// Models whose results would go to the same directory.
+    /// Models with the same directory of results.
     #[error(
         "two models are called `{name}`: results of each go to a directory of its name; rename a file, or compare \
          on one of them alone"
@@ -177,7 +177,7 @@ pub enum CompareError {
         /// The name.
         name: String,
     },
-    /// There is no such scheme, or the motion cannot begin.
+    /// An unknown scheme, or a motion that cannot start.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
     /// The report cannot be written.
@@ -186,7 +186,7 @@ pub enum CompareError {
 }
 
 impl CompareError {
-    /// The same, with the name of its model; errors of model files have it already.
+    /// The same error with the name of its model; errors of model files contain it already.
     #[must_use]
     pub fn of(self, model: &str) -> Self {
         match self {

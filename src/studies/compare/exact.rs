@@ -1,4 +1,4 @@
-//! An exact solution in place of a reference: by a function of time, or from a file.
+//! An exact solution instead of a reference: a function of time, or a file.
 
 use super::CompareError;
 use super::reference::{Reference, kept_by};
@@ -12,10 +12,10 @@ use std::sync::Arc;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-14;
 
-/// A trajectory that is known: what the frame nodes do at a time.
+/// A known trajectory of the frame nodes.
 ///
-/// The function is given a sample with all frame nodes in the order of their definition, in which
-/// nothing is known (NaN), and writes what it knows; errors are measured of that alone.
+/// The function takes a sample with all frame nodes in the order of their definition, filled with NaN, and
+/// writes the known values; errors are measured of these alone.
 #[derive(Clone)]
 pub struct Exact {
     name: String,
@@ -31,7 +31,7 @@ impl fmt::Debug for Exact {
 }
 
 impl Exact {
-    /// A trajectory by a function that fills a sample at its time.
+    /// A trajectory from a function that fills a sample at its time.
     pub fn new(name: impl Into<String>, at: impl Fn(&mut Sample) + Send + Sync + 'static) -> Self {
         Self {
             name: name.into(),
@@ -65,7 +65,7 @@ impl Exact {
     }
 }
 
-/// What a column of a file of exact values is of.
+/// Quantity in a column of a file of exact values.
 #[derive(Clone, Copy)]
 enum Column {
     Time,
@@ -83,10 +83,10 @@ const FIELDS: [&str; 6] = [
     "angular_acceleration",
 ];
 
-/// Reads exact values from a CSV file: a column `t`, `energy` if it is known, and columns
+/// Reads exact values from a CSV file: a column `t`, optionally `energy`, and columns
 /// `NODE.position.x`, `NODE.rotation.y` (rotation vector from the reference orientation), `NODE.velocity.z`,
-/// `NODE.angular_velocity.x`, `NODE.acceleration.x`, `NODE.angular_acceleration.x`, the three components of each. Rows are needed at
-/// the times of the comparison; others may be there.
+/// `NODE.angular_velocity.x`, `NODE.acceleration.x`, `NODE.angular_acceleration.x`, the three components of each. Rows are
+/// required at the times of the comparison; others are ignored.
 ///
 /// # Errors
 /// [`CompareError::Exact`] with the position in the file.
@@ -100,7 +100,7 @@ pub fn read(path: &Path, nodes: &[String], times: &[f64]) -> Result<Exact, Compa
     let (_, head) = lines
         .next()
         .ok_or_else(|| refuse("it is empty".to_owned()))?;
-    // Some programs write a mark of byte order first.
+    // Skips a byte order mark.
     let head = head.trim_start_matches('\u{feff}');
     let names: Vec<&str> = head.split(',').map(str::trim).collect();
     let twice = names

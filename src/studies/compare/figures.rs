@@ -7,17 +7,17 @@ use super::{Comparison, Quantity, Row};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 use drift::{PARTS, drift};
 
-/// What the legend says of broken lines.
+/// Name of broken lines in the legend.
 const LEVEL: &str = "error of the reference (estimate)";
 
-/// A figure with its file name and what it shows.
+/// A figure with its file name and caption.
 pub(super) struct Figure {
     pub name: &'static str,
     pub caption: String,
     pub svg: String,
 }
 
-/// All figures that there is something to draw in.
+/// All figures that are not empty.
 pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError> {
     let mut out = Vec::new();
     let left_out = left_out(comparison);
@@ -46,14 +46,14 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     )?;
     add(
         "work.svg",
-        "Error over what it costs: assemblies of the model (one per evaluation, three with a tangent where \
-         rates are spins), and wall-clock time.",
+        "Error over cost: assemblies of the model (one per evaluation, three with a tangent where \
+         rates are spins), and wall time.",
         work(comparison),
     )?;
     add(
         "drift.svg",
         &format!(
-            "What the motion keeps, and the schemes do not: the change since the start at common times. \
+            "Conserved quantities of the motion: their change since the start at common times. \
              Where it does not keep its energy, the defect of the balance of energy: kinetic and stored \
              less supplied. Curves are envelopes: the largest value in each of {PARTS} parts of a run."
         ),
@@ -67,19 +67,19 @@ pub(super) fn figures(comparison: &Comparison) -> Result<Vec<Figure>, PlotError>
     Ok(out)
 }
 
-/// One curve per scheme in its colour; a point per row for which there is one.
+/// One curve per scheme in its colour; a point per row with a value.
 fn curves(comparison: &Comparison, point: &dyn Fn(&Row) -> Option<(f64, f64)>) -> Vec<Curve> {
     let schemes = comparison.orders.iter().enumerate();
     let curve = schemes.filter_map(|(k, scheme)| {
         let points: Vec<_> = comparison.of(&scheme.scheme).filter_map(point).collect();
-        // What has nothing to show has no entry in the legend.
+        // Empty curves have no entry in the legend.
         (!points.is_empty())
             .then(|| Curve::new(label(comparison, &scheme.scheme), points).colored(k))
     });
     curve.collect()
 }
 
-/// What the legend calls a scheme: some runs may have no error that belongs to their step size.
+/// Name of a scheme in the legend, which says if runs are not drawn.
 fn label(comparison: &Comparison, scheme: &str) -> String {
     let all = comparison.of(scheme).count();
     let drawn = comparison.of(scheme).filter(|row| row.is_regular()).count();
@@ -89,8 +89,8 @@ fn label(comparison: &Comparison, scheme: &str) -> String {
     }
 }
 
-/// What the legend of a figure over time calls a scheme: the curve of a run that failed stops before the
-/// others.
+/// Name of a scheme in the legend of a figure over time, which says if its run failed and its curve ends
+/// early.
 fn lasting(comparison: &Comparison, scheme: &str) -> String {
     let mut stopped = stopped(comparison);
     match stopped.any(|row| row.scheme == scheme) {
@@ -99,7 +99,7 @@ fn lasting(comparison: &Comparison, scheme: &str) -> String {
     }
 }
 
-/// Runs of a figure over time that came to no end.
+/// Incomplete runs of a figure over time.
 fn stopped(comparison: &Comparison) -> impl Iterator<Item = &Row> {
     let [coarsest, finest] = ends(comparison);
     let short = comparison.rows.iter().filter(move |row| {
@@ -119,7 +119,7 @@ fn ends(comparison: &Comparison) -> [f64; 2] {
     ]
 }
 
-/// Which curves over time stop early, and where.
+/// Caption of the curves over time that end early.
 fn stopping(comparison: &Comparison) -> String {
     let name = |row: &Row| {
         let t = row.samples.last().map_or(0.0, |s| s.t);
@@ -136,7 +136,7 @@ fn stopping(comparison: &Comparison) -> String {
     }
 }
 
-/// Which runs are not drawn, and why.
+/// Caption of the runs that are not drawn.
 fn left_out(comparison: &Comparison) -> String {
     let mut names: Vec<String> = Vec::new();
     for scheme in &comparison.orders {
@@ -160,7 +160,7 @@ fn left_out(comparison: &Comparison) -> String {
     }
 }
 
-/// The quantities in which there is anything but round-off to be seen.
+/// The quantities with more than round-off.
 fn shown(comparison: &Comparison) -> Vec<Quantity> {
     let visible = |q: &Quantity| {
         let level = comparison
@@ -179,10 +179,10 @@ fn error(row: &Row, quantity: Quantity) -> Option<f64> {
         .map(|e| e.of(quantity))
 }
 
-/// How far below all errors, as a factor, the error of the reference is drawn.
+/// Largest factor below all errors at which the error of the reference is drawn.
 const FAR: f64 = 1e-2;
 
-/// The error of the reference where it is near the errors that are drawn.
+/// The error of the reference, if it is close to the errors drawn.
 fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
     let level = comparison.reference.as_ref()?.error.of(quantity);
     let errors = comparison
@@ -216,7 +216,7 @@ fn convergence(comparison: &Comparison) -> Vec<Graph> {
     shown(comparison).into_iter().map(graph).collect()
 }
 
-/// What a run costs, where that is known.
+/// Cost of a run, where known.
 type Cost<'a> = dyn Fn(&Row) -> Option<f64> + 'a;
 
 fn work(comparison: &Comparison) -> Vec<Graph> {
@@ -226,8 +226,8 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
         .any(|row| row.seconds_alone.is_some());
     let time = match (alone, comparison.threads) {
         (true, _) => "time / s".to_owned(),
-        (false, 1) => "time with audits / s".to_owned(),
-        (false, n) => format!("time with audits, {n} runs side by side / s"),
+        (false, 1) => "wall time / s".to_owned(),
+        (false, n) => format!("wall time, {n} runs in parallel / s"),
     };
     let seconds = |row: &Row| match alone {
         true => row.seconds_alone,
@@ -248,7 +248,7 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
     pairs.map(graph).collect()
 }
 
-/// Whether two step sizes are one but for rounding.
+/// Whether two step sizes are equal up to rounding.
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * b
 }

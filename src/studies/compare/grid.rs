@@ -1,17 +1,17 @@
-//! Step sizes as numbers of equal steps, and the times at which all runs meet.
+//! Step sizes as numbers of equal steps, and the common times of all runs.
 
 use super::CompareError;
 
-/// Common times at most: enough to see a motion, and little to keep.
+/// Most common times.
 const MOST_TIMES: usize = 128;
-/// Common times that are enough where step sizes need no rounding for them.
+/// Sufficient common times, for which step sizes are not rounded.
 const ENOUGH_TIMES: usize = 10;
-/// Common times below which step sizes are rounded by more than a little.
+/// Common times below which step sizes are rounded further.
 const FEW_TIMES: usize = 4;
-/// By how much numbers of steps are rounded up, as a part of them.
+/// Relative increase of numbers of steps by rounding.
 const LITTLE: f64 = 0.01;
 const MUCH: f64 = 0.25;
-/// More steps than a user would wait for; the reference makes eight times as many.
+/// Largest number of steps; the reference makes eight times as many.
 const MOST_STEPS: f64 = 1e8;
 
 /// The times of a comparison.
@@ -28,8 +28,8 @@ pub(super) struct Grid {
 impl Grid {
     /// Checks step sizes, from large to small.
     ///
-    /// A step size becomes the number of equal steps that are at most so large. Where these have too
-    /// few common times they are rounded up a little, or more where there would still be too few.
+    /// A step size becomes the smallest number of equal steps that are not larger. With too few common times these
+    /// numbers are rounded up a little, or more if necessary.
     pub fn new(to: f64, steps: &[f64]) -> Result<Self, CompareError> {
         for &value in steps {
             if !(value > 0.0 && value.is_finite()) {
@@ -87,8 +87,8 @@ impl Grid {
         Ok(Self { to, counts, times })
     }
 
-    /// The largest step over so many times the duration (1 or more), or a little longer where the steps
-    /// have too few divisors for common times.
+    /// The largest step over this multiple (1 or more) of the duration, or a little longer if the numbers of
+    /// steps have too few divisors for common times.
     ///
     /// # Errors
     /// [`CompareError::TooLong`].
@@ -125,7 +125,7 @@ impl Grid {
         std::iter::once(0.0).chain(later).collect()
     }
 
-    /// The size of so many equal steps.
+    /// The size of this number of equal steps.
     pub fn step(&self, count: usize) -> f64 {
         self.to / count as f64
     }
@@ -149,7 +149,7 @@ mod tests {
             (&[10, 20, 40][..], 10)
         );
         assert_eq!((grid.time(5), grid.time(10)), (0.5, 1.0));
-        // Steps that meet are what was asked for.
+        // Steps with common times are made as given.
         let grid = Grid::new(4.0, &[0.04, 0.02, 0.01]).unwrap();
         assert_eq!(
             (grid.counts.as_slice(), grid.times),

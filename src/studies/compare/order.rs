@@ -1,6 +1,6 @@
 //! Observed orders of convergence and their confidence.
 
-use super::Contender;
+use super::Candidate;
 use super::sample::QUANTITIES;
 use super::{Quantity, Reference, Row, SchemeOrders, Values};
 use serde::Serialize;
@@ -11,7 +11,7 @@ pub struct Order {
     /// The slope.
     pub order: f64,
     /// Half of the 95 % confidence interval of the slope, with Student's distribution for the
-    /// scatter about the line; `None` for two points, which a line always meets.
+    /// scatter about the line; `None` for two points.
     pub confidence: Option<f64>,
     /// Number of step sizes on the line.
     pub points: usize,
@@ -19,16 +19,16 @@ pub struct Order {
     pub steps: [f64; 2],
 }
 
-/// Errors below this many times the error of the reference are not used.
+/// Errors below this multiple of the error of the reference are not used.
 pub const ABOVE_REFERENCE: f64 = 10.0;
-/// How far a slope between neighbours may be from the one between the two finest.
+/// Tolerance of slopes between neighbours, against the one between the two finest.
 pub const STRAIGHT: f64 = 0.2;
-/// How far a slope may be from the order in theory to be one, and three runs of a reference to be
-/// extrapolated.
+/// Tolerance of slopes against the order in theory, also for the extrapolation of the three runs of a
+/// reference.
 pub const NEAR: f64 = 0.3;
 
-/// Fits an order to errors at step sizes (from large to small), `None` where an error cannot be
-/// used, and to those only that are far above the `error` of the reference.
+/// Fits an order to errors at step sizes (from large to small), `None` for an unusable error. Only errors
+/// far above the `error` of the reference are used.
 ///
 /// The line begins with the two finest of these and goes on to larger steps as long as
 /// the slope between neighbours stays within [`STRAIGHT`] of that between the two finest.
@@ -61,7 +61,7 @@ pub fn fit(errors: &[(f64, Option<f64>)], error: f64) -> Option<Order> {
     })
 }
 
-/// Student's t for a two-sided interval of 95 % with so many degrees of freedom (tables; beyond ten
+/// Student's t for a two-sided interval of 95 % with this number of degrees of freedom (tables; beyond ten
 /// the expansion about the normal distribution, good to three digits).
 fn student(freedom: usize) -> Option<f64> {
     const T: [f64; 10] = [
@@ -82,7 +82,7 @@ fn student(freedom: usize) -> Option<f64> {
 
 /// The observed orders of all schemes.
 pub(super) fn orders(
-    schemes: &[Contender],
+    schemes: &[Candidate],
     multipliers: bool,
     rows: &[Row],
     reference: Option<&Reference>,
@@ -97,12 +97,12 @@ pub(super) fn orders(
         let errors: Vec<_> = own.map(|row| (row.step, error(row))).collect();
         fit(&errors, reference?.error.of(quantity))
     };
-    let of = |method: &Contender| {
+    let of = |method: &Candidate| {
         let name = method.to_string();
         SchemeOrders {
             formulation: method.about(),
             theory: method.orders(multipliers),
-            // Where h is a tolerance, a slope over it is no order.
+            // A slope over a tolerance is no order.
             observed: match method.order() {
                 Some(_) => Values(Quantity::ALL.map(|quantity| observed(&name, quantity))),
                 None => Values([None; QUANTITIES]),

@@ -1,10 +1,10 @@
-//! `drift.csv`: energies and momenta at all common times of all runs, what the figure of drift is made of.
+//! `drift.csv`: energies and momenta at all common times of all runs, the data of the figure of drift.
 
 use super::{Comparison, Row};
 use std::fmt::Write;
 
-/// A line per run and common time that it reached; what is not known is empty. Runs with charts that are
-/// kept are left out.
+/// One line per run and common time reached; unknown values are empty. Runs with charts that are
+/// kept longer are left out.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let mut out =
         "run,scheme,step,t,energy,energy_balance_defect,momentum_1,momentum_2,momentum_3,\

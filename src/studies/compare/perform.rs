@@ -1,9 +1,9 @@
-//! All runs of a comparison, and what they give.
+//! All runs of a comparison and their results.
 
 use super::grid::Grid;
 use super::order::orders;
-use super::run::{self, Failure, Maker, Ran, Task, Watch, dynamic, side_by_side};
-use super::{CompareError, Comparison, Contender, Drift, Kept, Options, Reference, Row};
+use super::run::{self, Failure, Hooks, Maker, Ran, Task, dynamic, side_by_side};
+use super::{Candidate, CompareError, Comparison, Drift, Kept, Options, Reference, Row};
 use super::{drift, equal_cost, reference, sample};
 use crate::method::Method;
 use crate::solve::{Counts, begin};
@@ -12,10 +12,10 @@ use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, start};
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
-/// What has been checked before anything runs.
+/// The validated input of a comparison.
 pub(super) struct Prepared {
     grid: Grid,
-    /// That of the long runs, if they are asked for.
+    /// Grid of the long runs, if requested.
     long: Option<Grid>,
     reference: Method,
     unknowns: usize,
@@ -23,12 +23,12 @@ pub(super) struct Prepared {
     enforced: bool,
     multipliers: bool,
     title: Option<String>,
-    /// Schemes that cannot begin, and why.
+    /// Schemes that cannot start, and why.
     refused: Vec<(String, String)>,
 }
 
-/// What a comparison looks at: the names of all frame nodes, and the common times of runs with these
-/// step sizes, the start first.
+/// The sampled nodes and times of a comparison: the names of all frame nodes, and the common times of
+/// runs with these step sizes, the start first.
 ///
 /// # Errors
 /// [`CompareError`].
@@ -79,7 +79,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         return Err(CompareError::Reference { name });
     }
     let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    // By the reference's scheme: that of the file may be none for this model.
+    // With the reference's scheme: that of the file may not suit this model.
     begins(make, &reference.into())?;
     Ok(Prepared {
         grid,
@@ -94,10 +94,10 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
     })
 }
 
-/// Makes the model in the formulation of a scheme, which not every model takes, and begins its motion.
-fn begins(make: &Maker<'_>, contender: &Contender) -> Result<(), CompareError> {
-    let mut job = make(contender.formulation())?;
-    let (Contender::Method(method), Some(plan)) = (contender, dynamic(&job.plan)) else {
+/// Builds the model in the formulation of a scheme, which not every model supports, and starts its motion.
+fn begins(make: &Maker<'_>, candidate: &Candidate) -> Result<(), CompareError> {
+    let mut job = make(candidate.formulation())?;
+    let (Candidate::Method(method), Some(plan)) = (candidate, dynamic(&job.plan)) else {
         return Ok(());
     };
     let options = DynamicOptions {
@@ -111,26 +111,26 @@ fn begins(make: &Maker<'_>, contender: &Contender) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// Compares schemes on the model that `make` makes; `model` is what results call it.
+/// Compares schemes on the model that `make` builds; `model` is its name in the results.
 ///
 /// # Errors
-/// [`CompareError`] for what no run can begin with. A run that fails is a row with the reason, and
-/// so is the reference.
+/// [`CompareError`] for input with which no run can start. A failed run, also of the reference, is a row
+/// with the reason.
 pub fn compare(
     make: &Maker<'_>,
     model: &str,
     options: &Options,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
 ) -> Result<Comparison, CompareError> {
     let prepared = prepare(make, options)?;
-    Ok(carry_out(make, model, options, watch, prepared))
+    Ok(run(make, model, options, hooks, prepared))
 }
 
-pub(super) fn carry_out(
+pub(super) fn run(
     make: &Maker<'_>,
     model: &str,
     options: &Options,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
     prepared: Prepared,
 ) -> Comparison {
     let Prepared {
@@ -145,7 +145,7 @@ pub(super) fn carry_out(
         refused,
     } = prepared;
     for (name, why) in &refused {
-        (watch.refused)(name, why);
+        (hooks.refused)(name, why);
     }
     let relative = options.residual.unwrap_or(f64::INFINITY);
     let mut tasks = match options.exact {
@@ -157,10 +157,10 @@ pub(super) fn carry_out(
         if late && !options.charts {
             continue;
         }
-        let own = options.schemes.iter().flat_map(|&contender| {
+        let own = options.schemes.iter().flat_map(|&candidate| {
             grid.counts.iter().map(move |&steps| Task {
-                name: contender.to_string(),
-                contender,
+                name: candidate.to_string(),
+                candidate,
                 steps,
                 relative,
                 late,
@@ -174,9 +174,9 @@ pub(super) fn carry_out(
     let first = tasks.len();
     if let Some(long) = &long {
         let steps = long.counts[0];
-        let task = |&contender: &Contender| Task {
-            name: contender.to_string(),
-            contender,
+        let task = |&candidate: &Candidate| Task {
+            name: candidate.to_string(),
+            candidate,
             steps,
             relative,
             late: false,
@@ -184,7 +184,7 @@ pub(super) fn carry_out(
         tasks.extend(options.schemes.iter().map(task));
     }
     let grid_of = |k: usize| long.as_ref().filter(|_| k >= first).unwrap_or(&grid);
-    let mut ran = run_all(make, &tasks, &grid_of, threads, watch);
+    let mut ran = run_all(make, &tasks, &grid_of, threads, hooks);
     let lasting = ran.split_off(first);
     let mut own = ran.split_off(behind);
     let late = own.split_off(options.schemes.len() * grid.counts.len());
@@ -209,12 +209,12 @@ pub(super) fn carry_out(
     let kept = kept.without(zero_momenta);
     let mut rows = Vec::with_capacity(own.len());
     for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
-        let asked = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, asked, &grid, judged.as_ref(), kept);
+        let requested_step = options.steps[k % options.steps.len()];
+        let mut row = row(ran, task, requested_step, &grid, judged.as_ref(), kept);
         if options.timed && complete && row.failure.is_none() {
-            let time = run::clock(make, task, &grid, watch);
+            let time = run::clock(make, task, &grid, hooks);
             row.seconds_alone = time.map(|t| t.as_secs_f64());
-            complete = (watch.flow)().is_continue();
+            complete = (hooks.flow)().is_continue();
         }
         rows.push(row);
     }
@@ -223,8 +223,8 @@ pub(super) fn carry_out(
         .zip(&tasks[behind + rows.len()..])
         .enumerate();
     let late = late.map(|(k, (ran, task))| {
-        let asked = options.steps[k % options.steps.len()];
-        row(ran, task, asked, &grid, judged.as_ref(), kept)
+        let requested_step = options.steps[k % options.steps.len()];
+        row(ran, task, requested_step, &grid, judged.as_ref(), kept)
     });
     let late = late.collect();
     let lasting = lasting
@@ -232,7 +232,7 @@ pub(super) fn carry_out(
         .zip(&tasks[first..])
         .map(|(ran, task)| row(ran, task, options.steps[0], grid_of(first), None, kept));
     let long = lasting.collect();
-    let names: Vec<String> = options.schemes.iter().map(Contender::to_string).collect();
+    let names: Vec<String> = options.schemes.iter().map(Candidate::to_string).collect();
     Comparison {
         program: concat!("pullback ", env!("CARGO_PKG_VERSION")),
         model: model.to_owned(),
@@ -257,23 +257,23 @@ pub(super) fn carry_out(
     }
 }
 
-/// Runs all tasks, those with most steps first.
+/// Runs all tasks, those with the most steps first.
 fn run_all<'g>(
     make: &Maker<'_>,
     tasks: &[Task],
     grid_of: &(dyn Fn(usize) -> &'g Grid + Sync),
     threads: usize,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
 ) -> Vec<Ran> {
     let mut turn: Vec<usize> = (0..tasks.len()).collect();
     turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
     let ended = Mutex::new(0);
     let ran = side_by_side(tasks.len(), threads, &|k| {
         let task = &tasks[turn[k]];
-        let ran = run::drive(make, task, grid_of(turn[k]), watch);
+        let ran = run::drive(make, task, grid_of(turn[k]), hooks);
         let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
         *ended += 1;
-        (watch.ended)(*ended, tasks.len(), &task.name);
+        (hooks.ended)(*ended, tasks.len(), &task.name);
         ran
     });
     let mut ran: Vec<(usize, Ran)> = turn.into_iter().zip(ran).collect();
@@ -284,7 +284,7 @@ fn run_all<'g>(
 fn row(
     ran: Ran,
     task: &Task,
-    asked: f64,
+    requested_step: f64,
     grid: &Grid,
     reference: Option<&Reference>,
     kept: Kept,
@@ -293,7 +293,7 @@ fn row(
     let counts = Counts::of_motion(&ran.summary);
     Row {
         scheme: task.name.clone(),
-        asked,
+        requested_step,
         step: grid.step(task.steps),
         failure: ran.failure.as_ref().map(ToString::to_string),
         drift: Drift::of(&ran.samples, kept, counts.energy),

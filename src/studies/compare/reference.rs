@@ -1,6 +1,6 @@
-//! The reference solution, and how far it can be trusted.
+//! The reference solution and its error.
 
-use super::Contender;
+use super::Candidate;
 use super::Quantity;
 use super::drift::{Kept, drift};
 use super::grid::Grid;
@@ -10,25 +10,25 @@ use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, 
 use crate::method::Method;
 use serde::Serialize;
 
-/// Steps of the three runs behind a reference, over those of the finest run compared.
+/// Numbers of steps of the three runs of a reference, over that of the finest run compared.
 pub(super) const REFINED: [usize; 3] = [2, 4, 8];
-/// Residual over forces that the runs behind a reference are converged to.
+/// Tolerance of the residual relative to forces in the runs of a reference.
 pub(super) const TIGHT: f64 = 1e-12;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-12;
-/// Change of an energy or momentum over its largest size beyond which it is not kept, however
-/// doubtful the reference is.
+/// Relative change of an energy or momentum beyond which it is not conserved, whatever the error of the
+/// reference.
 const STEADY: f64 = 1e-3;
 
-/// What a reference solution is, and the estimates of its own error.
+/// A reference solution with estimates of its own error.
 ///
-/// Three runs A, B, C of one scheme of an order p ≥ 2, their steps 1/2, 1/4 and 1/8 of the finest
-/// step compared. Where log₂ |A − B|/|B − C| is close to p for a quantity, Richardson's extrapolation
-/// C + (C − B)/(2ᵖ − 1) is the reference and twice its distance from the one of A and B the estimate of its
-/// error: an upper bound where extrapolations fall to two thirds with every halving of the step. Where it is not, C is the reference, with the
-/// error that the observed order leaves, |B − C| or more; where that order is not positive, the runs do
-/// not come closer, there is none, and its error is infinite. The order p in theory is that of each
-/// quantity ([`Contender::orders`]).
+/// Three runs A, B, C of one scheme of an order p ≥ 2 have steps 1/2, 1/4 and 1/8 of the finest
+/// step compared. If log₂ |A − B|/|B − C| is close to p for a quantity, the reference is Richardson's extrapolation
+/// C + (C − B)/(2ᵖ − 1), and its error estimate twice the distance from the extrapolation of A and B: an upper bound
+/// if extrapolations fall to two thirds with every halving of the step. Otherwise C is the reference, with the
+/// error that the observed order implies, |B − C| or more. If that order is not positive the runs do
+/// not converge, and the quantity has no reference and an infinite error. The order p in theory is that of each
+/// quantity ([`Candidate::orders`]).
 #[derive(Clone, Debug, Serialize)]
 pub struct Reference {
     /// The scheme.
@@ -41,7 +41,7 @@ pub struct Reference {
     pub extrapolated: Values<bool>,
     /// Estimate of the error of each quantity, root mean square.
     pub error: Values,
-    /// What the motion keeps.
+    /// Conserved quantities.
     pub kept: Kept,
     /// Evaluations of the model in all three runs.
     pub evaluations: usize,
@@ -53,7 +53,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Whether a quantity is known.
+    /// Whether a quantity has a reference.
     pub fn knows(&self, quantity: Quantity) -> bool {
         self.error.of(quantity).is_finite()
     }
@@ -63,14 +63,14 @@ impl Reference {
 pub(super) fn tasks(method: &Method, grid: &Grid) -> [Task; 3] {
     REFINED.map(|factor| Task {
         name: format!("reference, {method}"),
-        contender: Contender::Method(*method),
+        candidate: Candidate::Method(*method),
         steps: factor * grid.finest(),
         relative: TIGHT,
         late: false,
     })
 }
 
-/// Judges three runs that have come to their ends.
+/// Constructs the reference from three complete runs.
 pub(super) fn judge(
     method: &Method,
     multipliers: bool,
@@ -78,7 +78,7 @@ pub(super) fn judge(
     runs: &[Ran],
 ) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
-    let theory = Contender::Method(*method).orders(multipliers)?;
+    let theory = Candidate::Method(*method).orders(multipliers)?;
     let (first, second) = (
         distances(&a.samples, &b.samples),
         distances(&b.samples, &c.samples),
@@ -122,14 +122,14 @@ pub(super) fn judge(
     })
 }
 
-/// Which energies and momenta stay as they are, but for the error of the reference itself.
+/// The energies and momenta that are constant up to the error of the reference.
 fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
-    // The extrapolations of two pairs of runs tell how far their differences are to be believed.
+    // The difference of the extrapolations of two pairs of runs estimates that error.
     let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {
-        let doubt = two[0].iter().zip(two[1]);
-        let doubt = doubt.map(|(a, b)| (value(a) - value(b)).abs());
-        let doubt = doubt.fold(ROUND_OFF * size, f64::max);
-        drift(best, value) <= (10.0 * doubt).min(STEADY * size)
+        let error = two[0].iter().zip(two[1]);
+        let error = error.map(|(a, b)| (value(a) - value(b)).abs());
+        let error = error.fold(ROUND_OFF * size, f64::max);
+        drift(best, value) <= (10.0 * error).min(STEADY * size)
     };
     let largest = |value: &dyn Fn(&Sample) -> f64| finest.iter().map(value).fold(0.0, f64::max);
     let energy = largest(&|s| s.gross_energy);
@@ -144,7 +144,7 @@ fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
     }
 }
 
-/// What an exact motion keeps, to rounding; nothing of what it does not know.
+/// Quantities that an exact motion conserves, up to rounding, among those known.
 pub(super) fn kept_by(samples: &[Sample]) -> Kept {
     let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
     let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {

@@ -1,6 +1,6 @@
-//! One run of a comparison, and runs side by side.
+//! One run of a comparison, and runs in parallel.
 
-use super::Contender;
+use super::Candidate;
 use super::grid::Grid;
 use super::sample::Sample;
 use crate::input::{DynamicPlan, InputError, Job, Plan};
@@ -17,36 +17,36 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Makes the model of a comparison in a formulation of rotations: each run has one of its own.
+/// Builds the model of a comparison in a formulation of rotations, anew for each run.
 pub type Maker<'a> = dyn Fn(Formulation) -> Result<Job, InputError> + Sync + 'a;
 
-/// Who looks on, from whatever thread.
-pub struct Watch<'a> {
-    /// Asked after every step; a break ends the comparison.
+/// Callbacks of a comparison, from any thread.
+pub struct Hooks<'a> {
+    /// Called after every step; a break ends the comparison.
     pub flow: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-    /// Told of every run that has ended: how many have, out of how many, and which this was.
+    /// Called at the end of every run with the number of finished runs, of all runs, and the name of the scheme.
     pub ended: &'a (dyn Fn(usize, usize, &str) + Sync),
-    /// Told, before anything runs, of every scheme that cannot begin this motion, and why: its rows will say
-    /// the same.
+    /// Called before the first run, for every scheme that cannot start this motion, with the reason, which its rows
+    /// repeat.
     pub refused: &'a (dyn Fn(&str, &str) + Sync),
 }
 
-impl Watch<'_> {
-    /// Nobody.
-    pub const NOBODY: Watch<'static> = Watch {
+impl Hooks<'_> {
+    /// No callbacks.
+    pub const NONE: Hooks<'static> = Hooks {
         flow: &|| ControlFlow::Continue(()),
         ended: &|_, _, _| {},
         refused: &|_, _| {},
     };
 }
 
-/// What one run is asked to do.
+/// Input of one run.
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     pub name: String,
-    pub contender: Contender,
+    pub candidate: Candidate,
     pub steps: usize,
-    /// Residual relative to the forces, where it is smaller than that of the model file.
+    /// Tolerance of the residual relative to forces, if it is smaller than that of the model file.
     pub relative: f64,
     /// Whether charts of rotations are kept until [`LATE`].
     pub late: bool,
@@ -56,23 +56,23 @@ pub(super) struct Task {
 /// turn, as far from half a turn as from the end of the chart.
 pub const LATE: f64 = 1.5 * PI;
 
-/// What one run gave.
+/// Results of one run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ran {
-    /// The common times that it reached.
+    /// Samples at the common times reached.
     pub samples: Vec<Sample>,
     pub summary: Summary,
-    /// How often the model was assembled on the way, without what comes before the first step.
+    /// Assemblies of the model, without those before the first step.
     pub assemblies: usize,
-    /// How often it was assembled to find what a scheme has to know before it steps.
+    /// Assemblies before the first step, to find what the scheme requires.
     pub searching: usize,
-    /// Why it did not come to its end.
+    /// Reason of its failure.
     pub failure: Option<Failure>,
-    /// Wall-clock time of the integration.
+    /// Wall time of the integration.
     pub time: Duration,
 }
 
-/// Why a run did not come to its end.
+/// Failure of a run.
 #[derive(Debug, thiserror::Error, Clone)]
 pub(super) enum Failure {
     #[error("interrupted")]
@@ -131,13 +131,13 @@ fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> Dyn
     }
 }
 
-/// Integrates from common time to common time, with a look at the model at each of them.
-pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, watch: &Watch<'_>) -> Ran {
+/// Integrates from common time to common time, and samples the model at each.
+pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, hooks: &Hooks<'_>) -> Ran {
     let mut ran = Ran {
         samples: Vec::with_capacity(grid.times + 1),
         ..Ran::default()
     };
-    ran.failure = advance(make, task, grid, watch, &mut ran).err();
+    ran.failure = advance(make, task, grid, hooks, &mut ran).err();
     ran
 }
 
@@ -145,21 +145,21 @@ fn advance(
     make: &Maker<'_>,
     task: &Task,
     grid: &Grid,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
     ran: &mut Ran,
 ) -> Result<(), Failure> {
-    let mut job = make(task.contender.formulation())?;
+    let mut job = make(task.candidate.formulation())?;
     if task.late {
         job.model.keep_charts_until(LATE);
     }
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
     };
-    let options = match &task.contender {
-        Contender::Method(method) => options(task, method, grid, plan),
-        Contender::General(general) => {
+    let options = match &task.candidate {
+        Candidate::Method(method) => options(task, method, grid, plan),
+        Candidate::General(general) => {
             let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
-            return in_general(&mut job, &general, grid, watch, ran);
+            return in_general(&mut job, &general, grid, hooks, ran);
         }
     };
     let model = &mut job.model;
@@ -170,38 +170,38 @@ fn advance(
     for k in 0..=grid.times {
         let to = if k == 0 { 0.0 } else { grid.time(k) };
         let part = DynamicOptions { to, ..options };
-        // Every part begins with a search for what the scheme has to know (symmetries, the largest
-        // frequency), which a run in one part makes once: an empty part tells what it takes.
+        // Every part begins with a search for invariants or the largest frequency, which an undivided run makes
+        // once: an empty part measures its cost.
         let here = DynamicOptions {
             to: progress.state.t,
             ..options
         };
         if k == 0 {
-            integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
-            // The same search once more, by a run that knows nothing of the first one.
+            integrate(model, &mut progress, &here, &mut |_, _| (hooks.flow)())?;
+            // The same search once more, by a new run.
             let mut anew = Progress {
                 invariants: None,
                 ..progress.clone()
             };
-            let asked = model.assemblies();
-            integrate(model, &mut anew, &here, &mut |_, _| (watch.flow)())?;
-            ran.searching = model.assemblies() - asked;
+            let so_far = model.assemblies();
+            integrate(model, &mut anew, &here, &mut |_, _| (hooks.flow)())?;
+            ran.searching = model.assemblies() - so_far;
             searches += 2 * ran.searching;
         }
-        let asked = model.assemblies();
-        integrate(model, &mut progress, &here, &mut |_, _| (watch.flow)())?;
+        let so_far = model.assemblies();
+        integrate(model, &mut progress, &here, &mut |_, _| (hooks.flow)())?;
         // The empty part, and the part itself.
-        searches += 2 * (model.assemblies() - asked);
+        searches += 2 * (model.assemblies() - so_far);
         let mut stopped = false;
         let integrated = integrate(model, &mut progress, &part, &mut |_, _| {
-            let flow = (watch.flow)();
+            let flow = (hooks.flow)();
             stopped = flow.is_break();
             flow
         });
         ran.summary = progress.summary;
         ran.assemblies = match options.scheme.stages() {
             [_] => (model.assemblies() - before).saturating_sub(searches),
-            // Several tangents of a state count once; rates are no spins here.
+            // Several tangents of a state count once; rates are not spins here.
             _ => progress.summary.evaluations,
         };
         ran.time = clock.elapsed();
@@ -216,13 +216,13 @@ fn advance(
     Ok(())
 }
 
-/// A run by a general solver, with a look at the model at the common times.
+/// A run with a general solver, sampled at the common times.
 #[cfg(feature = "diffsol")]
 fn in_general(
     job: &mut Job,
     general: &crate::studies::general::General,
     grid: &Grid,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
     ran: &mut Ran,
 ) -> Result<(), Failure> {
     use crate::studies::general::Observer;
@@ -253,7 +253,7 @@ fn in_general(
             }
             ControlFlow::Continue(())
         },
-        go: watch.flow,
+        go: hooks.flow,
     };
     let ended =
         crate::studies::general::integrate(model, &mut progress, general, &times, &mut observer);
@@ -268,37 +268,37 @@ fn in_general(
     }
 }
 
-/// Words of general solvers are refused by programs that are built without them.
+/// General solvers are refused by programs built without them.
 #[cfg(not(feature = "diffsol"))]
 fn in_general(
     _: &mut Job,
     general: &crate::studies::general::General,
     _: &Grid,
-    _: &Watch<'_>,
+    _: &Hooks<'_>,
     _: &mut Ran,
 ) -> Result<(), Failure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
     Err(Failure::Failed(why))
 }
 
-/// Repetitions of a short run whose time is taken, and the time after which there are no more.
+/// Most repetitions of a timed run, and the total time after which there are no more.
 const REPETITIONS: usize = 5;
 const ENOUGH: Duration = Duration::from_millis(500);
 
-/// Wall-clock time of a run with nothing but the integration, the least of some repetitions;
-/// `None` where it fails or is stopped.
+/// Wall time of the integration alone, the minimum of some repetitions;
+/// `None` if it fails or is stopped.
 pub(super) fn clock(
     make: &Maker<'_>,
     task: &Task,
     grid: &Grid,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
 ) -> Option<Duration> {
     let mut least: Option<Duration> = None;
     let mut spent = Duration::ZERO;
     for _ in 0..REPETITIONS {
-        let mut job = make(task.contender.formulation()).ok()?;
-        let time = match &task.contender {
-            Contender::Method(method) => {
+        let mut job = make(task.candidate.formulation()).ok()?;
+        let time = match &task.candidate {
+            Candidate::Method(method) => {
                 let options = DynamicOptions {
                     energies: false,
                     ..options(task, method, grid, dynamic(&job.plan)?)
@@ -307,18 +307,18 @@ pub(super) fn clock(
                 let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
                 let mut progress = Progress::new(from);
                 let begin = Instant::now();
-                integrate(model, &mut progress, &options, &mut |_, _| (watch.flow)()).ok()?;
+                integrate(model, &mut progress, &options, &mut |_, _| (hooks.flow)()).ok()?;
                 let time = begin.elapsed();
                 progress.summary.finished.then_some(time)?
             }
-            Contender::General(general) => {
+            Candidate::General(general) => {
                 let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
                 let mut ran = Ran::default();
-                in_general(&mut job, &general, grid, watch, &mut ran).ok()?;
+                in_general(&mut job, &general, grid, hooks, &mut ran).ok()?;
                 ran.time
             }
         };
-        if (watch.flow)().is_break() {
+        if (hooks.flow)().is_break() {
             return None;
         }
         least = Some(least.map_or(time, |least| least.min(time)));
@@ -330,8 +330,8 @@ pub(super) fn clock(
     least
 }
 
-/// Does `count` pieces of work on so many threads; results stand in the order of the pieces,
-/// whichever thread did which.
+/// Does `count` pieces of work on this number of threads; results are in the order of the
+/// pieces.
 pub(in crate::studies) fn side_by_side<T: Send>(
     count: usize,
     threads: usize,
@@ -374,7 +374,7 @@ mod tests {
                 count.0 += 1;
                 count.1 = count.1.max(count.0);
                 changed.notify_all();
-                // Waits for the others, but not for ever.
+                // Waits for the others, with a timeout.
                 let wait = Duration::from_secs(if together == 1 { 0 } else { 20 });
                 let waiting = changed.wait_timeout_while(count, wait, |c| c.1 < together);
                 waiting.unwrap().0.0 -= 1;

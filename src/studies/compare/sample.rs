@@ -1,4 +1,4 @@
-//! What runs are compared by: spatial quantities that know nothing of charts.
+//! Samples of runs: spatial quantities, independent of charts.
 
 #![allow(non_snake_case)]
 
@@ -55,7 +55,7 @@ impl Quantity {
         }
     }
 
-    /// Its name as a key of CSV and JSON.
+    /// Its key in CSV and JSON.
     pub fn key(self) -> &'static str {
         match self {
             Self::AngularVelocity => "angular_velocity",
@@ -65,7 +65,7 @@ impl Quantity {
     }
 }
 
-/// A value per [`Quantity`]; what is not known is not a number, and null in JSON.
+/// A value per [`Quantity`]; unknown ones are NaN, and null in JSON.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Values<T = f64>(pub [T; QUANTITIES]);
 
@@ -75,9 +75,9 @@ impl<T: Copy> Values<T> {
         self.0[quantity as usize]
     }
 
-    /// What is the same of positions and rotations, of velocities, and of accelerations. The energy is as
-    /// the positions: what equations between coordinates leave of velocities is across these
-    /// equations, where momenta have no part.
+    /// From one value each for positions and rotations, for velocities, and for accelerations. The energy takes that of
+    /// the positions: errors of velocities due to equations between coordinates are normal to these equations, where
+    /// momenta have no component.
     pub fn of_levels([position, velocity, acceleration]: [T; 3]) -> Self {
         Self([
             position,
@@ -101,7 +101,7 @@ impl<T: Copy + Serialize> Serialize for Values<T> {
     }
 }
 
-/// A node in motion, global components; nothing here knows of charts.
+/// A node in motion, global components, independent of charts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position.
@@ -140,19 +140,19 @@ pub struct Sample {
     pub nodes: Vec<Pose>,
     /// Kinetic and stored energy, and the potential of the loads that have one.
     pub energy: f64,
-    /// The sum of the magnitudes of these three: what round-off in the energy is measured by.
+    /// The sum of the magnitudes of these three: the scale of round-off in the energy.
     pub gross_energy: f64,
-    /// Defect of the balance of energy up to here, if it is kept.
+    /// Defect of the balance of energy so far, if known.
     pub defect: Option<f64>,
     /// Linear momentum, and angular momentum about the origin, global components.
     pub momenta: [Vector3<f64>; 2],
-    /// The largest residual |h| of the equations with which loops close, each over its size, where
-    /// there are such.
+    /// The largest residual |h| of the equations of loops, each relative to its size, if there are
+    /// any.
     pub violation: Option<f64>,
 }
 
 impl Sample {
-    /// One of which nothing is known but the time.
+    /// A sample with nothing known but the time.
     pub fn unknown(t: f64, nodes: usize) -> Self {
         let vector = Vector3::repeat(f64::NAN);
         let node = Pose {
@@ -174,22 +174,22 @@ impl Sample {
         }
     }
 
-    /// Asks a model.
+    /// Evaluates a model.
     pub(super) fn of(
         model: &mut Model,
         at: Point<'_>,
         defect: Option<f64>,
     ) -> Result<Self, SystemError> {
-        let audit = model.energies_and_momentum(at)?;
+        let balance = model.energies_and_momentum(at)?;
         let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
-        let (kinetic, stored) = (audit.energies.kinetic, audit.energies.stored);
+        let (kinetic, stored) = (balance.energies.kinetic, balance.energies.stored);
         Ok(Self {
             t: at.t,
             nodes: nodes.collect(),
-            energy: kinetic + stored + audit.load_potential,
-            gross_energy: kinetic + stored.abs() + audit.load_potential.abs(),
+            energy: kinetic + stored + balance.load_potential,
+            gross_energy: kinetic + stored.abs() + balance.load_potential.abs(),
             defect,
-            momenta: [audit.momentum.linear, audit.momentum.angular],
+            momenta: [balance.momentum.linear, balance.momentum.angular],
             violation: model.violation(),
         })
     }
@@ -199,7 +199,7 @@ impl Sample {
 /// 8 sin²(θ/2).
 fn angle(a: &Pose, b: &Pose) -> f64 {
     let half = (a.R - b.R).norm() / 8f64.sqrt();
-    // Not `min`, which hides what is not known.
+    // Not `min`, which would hide NaN.
     2.0 * if half > 1.0 { 1.0 } else { half }.asin()
 }
 
@@ -214,8 +214,8 @@ fn node_distances(a: &Pose, b: &Pose) -> [f64; QUANTITIES - 1] {
     ]
 }
 
-/// Root mean square over common times and nodes of the distances of two runs; what one of them does not
-/// know is left out, and what is known nowhere is not a number.
+/// Root mean square over common times and nodes of the distances of two runs. Values unknown in one of them
+/// are left out; a quantity without any known value is NaN.
 pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
     let (mut sum, mut count) = ([0.0; QUANTITIES], [0_usize; QUANTITIES]);
     let mut add = |k: usize, d: f64| {
@@ -235,7 +235,7 @@ pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
     Values(std::array::from_fn(|k| (sum[k] / count[k] as f64).sqrt()))
 }
 
-/// The largest size of each quantity in a run: what its round-off is measured by.
+/// The largest size of each quantity in a run: the scale of its round-off.
 pub(super) fn sizes(samples: &[Sample]) -> Values {
     let mut largest = [0.0_f64; QUANTITIES];
     for sample in samples {
@@ -253,7 +253,7 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
 }
 
 /// Richardson's extrapolation of two runs of an order p, the second with half the step of the
-/// first: b + (b − a)/(2ᵖ − 1); for rotations this part of the relative rotation further. Momenta have
+/// first: b + (b − a)/(2ᵖ − 1); rotations are continued by this fraction of the relative rotation. Momenta have
 /// the order of velocities.
 pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> Vec<Sample> {
     let parts = order.0.map(|p| (p as f64).exp2() - 1.0);
@@ -281,7 +281,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
     samples.collect()
 }
 
-/// A run that has each quantity from the first where `pick` says so, from the second otherwise.
+/// A run with each quantity from the first if `pick` says so, from the second otherwise.
 pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIES]) -> Vec<Sample> {
     let node = |(a, b): (&Pose, &Pose)| {
         let from = |k: usize| if pick[k] { a } else { b };

@@ -5,7 +5,7 @@ use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders, Slope, Values}
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
-const BEFORE: [&str; 5] = ["run", "scheme", "step_asked", "step", "status"];
+const BEFORE: [&str; 5] = ["run", "scheme", "requested_step", "step", "status"];
 const AFTER: [&str; 20] = [
     "energy_drift",
     "momentum_drift",
@@ -29,8 +29,8 @@ const AFTER: [&str; 20] = [
     "failure",
 ];
 
-/// The whole of `compare.csv`: a row per run, those that are compared, then those with charts that are kept and the long ones; what is
-/// not known is empty.
+/// The content of `compare.csv`: a row per run, first those compared, then those with charts kept longer and the
+/// long ones; unknown values are empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let errors = Quantity::ALL.map(|q| format!("error_{}", q.key()));
     let head: Vec<&str> = (BEFORE.into_iter())
@@ -48,7 +48,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
         let mut cells = vec![
             run.to_owned(),
             row.scheme.clone(),
-            row.asked.to_string(),
+            row.requested_step.to_string(),
             row.step.to_string(),
             status(row).to_owned(),
         ];
@@ -94,7 +94,7 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", line.replace('"', "\"\""))
 }
 
-/// Runs that failed, those of a scheme that did so for the same reason together.
+/// Failed runs, grouped by scheme and reason.
 pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&Row>, &str)> {
     let mut out: Vec<(Vec<&Row>, &str)> = Vec::new();
     for row in &comparison.rows {
@@ -109,7 +109,7 @@ pub(super) fn failures(comparison: &Comparison) -> Vec<(Vec<&Row>, &str)> {
     out
 }
 
-/// How a run ended, in a word.
+/// Status of a run, in a word.
 pub(super) fn status(row: &Row) -> &'static str {
     match row.failure.as_deref() {
         None => "complete",
@@ -190,7 +190,7 @@ pub fn summary(comparison: &Comparison) -> String {
     out
 }
 
-/// Why quantities have no reference, in a line, where there are such.
+/// Quantities without a reference and the reason, in a line, if there are any.
 pub fn unknown(comparison: &Comparison) -> Option<String> {
     let reference = comparison.reference.as_ref()?;
     let all = Quantity::ALL.into_iter();
@@ -221,7 +221,7 @@ pub fn unknown(comparison: &Comparison) -> Option<String> {
     ))
 }
 
-/// A number of three digits, as a page shows it.
+/// A number of three digits, for a page.
 pub(super) fn short(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -240,8 +240,8 @@ pub(super) fn short(x: f64) -> String {
     .replace("-", "−")
 }
 
-/// An order in theory, where there is one: 3/2/1 where that of velocities and accelerations is
-/// another one.
+/// An order in theory, if there is one: 3/2/1 if those of velocities and accelerations
+/// differ.
 pub(super) fn theory(orders: Option<Values<usize>>) -> String {
     use Quantity::{Acceleration, Position, Velocity};
     let Some(orders) = orders else {

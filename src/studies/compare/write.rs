@@ -1,13 +1,13 @@
-//! What a comparison leaves in a directory.
+//! The files of a comparison.
 
 use super::figures::{Figure, figures};
 use super::page::{Format, page};
-use super::perform::{carry_out, prepare};
-use super::{CompareError, Comparison, Maker, Options, Watch, over_time, tables};
+use super::perform::{self, prepare};
+use super::{CompareError, Comparison, Hooks, Maker, Options, over_time, tables};
 use crate::output::{Directory, OutputError};
 use std::path::{Path, PathBuf};
 
-/// Name of the file that says whether a comparison is complete.
+/// Name of the file that tells whether a comparison is complete.
 const NAME: &str = "compare.json";
 /// Name of the page.
 const PAGE: &str = "compare.html";
@@ -27,25 +27,25 @@ pub const FILES: [&str; 9] = [
     "iterations.svg",
 ];
 
-/// Where a comparison on a model file goes unless told otherwise: beside it, `model.compare`.
+/// Default directory of a comparison on a model file: `model.compare` beside it.
 pub fn default_directory(model: &Path) -> PathBuf {
     model.with_extension("compare")
 }
 
-/// Compares schemes and writes `compare.json`, `compare.csv`, `drift.csv`, the figures, `compare.html`, which needs
-/// no other file, and the same in Markdown, `compare.md`. `command` is the command line that asks for it.
+/// Compares schemes and writes `compare.json`, `compare.csv`, `drift.csv`, the figures, the self-contained
+/// `compare.html`, and the same in Markdown, `compare.md`. `command` is the command line, for the page.
 ///
-/// A comparison that is stopped keeps what has been found, marked incomplete.
+/// An interrupted comparison keeps its results, marked incomplete.
 ///
 /// # Errors
-/// [`CompareError`]; whatever is refused leaves the directory as it is.
+/// [`CompareError`]; a refused comparison leaves the directory unchanged.
 pub fn run(
     make: &Maker<'_>,
     model: &str,
     command: Option<&str>,
     directory: &Path,
     options: &Options,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
 ) -> Result<Comparison, CompareError> {
     let prepared = prepare(make, options).map_err(|error| error.of(model))?;
     let mut directory = Directory::open_for(directory, &FILES)?;
@@ -53,7 +53,7 @@ pub fn run(
     directory.write(NAME, &encode(&begun)?)?;
     let comparison = Comparison {
         command: command.map(str::to_owned),
-        ..carry_out(make, model, options, watch, prepared)
+        ..perform::run(make, model, options, hooks, prepared)
     };
     write(&comparison, &mut directory)?;
     Ok(comparison)
@@ -63,24 +63,24 @@ pub fn run(
 pub struct Subject<'a> {
     /// Name of its directory.
     pub name: String,
-    /// What results call the model.
+    /// Name of the model in the results.
     pub model: String,
-    /// Makes it.
+    /// Builds it.
     pub make: Box<Maker<'a>>,
-    /// What is compared on it.
+    /// Options of its comparison.
     pub options: Options,
 }
 
-/// Compares on several models, one after the other: each has a directory of its own with all that
-/// [`run`] writes, and `compare.html` beside them is one page of all.
+/// Compares on several models in turn: each has a directory with the files of [`run`], and
+/// `compare.html` beside them is one page of all.
 ///
 /// # Errors
-/// [`CompareError`]. All models are looked at before anything runs.
+/// [`CompareError`]. All models are checked before the first run.
 pub fn run_several(
     subjects: &[Subject<'_>],
     command: Option<&str>,
     directory: &Path,
-    watch: &Watch<'_>,
+    hooks: &Hooks<'_>,
 ) -> Result<Vec<Comparison>, CompareError> {
     for (k, subject) in subjects.iter().enumerate() {
         if subjects[..k].iter().any(|s| s.name == subject.name) {
@@ -98,7 +98,7 @@ pub fn run_several(
     } in subjects
     {
         let own = directory.join(name);
-        let comparison = run(&**make, model, command, &own, options, watch)?;
+        let comparison = run(&**make, model, command, &own, options, hooks)?;
         let complete = comparison.complete;
         all.push(comparison);
         if !complete {

@@ -70,7 +70,7 @@ fn apart(one: &History, other: &History) -> f64 {
     (squares.sum::<f64>() / one.len() as f64).sqrt()
 }
 
-/// The drive without the jerk at its start.
+/// The prescribed motion without the jerk at its start.
 fn smooth(file: &ModelFile) -> ModelFile {
     let mut file = file.clone();
     let run_up = |rate| {
@@ -85,7 +85,7 @@ fn smooth(file: &ModelFile) -> ModelFile {
     file
 }
 
-/// The thesis's two meshes with its step, and what they tend to.
+/// The thesis's two meshes with its step, and their limit.
 ///
 /// The base starts and stops with a jerk: its velocity jumps, and waves of all lengths run through the
 /// links. How much energy the stop takes out depends on the phase of each, and the trapezoidal rule
@@ -124,7 +124,7 @@ fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Res
         tips.push(run.t.into_iter().zip(tip).collect::<Vec<_>>());
     }
     let source = "published: the meshes agree in the plot (Mäkinen 2004), h = 0.01";
-    // A tenth of the length is what one sees apart in the plot.
+    // A tenth of the length is visible in the plot.
     for (until, tolerance) in [(1.0, 0.03), (alike, 0.1)] {
         let both = tips[0].iter().zip(&tips[1]);
         let worst = (both.take_while(|p| p.0.0 <= until + 1e-9))
@@ -166,7 +166,7 @@ fn converged(context: &mut Context, file: &ModelFile, independent: &[At]) -> Res
 
 /// Orders of convergence.
 fn orders(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
-    // The jerk of the base sends out waves: only steps that resolve them show the order.
+    // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = mesh(file, 4);
     let [a, b, c] = [1.25e-5, 6.25e-6, 3.125e-6]
         .map(|h| context.motion(&coarse, &["tip"], Run::step(h).to(0.45)));

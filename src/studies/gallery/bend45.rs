@@ -1,5 +1,5 @@
-//! The 45° bend: the thesis's case, convergence to the exact curve, and what a superposed
-//! rotation or another load path changes.
+//! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
+//! rotation and of another load path.
 
 use super::case::{Case, CaseError, Context, order};
 use crate::input::{DofName, Driven, Fix, Interpolation, ModelFile, Time};
@@ -108,7 +108,7 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
     }
     let d = tip(context, &variant(&file, 32, 3))?;
     context.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
-    // Geodesic elements on the way to the same curve.
+    // Geodesic elements converge to the same curve.
     for (nodes, expected, meshes) in [(2, 2.0, [16, 32]), (3, 4.0, [16, 32])] {
         let mut errors = Vec::new();
         for elements in meshes {

@@ -1,4 +1,4 @@
-//! Planar linkages with a part that bends.
+//! Planar linkages with a flexible part.
 
 use super::case::{Case, CaseError, Context};
 use super::linkages::{BARS, CRANK, ROD, energy_error, gap, last};
@@ -31,25 +31,25 @@ fn stiffer(file: &ModelFile) -> ModelFile {
 }
 
 /// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the positions below by
-/// 4e-6 and how far the middle is off by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which is
-/// left here. The tolerances are twice the sum of both; the independent values are within 4e-6.
+/// 4e-6 and the deflection of the middle by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which
+/// remains. The tolerances are twice the sum of both; the independent values are within 4e-6.
 fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
     let mut file = file.clone();
     file.lines[0].elements = 8;
     context.motion(&file, nodes, Run::step(5e-4).to(2.0))
 }
 
-const PLACE: f64 = 1e-5;
+const POSITION: f64 = 1e-5;
 const BENDING: f64 = 1e-4;
 /// `tests/studies/rods.rs`
 const INDEPENDENT: &str =
     "independent: finite volumes, ends on crank and carrier, Nyström's method";
 
-/// How far the watched middle is to the left of the way from one watched end to the other.
+/// Signed distance of the watched middle from the line between the two watched ends.
 fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
     let [a, m, b] = [from, middle, to].map(|node| run.at(node, t).position);
-    let way = b - a;
-    way.cross(&(m - a)).dot(&Vector3::z()) / way.norm()
+    let chord = b - a;
+    chord.cross(&(m - a)).dot(&Vector3::z()) / chord.norm()
 }
 
 fn coupler(context: &mut Context) -> Result<(), CaseError> {
@@ -73,7 +73,7 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
     let source = "independent: the rigid linkage, whose loop closes implicitly";
     for (k, name) in ["e1", "e2"].into_iter().enumerate() {
         let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
-        context.compare(what, b[k], a[k], PLACE, source);
+        context.compare(what, b[k], a[k], POSITION, source);
     }
     let watched = ["crank tip", "coupler/8", "coupler tip", "rocker tip"];
     let bent = fine(context, &file, &watched)?;
@@ -84,8 +84,8 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let tip = bent.at(2, t).position;
         let what = format!("tip at t = {t}, bent coupler, along");
-        context.compare(format!("{what} e1"), tip.x, x, PLACE, INDEPENDENT);
-        context.compare(format!("{what} e2"), tip.y, y, PLACE, INDEPENDENT);
+        context.compare(format!("{what} e1"), tip.x, x, POSITION, INDEPENDENT);
+        context.compare(format!("{what} e2"), tip.y, y, POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
         context.compare(what, found, off, BENDING, INDEPENDENT);
@@ -108,19 +108,19 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
     let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
     let y = 6.0_f64.sin() * CRANK;
-    let way = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
-    context.compare(what, last(&stiff, 0).position.x, way, PLACE, source);
+    let x = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
+    context.compare(what, last(&stiff, 0).position.x, x, POSITION, source);
     let watched = ["crank pin", "rod/8", "slider", "rod end"];
     let bent = fine(context, &file, &watched)?;
     // At t = 0.5 half the step changes it by 1e-5 only, twice as many elements by 7e-7.
-    for (t, [way, off], bending) in [
+    for (t, [x, off], bending) in [
         (0.5, [1.201_438, 0.000_629], 3e-5),
         (1.0, [1.377_863, -0.003_715], BENDING),
         (2.0, [1.217_908, -0.005_812], BENDING),
     ] {
         let what = format!("slider at t = {t}, bent rod");
         let found = bent.at(2, t).position.x;
-        context.compare(what, found, way, PLACE, INDEPENDENT);
+        context.compare(what, found, x, POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
         context.compare(what, found, off, bending, INDEPENDENT);
@@ -130,17 +130,17 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
     context.compare("largest gap of the loop", open, 0.0, 1e-13, source);
     let source = "theory: what the crank supplies is there, but for the scheme's damping";
     let off = bent.summary.energy.map_or(f64::NAN, |e| e.largest_defect);
-    let kinetic = bent.audit(|a| a.energies.kinetic);
+    let kinetic = bent.balance(|a| a.energies.kinetic);
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
     let what = "largest relative energy defect";
     context.compare(what, off / most, 0.0, 1e-3, source);
-    let way = |node: usize, run: &History| run.curve(node, |s| s.position.x);
+    let displacement = |node: usize, run: &History| run.curve(node, |s| s.position.x);
     context.figure(
         "Slider-crank mechanism",
         ["time t", "slider"],
         vec![
-            Curve::new("flexible rod", way(2, &bent)),
-            Curve::new("rod 1000 times stiffer", way(0, &stiff)),
+            Curve::new("flexible rod", displacement(2, &bent)),
+            Curve::new("rod 1000 times stiffer", displacement(0, &stiff)),
         ],
     )
 }

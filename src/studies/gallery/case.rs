@@ -1,4 +1,4 @@
-//! What a case is, and the rows it makes.
+//! A case and its rows.
 
 use crate::input;
 use crate::output::plot::{Curve, Panel, panels};
@@ -19,7 +19,7 @@ pub struct Case {
     pub run: fn(&mut Context) -> Result<(), CaseError>,
 }
 
-/// Why a case gave no rows.
+/// Why a case has no rows.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "each message says what its variant is")]
 pub enum CaseError {
@@ -53,9 +53,9 @@ pub enum CaseError {
 pub struct Comparison {
     /// Name of the case.
     pub case: String,
-    /// What is compared.
+    /// Name of the compared quantity.
     pub quantity: String,
-    /// What this program computes.
+    /// Value computed by this program.
     pub computed: f64,
     /// The published or exact value.
     pub published: f64,
@@ -63,9 +63,9 @@ pub struct Comparison {
     pub difference: f64,
     /// Largest difference accepted.
     pub tolerance: f64,
-    /// Where the value comes from.
+    /// Source of the value.
     pub source: String,
-    /// Time that the whole case took.
+    /// Wall time of the whole case.
     pub seconds: f64,
 }
 
@@ -76,7 +76,7 @@ impl Comparison {
     }
 }
 
-/// What a case works with: where rows and plots go.
+/// Context of a case: its rows and plots.
 pub struct Context {
     pub(super) case: &'static str,
     out: Option<PathBuf>,
@@ -136,7 +136,7 @@ impl Context {
         }
     }
 
-    /// Draws curves over one x axis into `case.svg`, where plots are wanted.
+    /// Draws curves over one x axis into `case.svg`, if plots are requested.
     pub(super) fn figure(
         &self,
         title: &str,
@@ -162,7 +162,7 @@ impl Context {
         std::fs::write(&path, svg).map_err(|e| fail(e.to_string()))
     }
 
-    /// The model file of this text, ready to be varied.
+    /// Parses a model file.
     pub(super) fn file(&self, text: &str) -> Result<input::ModelFile, CaseError> {
         input::parse(self.case, text).map_err(|source| self.model_error(source))
     }
@@ -174,7 +174,7 @@ impl Context {
         }
     }
 
-    /// Builds a model file and finds the node that is watched.
+    /// Builds a model file and finds the watched node.
     pub(super) fn build(&self, file: &input::ModelFile, node: &str) -> Result<Watched, CaseError> {
         let model = input::build(self.case, file).map_err(|source| self.model_error(source))?;
         let watched = model.find(node).ok_or_else(|| CaseError::Node {
@@ -277,7 +277,7 @@ impl Watched {
         Ok(records)
     }
 
-    /// The event that the watched node passes a value.
+    /// The event that a coordinate of the watched node crosses a value.
     pub(super) fn passes(&self, dof: Dof, value: f64) -> Result<Event, CaseError> {
         let unknown = self
             .model

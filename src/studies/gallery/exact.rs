@@ -6,7 +6,7 @@ use crate::studies::compare::{Exact, Pose};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// The exact motion of a model of the gallery, with its frame nodes as they are named, where one is known:
+/// The exact motion of a model of the gallery, with its frame nodes by name, if it is known: of
 /// `pendulum` and `free_body`.
 pub fn exact(model: &str, nodes: &[String]) -> Option<Exact> {
     let position = |name: &str| nodes.iter().position(|node| node == name);

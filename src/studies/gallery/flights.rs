@@ -48,7 +48,7 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
         context.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
         context.compare(format!("{name}: time"), t, at, 0.01, source);
     }
-    // The steady state is passed to and fro: its mean counts.
+    // The motion oscillates about the steady state: its mean counts.
     let steady: Vec<f64> = seen.iter().filter(|s| s[0] >= 16.0).map(|s| s[1]).collect();
     let mean = steady.iter().sum::<f64>() / steady.len() as f64;
     let source = "exact: L (tan x / x − 1), D02";
@@ -92,10 +92,10 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
             );
         }
     }
-    let worst = (run.t.iter().zip(&run.audits)).fold(0.0_f64, |m, (t, audit)| {
+    let worst = (run.t.iter().zip(&run.balances)).fold(0.0_f64, |m, (t, balance)| {
         let exact = 8.0 * t.min(2.5);
-        m.max((audit.momentum.linear.x - exact).abs())
-            .max(audit.momentum.linear.z.abs())
+        m.max((balance.momentum.linear.x - exact).abs())
+            .max(balance.momentum.linear.z.abs())
     });
     let source = "exact: impulse of the force";
     context.compare("momentum, largest error", worst, 0.0, 1e-9, source);

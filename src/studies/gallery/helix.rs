@@ -1,4 +1,4 @@
-//! The helical beam: rotations far beyond π, elements astride a change of chart most of the time.
+//! The helical beam: rotations far beyond π; most of the time elements have nodes in different charts.
 
 #![allow(non_snake_case)]
 
@@ -141,7 +141,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         0.1,
         EXACT,
     );
-    // Half as many geodesic elements are to be closer.
+    // Half as many geodesic elements must be closer.
     context.compare(
         format!("{quantity}, 100 geodesic over 200 elements"),
         distances[2] / distances[1],

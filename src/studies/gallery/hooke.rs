@@ -23,7 +23,7 @@ pub const UNIVERSAL: Case = Case {
     run: universal,
 };
 
-/// What the output is ahead of the input by, tan β = tan α / cos γ for shafts at an angle γ.
+/// Lead of the output over the input, tan β = tan α / cos γ for shafts at an angle γ.
 fn ahead(alpha: f64, cosine: f64) -> f64 {
     let (s, c) = alpha.sin_cos();
     (s * c * (1.0 / cosine - 1.0)).atan2(c * c + s * s / cosine)
@@ -106,12 +106,12 @@ fn hooke(context: &mut Context) -> Result<(), CaseError> {
     )
 }
 
-/// Steps of the universal joint: of half a degree once the input has its speed 1, which it runs up to
-/// while it turns by ten. All angles of R08 are then those of steps.
+/// Steps of the universal joint: half a degree once the input has the speed 1, after a spin-up by ten
+/// degrees. All angles of R08 are then those of steps.
 const STEP: f64 = PI / 360.0;
 const RUN_UP: usize = 40;
 
-/// The input shaft runs up to a constant speed and turns by a whole turn; the shafts are stiff and light.
+/// The input shaft spins up to a constant speed and makes a whole turn; the shafts are stiff and light.
 fn light(file: &ModelFile, degrees: f64) -> ModelFile {
     let mut file = file.clone();
     let (s, c) = degrees.to_radians().sin_cos();
@@ -182,7 +182,7 @@ fn universal(context: &mut Context) -> Result<(), CaseError> {
             .map(|(c, f)| richardson(*c, *f))
             .collect();
         let (s, c) = degrees.to_radians().sin_cos();
-        // The scheme halves in every step what the end of the run-up leaves in the speeds.
+        // The scheme halves in every step the disturbance of the speeds at the end of the spin-up.
         let settled = 2 * RUN_UP;
         let mut off = [0.0_f64; 2];
         for (n, [a, b, ratio]) in rows.iter().enumerate() {

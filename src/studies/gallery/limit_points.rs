@@ -68,7 +68,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
         );
     }
     context.compare(
-        "turning points of the load on the way to 20 000",
+        "turning points of the load up to 20 000",
         turns.len() as f64,
         2.0,
         0.0,
@@ -100,7 +100,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
 fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S12";
     const LOAD: f64 = 1000.0;
-    // Where the load has fallen beyond the limit point: load, deflection of the crown and its
+    // States after the limit point: load, deflection of the crown and its
     // displacement along e1. Shooting with the equations of the plane arch (Runge and Kutta's
     // method), continued from the unloaded state; it gives the limit load of S12 to all its digits.
     const BEYOND_EXACT: &str =
@@ -123,7 +123,7 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
             ..ArcLengthOptions::default()
         })
     };
-    // The last passage of an event.
+    // The last occurrence of an event.
     let point = |records: &[Record], event: usize| {
         let found = records.iter().rfind(|r| r.event == Some(event));
         found.map_or([f64::NAN; 3], |r| [LOAD * r.t, -r.state.d.y, r.state.d.x])
@@ -158,7 +158,7 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
         context.compare(quantity, u, along, 1e-5, BEYOND_EXACT);
     }
     let passed = |event: usize| whole.iter().filter(|r| r.event == Some(event)).count();
-    let source = "exact curve: one limit point on the way down to zero load";
+    let source = "exact curve: one limit point before zero load";
     context.compare(
         "turning points of the load",
         passed(0) as f64,

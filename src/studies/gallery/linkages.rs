@@ -58,7 +58,7 @@ pub(super) fn integrate(system: OneFreedom<'_>, start: [f64; 2], to: f64) -> [f6
     })
 }
 
-/// The derivative by θ of what is known with two derivatives.
+/// The derivative by θ of a quantity with two derivatives.
 pub(super) fn slope(x: Taylor<f64>) -> Taylor<f64> {
     Taylor {
         v: x.d,
@@ -110,7 +110,7 @@ pub(super) fn energy_error(run: &History) -> f64 {
     let drift = energy
         .iter()
         .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
-    let kinetic = run.audit(|a| a.energies.kinetic);
+    let kinetic = run.balance(|a| a.energies.kinetic);
     drift / kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1))
 }
 
@@ -179,10 +179,10 @@ pub(super) const ROD: f64 = 1.0;
 fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
     move |angle: Taylor<f64>| {
         let (x, y) = (angle.cos() * CRANK, angle.sin() * CRANK);
-        let way = x + (-(y * y) + ROD * ROD).sqrt();
+        let displacement = x + (-(y * y) + ROD * ROD).sqrt();
         let tilt = (y * (1.0 / ROD)).atan2((-(y * y) * (1.0 / (ROD * ROD)) + 1.0).sqrt());
-        let (cx, cy) = (slope((x + way) * 0.5), slope(y * 0.5));
-        let (turn, s) = (slope(tilt), slope(way));
+        let (cx, cy) = (slope((x + displacement) * 0.5), slope(y * 0.5));
+        let (turn, s) = (slope(tilt), slope(displacement));
         let M = (cx * cx + cy * cy) * rod
             + turn * turn * (rod * ROD * ROD / 12.0)
             + s * s * 0.8
@@ -192,7 +192,7 @@ fn slider_crank_system(rod: f64) -> impl Fn(Taylor<f64>) -> [Taylor<f64>; 2] {
     }
 }
 
-/// Way of the slider and its rate at a time.
+/// Displacement of the slider and its rate at a time.
 fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
     let [angle, rate] = integrate(&slider_crank_system(rod), [0.0, 12.0], to);
     let angle = Taylor {
@@ -201,16 +201,16 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
         dd: 0.0,
     };
     let y = angle.sin() * CRANK;
-    let way = angle.cos() * CRANK + (-(y * y) + ROD * ROD).sqrt();
-    [way.v, way.d]
+    let displacement = angle.cos() * CRANK + (-(y * y) + ROD * ROD).sqrt();
+    [displacement.v, displacement.d]
 }
 
 fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../../examples/models/slider_crank.toml"))?;
     let runs = halved(context, &file, &["slider", "rod end"], 1e-3)?;
-    let [way, rate] = slider_exact(1.5, 2.0);
+    let [displacement, rate] = slider_exact(1.5, 2.0);
     let found = at_end(&runs, 0, |s| s.position)[0];
-    context.compare("slider at t = 2", found, way, 1e-5, SOURCE);
+    context.compare("slider at t = 2", found, displacement, 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity)[0];
     context.compare("its velocity", found, rate, 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";

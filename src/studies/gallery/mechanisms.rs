@@ -16,26 +16,26 @@ use pullback_manifold::so3::Quaternion;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::ControlFlow;
 
-/// A loop that moves although it should not.
+/// An overconstrained loop that moves.
 pub const BRICARD: Case = Case {
     name: "bricard",
     run: bricard,
 };
 
-/// D06: a linkage that moves only because its bars bend.
+/// D06: a linkage that moves only by the flexibility of its bars.
 pub const MISALIGNED: Case = Case {
     name: "four-bar-misaligned",
     run: misaligned,
 };
 
-/// The same standing still, with less and less misalignment.
+/// The same in static equilibrium, with decreasing misalignment.
 pub const HARDLY_MISALIGNED: Case = Case {
     name: "four-bar-hardly-misaligned",
     run: hardly_misaligned,
 };
 
 /// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
-/// pairs of nodes on the way.
+/// pairs of nodes during the motion.
 pub(super) fn joints<const N: usize>(
     context: &Context,
     file: &input::ModelFile,
@@ -137,7 +137,7 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     context.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
     let run = context.motion(&file, &["end 2"], Run::step(2e-3))?;
     let energy = run.total_energy();
-    let kinetic = run.audit(|a| a.energies.kinetic);
+    let kinetic = run.balance(|a| a.energies.kinetic);
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
     let change = energy
         .iter()
@@ -313,7 +313,7 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
         (line.elements, line.order) = (4, 2);
     }
     let run = context.motion(&file, &watched, Run::step(8e-3))?;
-    // So slow that inertia and steps make 1e-7 of it.
+    // So slow that inertia and steps contribute 1e-7.
     let what = "largest deflection at C across the plane";
     context.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
     // Where the bars lie in one line the bent ones let it turn back as an antiparallelogram.
@@ -346,8 +346,8 @@ fn hardly_misaligned(context: &mut Context) -> Result<(), CaseError> {
         let records = context.build(&file, "C")?.at_loads(&loads)?;
         found.push([3, 5, 7].map(|k| records[k].state.d.z * c / s));
     }
-    // With the other sign of the misalignment it bends the other way: what is left goes with its square, and
-    // of that the square of a square, 6e-9 of it, with both.
+    // The other sign of the misalignment reverses the bending: the remainder is quadratic, and with both signs
+    // of fourth order, 6e-9.
     let limit = richardson(found[0], found[1]);
     let source = "linear theory: a grid of Timoshenko beams without mass, solved apart";
     for (k, (angle, exact)) in [

@@ -1,4 +1,4 @@
-//! The gallery: built-in cases with published or exact results, and how far the program is off.
+//! The gallery: built-in cases with published or exact results, and the program's errors.
 
 mod arms;
 mod bend45;
@@ -70,11 +70,11 @@ pub const CASES: &[Case] = &[
     mechanisms::HARDLY_MISALIGNED,
 ];
 
-/// Runs the cases of the given names (all when there are none) side by side and returns one row per compared
-/// quantity. Plots go to `out` where it is given; `progress` hears the name of each case.
+/// Runs the cases of the given names (all without names) side by side and returns one row per compared
+/// quantity. Plots go to `out` if it is given; `progress` is called with the name of each case.
 ///
 /// # Errors
-/// [`CaseError`] for an unknown name, or a case that could not be computed at all.
+/// [`CaseError`] for an unknown name, or a case that cannot be computed.
 pub fn run(
     names: &[String],
     out: Option<&Path>,

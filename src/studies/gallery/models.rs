@@ -45,7 +45,7 @@ pub const MODELS: &[(&str, &str)] = models![
     "twisted",
 ];
 
-/// The text of the model that a command line names in place of a file.
+/// The text of a model named on a command line instead of a file.
 pub fn model(name: &Path) -> Option<&'static str> {
     let name = name.to_str()?.replace('-', "_");
     let found = MODELS.iter().find(|(known, _)| *known == name);

@@ -17,8 +17,8 @@ pub(super) struct History {
     /// States of the watched nodes: those of one node at all times together.
     pub nodes: Vec<Vec<NodeState>>,
     /// Energies and momenta.
-    pub audits: Vec<EnergiesAndMomentum>,
-    /// What the integrator did.
+    pub balances: Vec<EnergiesAndMomentum>,
+    /// Statistics of the integrator.
     pub summary: Summary,
 }
 
@@ -30,8 +30,8 @@ impl History {
     }
 
     /// A quantity of the whole model over time.
-    pub fn audit(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
-        let values = self.audits.iter().map(of);
+    pub fn balance(&self, of: impl Fn(&EnergiesAndMomentum) -> f64) -> Vec<(f64, f64)> {
+        let values = self.balances.iter().map(of);
         self.t.iter().copied().zip(values).collect()
     }
 
@@ -44,21 +44,21 @@ impl History {
 
     /// Kinetic and strain energy and the potential of the loads.
     pub fn total_energy(&self) -> Vec<(f64, f64)> {
-        self.audit(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
+        self.balance(|a| a.energies.kinetic + a.energies.stored + a.load_potential)
     }
 }
 
-/// What a run is asked besides what its file says.
+/// Changes of a run against its file.
 #[derive(Clone, Copy)]
 pub(super) struct Run {
-    /// End, where it is another one.
+    /// End time, if changed.
     pub to: Option<f64>,
-    /// Step, where it is another one.
+    /// Step size, if changed.
     pub step: Option<f64>,
 }
 
 impl Run {
-    /// As the file says.
+    /// No changes.
     pub const FILE: Self = Self {
         to: None,
         step: None,
@@ -124,14 +124,14 @@ impl Context {
         let mut history = History {
             t: Vec::new(),
             nodes: vec![Vec::new(); ids.len()],
-            audits: Vec::new(),
+            balances: Vec::new(),
             summary: Summary::default(),
         };
         let mut failed = None;
         let mut record = |model: &mut Model, progress: &Progress| {
-            let audit = model.energies_and_momentum(point(progress))?;
+            let balance = model.energies_and_momentum(point(progress))?;
             history.t.push(progress.state.t);
-            history.audits.push(audit);
+            history.balances.push(balance);
             for (states, &id) in history.nodes.iter_mut().zip(&ids) {
                 states.push(model.node_state(id));
             }

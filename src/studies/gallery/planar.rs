@@ -50,7 +50,7 @@ fn rollup(context: &mut Context) -> Result<(), CaseError> {
         let loads = &loads[..2 * turns];
         let mut beam = context.build(&file, "tip")?;
         let record = &beam.at_loads(loads)?[loads.len() - 1];
-        // The tip is where it was after one turn and two: the energy ½ M φ tells them apart.
+        // One and two turns give the same tip position: the energy ½ M φ tells them apart.
         let phi = TAU * turns as f64;
         context.compare(
             format!("strain energy after {turns} turns over EI/L"),

@@ -40,8 +40,8 @@ const PUBLISHED: [[f64; 7]; 3] = [
     ],
 ];
 const NAMES: [&str; 7] = ["beta", "theta", "gamma", "phi", "delta", "omega", "epsilon"];
-/// Accelerations that belong to these angles and rates by the equations of the test set
-/// (`tests/studies/andrews.rs`), and by how much of each they change with angles and rates that are off by
+/// Accelerations for these angles and rates by the equations of the test set (`tests/studies/andrews.rs`), and
+/// their changes for errors of angles and rates of size
 /// [`TRUST`].
 const FOLLOWING: [[f64; 2]; 7] = [
     [-24_631.764_251, 5e-7],
@@ -52,7 +52,7 @@ const FOLLOWING: [[f64; 2]; 7] = [
     [-566_749.421_789, 3.2e-9],
     [9_826.507_826, 5e-8],
 ];
-/// The part of the published values to which R06 trusts them.
+/// Relative accuracy of the published values according to R06.
 const TRUST: f64 = 1e-9;
 
 fn run(context: &mut Context) -> Result<(), CaseError> {
@@ -75,7 +75,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
     let found = mix(&once[0], &once[1], 16.0);
     let source = "published: IVP test set II-9 (PSIDE, 1e-14), R06";
     let [angles, rates, accelerations] = &PUBLISHED;
-    // What the trusted part of beta is on the clock.
+    // The accuracy of beta as a time.
     let late = TRUST * angles[0] / rates[0];
     let most = accelerations.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     for (k, name) in NAMES.into_iter().enumerate() {

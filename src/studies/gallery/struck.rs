@@ -45,7 +45,7 @@ fn height(run: &History, node: usize) -> Vec<(f64, f64)> {
 /// a minimum, its time and its height.
 type Turn = (&'static str, [f64; 2], f64, (f64, f64));
 
-/// What is known of the converged solution.
+/// Known turning points of the converged solution.
 const TIP: [Turn; 2] = [
     ("tip, first maximum", [5.0, 10.0], 1.0, (7.438, 8.2521)),
     ("tip, minimum", [12.0, 17.0], -1.0, (15.875, -9.727)),
@@ -54,7 +54,7 @@ const ELBOW: [Turn; 2] = [
     ("elbow, first maximum", [1.0, 5.0], 1.0, (3.1, 5.5129)),
     ("elbow, minimum", [8.0, 14.0], -1.0, (10.862, -4.06)),
 ];
-/// The elbow stops twice on its way down, 0.003 apart: coarse meshes do not see it.
+/// The elbow stops twice as it descends, 0.003 apart: coarse meshes do not resolve it.
 const LEDGE: [Turn; 2] = [
     ("elbow, first stop", [5.5, 6.8], -1.0, (6.625, 2.4565)),
     ("elbow, second stop", [6.7, 7.5], 1.0, (6.913, 2.4594)),
@@ -86,7 +86,7 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
-            // What D01 says meshes and steps as coarse as the published ones are to be trusted to.
+            // Accuracy of meshes and steps as coarse as the published ones, according to D01.
             let trusted = [0.1; 2];
             let name = "20 elements: ";
             turns(context, name, &tip, &TIP, trusted, INDEPENDENT);
@@ -122,7 +122,7 @@ fn as_first_published(context: &mut Context, file: &ModelFile) -> Result<(), Cas
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     let name = "4 quadratic, h = 0.25: ";
     let source = "published: Simo & Vu-Quoc 1988, digitised";
-    // Heights as D01 trusts coarse meshes; a curve through points that are a step apart has its
+    // Accuracy of heights on coarse meshes according to D01; a curve through points that are a step apart has its
     // turning points at times known to a step.
     let trusted = [step, 0.1];
     let published = [
@@ -145,7 +145,7 @@ fn converged(context: &mut Context) -> Result<(), CaseError> {
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     for (curve, known) in [(&tip, &TIP), (&elbow, &ELBOW), (&elbow, &LEDGE)] {
         for turn in known {
-            // What D01 is to be trusted to.
+            // Accuracy of D01.
             let trusted = if turn.3.0 < 10.0 { 5e-4 } else { 2e-3 };
             let turn = std::slice::from_ref(turn);
             turns(context, "", curve, turn, [0.02, trusted], INDEPENDENT);

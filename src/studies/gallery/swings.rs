@@ -9,7 +9,7 @@ use crate::output::plot::Curve;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// R04: a pendulum let go from the horizontal, and struck so that it goes over.
+/// R04: a pendulum released from the horizontal, and one struck so that it turns over.
 pub const PENDULUM: Case = Case {
     name: "pendulum",
     run: pendulum,
@@ -27,8 +27,8 @@ pub const RUBBER: Case = Case {
     run: rubber,
 };
 
-/// The file with its gravity put on smoothly within half a unit of time: at once it sends out
-/// waves that no sensible step resolves, and hides the order.
+/// The file with gravity applied smoothly within half a unit of time: a sudden start excites
+/// waves that no practical step resolves, and hides the order.
 fn gentle(file: &ModelFile) -> ModelFile {
     let mut file = file.clone();
     file.loads[0].time = Some(Time::Sine(Sine {
@@ -59,7 +59,7 @@ fn energy_error(run: &History) -> f64 {
     let drift = energy
         .iter()
         .fold(0.0_f64, |m, e| m.max((e.1 - first).abs()));
-    let scale = run.audit(|a| a.energies.kinetic);
+    let scale = run.balance(|a| a.energies.kinetic);
     drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
 }
 
@@ -107,7 +107,7 @@ fn elliptic_K(k: f64) -> f64 {
     FRAC_PI_2 / a
 }
 
-/// Angle by which a pendulum has turned from where it hangs, whole turns included.
+/// Angle of a pendulum from its lowest position, whole turns included.
 fn turned(run: &History) -> Vec<f64> {
     let mut turned = 0.0;
     let angles = run.nodes[0].iter().map(|s| {
@@ -118,7 +118,7 @@ fn turned(run: &History) -> Vec<f64> {
     angles.collect()
 }
 
-/// The same pendulum, struck where it hangs, so that it goes over: θ̇(0) = ω = 8.
+/// The same pendulum, struck at its lowest position so that it turns over: θ̇(0) = ω = 8.
 ///
 /// Energy says θ̇² = ω² − (4g/l) sin²(θ/2), so that a turn takes
 /// (2/ω) ∫₀^π dφ/√(1 − k² sin²φ) = 4 K(k)/ω with k = 2√(g/l)/ω, and half a turn half of that.
@@ -134,7 +134,7 @@ fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
     };
     let [coarse, fine] = [(500, run(500)?), (1000, run(1000)?)];
     let source = "exact: elliptic integral, R04 struck so that it goes over";
-    // By halves of a turn, which are passed with the least and the largest speed.
+    // At half turns, which are passed with the least and the largest speed.
     for halves in [2, 7, 12] {
         let [a, b] = [&coarse, &fine].map(|(count, run)| {
             let k = halves * count / 2;
@@ -162,7 +162,7 @@ fn double(context: &mut Context) -> Result<(), CaseError> {
     let order = (energy_error(&a) / energy_error(&b)).log2();
     context.compare("order of the energy error", order, 2.0, 0.1, source);
     context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
-    // The hinges leave the motion in its plane.
+    // The hinges keep the motion in its plane.
     let out = c.curve(0, |s| s.d.y.abs());
     let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
     context.compare("out of the plane", across, 0.0, 1e-9, "symmetry");

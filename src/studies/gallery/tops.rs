@@ -145,13 +145,13 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
         drawn.clone().fold(f64::INFINITY, f64::min),
         drawn.fold(0.0, f64::max),
     ];
-    // As the range is printed, to four digits.
+    // The range is published to four digits.
     let source = "published: nutation in [0.3, 0.3267] (Mäkinen 2004, case 3)";
     context.compare("plot: smallest nutation", least, 0.3, 5e-5, source);
     context.compare("plot: largest nutation", most, 0.3267, 5e-5, source);
     let names = ["rigid body", "stiff beam", "flexible beam"];
     let curves = names.into_iter().zip(curves);
-    // Every eighth step is as much as a line shows.
+    // Every eighth step suffices for a line.
     let thin = |c: Vec<(f64, f64)>| c.into_iter().step_by(8).collect();
     context.figure(
         "Fast symmetrical top",
@@ -172,16 +172,16 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         0.5318246113342,
         -0.3201761427363,
     );
-    let hung = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
+    let top = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
     // The same body with a pinned node instead of a joint.
-    let mut pinned = hung.clone();
+    let mut pinned = top.clone();
     pinned.joints.clear();
     pinned.probes.clear();
     pinned.nodes.insert("top".to_owned(), [0.0; 3]);
     pinned.nodes.remove("ground");
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Position));
-    for (name, file) in [("fixed point", &pinned), ("spherical joint", &hung)] {
+    for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
         let runs = [4e-4, 2e-4, 1e-4].map(|h| context.motion(file, &["top"], Run::step(h)));
         let [a, b, c] = runs;
         let (a, b, c) = (a?, b?, c?);
@@ -193,8 +193,8 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
             let position: [f64; 3] = richardson(coarse, fine);
             context.compare_vector(&what, position, x, 1e-5, source);
         }
-        // The attitude turns 24 times: changes of chart at other moments of each step leave more of
-        // its error than can be extrapolated.
+        // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
+        // of its error.
         let mut third = file.clone();
         if let Analysis::Dynamic(d) = &mut third.analysis {
             d.scheme = "radau".into();
@@ -294,7 +294,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let order = observed_order(&[&a, &b, &c].map(body_rate));
     let source = "theory: the trapezoidal rule";
     context.compare("order in the step", order, 2.0, 0.1, source);
-    // Energy is not conserved exactly: its error has the order of the scheme.
+    // Energy is conserved to the order of the scheme only.
     let drift = |h: &History| {
         let energy = h.total_energy();
         let first = energy[0].1;
@@ -305,13 +305,13 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let size = |c: &[(f64, f64)]| c.iter().fold(0.0_f64, |m, p| m.max(p.1.abs()));
     let order = (size(&curves[0]) / size(&curves[1])).log2();
     context.compare("order of the energy error", order, 2.0, 0.1, source);
-    // The scheme that restores it, at a coarse step.
+    // The scheme with energy projection, at a coarse step.
     let mut kept = file.clone();
     if let Analysis::Dynamic(d) = &mut kept.analysis {
         d.scheme = "em".into();
     }
     let kept = context.motion(&kept, &["O"], Run::step(1e-2))?;
-    let spins: Vec<Vector3<f64>> = kept.audits.iter().map(|a| a.momentum.angular).collect();
+    let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
     for (what, worst) in [

@@ -1,4 +1,4 @@
-//! A system of the second order as one of the first.
+//! A second-order system as a first-order one.
 
 #![allow(non_snake_case)]
 
@@ -6,8 +6,8 @@ use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 
-/// ẏ of y = (q, q̇) and its derivative, with a count of what they cost. What cannot be evaluated is not
-/// a number, and the reason is kept.
+/// ẏ of y = (q, q̇) and its derivative, with counts of their cost. A state that cannot be evaluated gives
+/// NaN, and the reason is stored.
 pub(super) struct Equations<'a, Y: ?Sized> {
     pub system: &'a mut Y,
     solver: AutoSolver,
@@ -18,7 +18,7 @@ pub(super) struct Equations<'a, Y: ?Sized> {
     C: Vec<f64>,
     zero: Vec<f64>,
     a: Vec<f64>,
-    /// Where K, C and the factors of M are those of: time and y.
+    /// Time and y of K, C and the factors of M.
     at: Option<(f64, Vec<f64>)>,
     pub evaluations: usize,
     pub factorisations: usize,
@@ -53,7 +53,7 @@ impl<'a, Y: System + ?Sized> Equations<'a, Y> {
     fn accelerate(&mut self, t: f64, y: &[f64]) -> Result<(), String> {
         self.at = None;
         if y.iter().any(|y| !y.is_finite()) {
-            return Err("it asks for a state that is not finite".to_owned());
+            return Err("it evaluates a state that is not finite".to_owned());
         }
         let (q, v) = y.split_at(self.n);
         let a = &self.zero[..];
@@ -69,7 +69,7 @@ impl<'a, Y: System + ?Sized> Equations<'a, Y> {
             .map_err(|error| format!("the mass matrix: {error}"))
     }
 
-    /// ẏ; not a number where there is none.
+    /// ẏ; NaN where it cannot be evaluated.
     pub fn rate(&mut self, t: f64, y: &[f64], out: &mut [f64]) {
         match self.accelerate(t, y) {
             Ok(()) => {

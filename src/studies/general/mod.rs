@@ -1,15 +1,15 @@
-//! General solvers of ordinary differential equations on a model, to see what they would cost.
+//! General solvers of ordinary differential equations on a model, to measure their cost.
 //!
-//! The model is handed over as a system of the first order with its exact tangents,
+//! The model is given as a first-order system with its exact tangents,
 //!
 //! ```text
 //! y = (q, q̇),   ẏ = (q̇, q̈),   M q̈ = r(t, q, q̇, 0),   ∂q̈ = −M⁻¹ (K ∂q + C ∂q̇)
 //! ```
 //!
-//! and the solver, of the library diffsol, chooses its steps by a tolerance. It knows nothing of
-//! charts: where one changes it is started anew, as it is at kinks of functions of time. A mass matrix
-//! that depends on q is nothing that it takes, so every evaluation factorises M, and its own
-//! linear algebra is that of full matrices. The cargo feature `diffsol` builds it in.
+//! and the solver, of the library diffsol, chooses its steps by a tolerance. It does not know
+//! charts: it is restarted at chart changes, as at kinks of functions of time. It does not support a mass matrix
+//! that depends on q, so every evaluation factorises M, and its own
+//! linear algebra uses full matrices. The cargo feature `diffsol` enables it.
 
 #[cfg(feature = "diffsol")]
 mod equations;
@@ -23,10 +23,10 @@ use pullback_integrators::dynamics::DynamicsError;
 use std::fmt;
 use std::str::FromStr;
 
-/// Why a general solver came to no end.
+/// Failure of a general solver.
 #[derive(Debug, thiserror::Error)]
 pub enum GeneralError {
-    /// Multipliers are no differential equation.
+    /// Multipliers are not supported.
     #[error(
         "the solver {solver} takes ordinary differential equations, and {multiplier} is a \
          multiplier: close the loop by a map"
@@ -37,17 +37,17 @@ pub enum GeneralError {
         /// The first multiplier.
         multiplier: String,
     },
-    /// The motion cannot begin, or go on.
+    /// The motion cannot start, or continue.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// The model cannot be evaluated where the solver wants it.
+    /// The model cannot be evaluated at a state of the solver.
     #[error("the solver {solver} at time {t:.6}: {reason}")]
     Solver {
         /// The solver.
         solver: String,
         /// Time.
         t: f64,
-        /// What the model, or the solver, says.
+        /// The error of the model or the solver.
         reason: String,
     },
 }
@@ -61,7 +61,7 @@ pub enum Rule {
     Esdirk,
 }
 
-/// A general solver and its relative tolerance, from a word such as `diffsol-bdf` or
+/// A general solver and its relative tolerance, from a name such as `diffsol-bdf` or
 /// `diffsol-esdirk:1e-6`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct General {
@@ -73,11 +73,11 @@ pub struct General {
     given: bool,
 }
 
-/// Words and methods.
+/// Names and methods.
 const RULES: [(&str, Rule); 2] = [("diffsol-bdf", Rule::Bdf), ("diffsol-esdirk", Rule::Esdirk)];
-/// What words of general solvers begin with.
+/// Prefix of the names of general solvers.
 pub(crate) const PREFIX: &str = "diffsol";
-/// Relative tolerance unless something else is said.
+/// Default relative tolerance.
 const TOLERANCE: f64 = 1e-4;
 
 impl General {
@@ -102,14 +102,14 @@ impl General {
         })
     }
 
-    /// The same at a step size of a comparison whose largest one is `largest`: errors of schemes of
-    /// order two fall with h², and so does the tolerance, as far as rounding lets it.
+    /// The same at a step size of a comparison whose largest one is `largest`: the tolerance decreases with h²,
+    /// like errors of second-order schemes, down to rounding.
     pub fn at(&self, step: f64, largest: f64) -> Self {
         let tolerance = (self.tolerance * (step / largest).powi(2)).max(1e-13);
         Self { tolerance, ..*self }
     }
 
-    /// What it is, for reports.
+    /// Description for reports.
     pub fn about(&self) -> &'static str {
         match self.rule {
             Rule::Bdf => {
@@ -127,8 +127,8 @@ impl General {
 impl FromStr for General {
     type Err = DynamicsError;
 
-    /// `diffsol-bdf` or `diffsol-esdirk`, with a tolerance behind a colon if it is not 1e-4. An error
-    /// in programs that are built without the feature `diffsol`.
+    /// `diffsol-bdf` or `diffsol-esdirk`, with a tolerance after a colon unless it is 1e-4. An error
+    /// in programs built without the feature `diffsol`.
     fn from_str(text: &str) -> Result<Self, DynamicsError> {
         let refuse = |problem: String| DynamicsError::Word {
             word: text.to_owned(),
@@ -166,7 +166,7 @@ impl FromStr for General {
 }
 
 impl fmt::Display for General {
-    /// The word that makes it.
+    /// The name from which it is parsed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = RULES.iter().find(|(_, rule)| *rule == self.rule);
         f.write_str(word.map_or("", |(word, _)| word))?;

@@ -1,4 +1,4 @@
-//! Driving a solver of diffsol along a motion, from chart to chart and kink to kink.
+//! Runs a solver of diffsol along a motion, from chart to chart and kink to kink.
 
 use super::equations::Equations;
 use super::{General, GeneralError, Rule};
@@ -11,18 +11,18 @@ use pullback_manifold::system::System;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-/// What looks on: `seen` the system at each of the times of interest, `go` after every step; each may stop
+/// Callbacks: `seen` at each of the output times, `go` after every step; each may stop
 /// the run.
 pub struct Observer<'a, Y: ?Sized> {
-    /// Shown the system and its state at a time of interest.
+    /// Called with the system and its state at an output time.
     pub seen: &'a mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,
-    /// Asked after every step.
+    /// Called after every step.
     pub go: &'a dyn Fn() -> ControlFlow<()>,
 }
 
-/// Integrates with a general solver from where `progress` stands to the last of some times. Steps, Newton iterations, evaluations and
-/// factorisations (of M and of the solver's own matrices) are counted in the progress, steps that it
-/// rejected as inaccurate.
+/// Integrates with a general solver from the state of `progress` to the last of some times. Steps, Newton iterations,
+/// evaluations and factorisations (of M and of the solver's own matrices) are counted in the progress, steps that it
+/// rejects as inaccurate.
 ///
 /// # Errors
 /// [`GeneralError`].
@@ -64,7 +64,7 @@ pub fn integrate<Y: System + ?Sized>(
             return Ok(());
         }
         if let Some(kink) = kink.filter(|kink| progress.state.t >= kink.next_down()) {
-            // The jump of velocities and accelerations is that of all schemes.
+            // The jump of velocities and accelerations is that of the schemes.
             progress.state.t = kink;
             progress.at_kink = true;
             settle(system, progress, end - begun)?;
@@ -74,7 +74,7 @@ pub fn integrate<Y: System + ?Sized>(
     Ok(())
 }
 
-/// Charts and accelerations of a state that a stretch begins with.
+/// Initialises charts and accelerations at the start of a section between kinks.
 fn settle<Y: System + ?Sized>(
     system: &mut Y,
     progress: &mut Progress,
@@ -94,8 +94,8 @@ fn settle<Y: System + ?Sized>(
     )?)
 }
 
-/// What counts as one in each entry of y: the scales of the coordinates, and for their velocities these
-/// over the duration, or the largest velocity at the start.
+/// Scale of each entry of y: that of its coordinate, and for velocities the same over the duration, or the
+/// largest velocity at the start.
 fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f64> {
     let scales = system.scales().coordinate;
     let kind = |i: usize| system.quantity(i).index();
@@ -108,14 +108,14 @@ fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f
     positions.chain((0..n).map(|i| rates[kind(i)])).collect()
 }
 
-/// Until when without a kink, and what is looked at.
+/// End of the section without kinks, and the output times.
 struct Span<'a> {
     to: f64,
     times: &'a [f64],
     scale: &'a [f64],
 }
 
-/// One solver from the state to the end of the span, or to the next change of charts.
+/// Runs one solver from the state to the end of the span, or to the next change of charts.
 fn stretch<Y: System + ?Sized>(
     system: &mut Y,
     progress: &mut Progress,
@@ -206,7 +206,7 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
             if t.is_nan() || t <= before {
                 return Err((before, "its step makes no headway".to_owned()));
             }
-            // Times of interest in this step, seen in its charts.
+            // Output times in this step, in its charts.
             while let Some(&time) = self.span.times.get(*seen).filter(|time| **time <= t) {
                 let y = solver.interpolate(time).map_err(failed(time))?;
                 self.look(&mut progress.state, time, &y.clone_as_vec())?;
@@ -254,7 +254,7 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
         Ok(flow)
     }
 
-    /// A state with its accelerations, which cost the run nothing.
+    /// A state with its accelerations, not counted as cost.
     fn look(&self, state: &mut State, t: f64, y: &[f64]) -> Result<(), (f64, String)> {
         let mut equations = self.equations.borrow_mut();
         let before = (equations.evaluations, equations.factorisations);

@@ -39,10 +39,10 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
         }
     };
     let (linear, log) = (Division::Linear, Division::Logarithmic);
-    // What grows is shown up to where it is seen to.
+    // Growth is shown in part only.
     let radius: Pick = |p| (p.radius <= HIGHEST).then_some(p.radius);
     let closed_radius: Pick = |p| p.closed_radius.filter(|r| *r <= HIGHEST);
-    // What is rounding of a scheme without damping has no logarithm.
+    // Rounding errors of a scheme without damping have no logarithm.
     let damping: Pick = |p| p.damping.filter(|d| *d > LEAST_DAMPING);
     let closed_damping: Pick = |p| p.closed_damping.filter(|d| *d > LEAST_DAMPING);
     let mut spectra_graphs = [
@@ -104,7 +104,10 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             [log, linear],
             0.0,
             f64::INFINITY,
-            [|p| seen(p, p.rest_place), |p| seen(p, p.closed_rest_place?)],
+            [
+                |p| seen(p, p.rest_position),
+                |p| seen(p, p.closed_rest_position?),
+            ],
         ),
         graph(
             "|q̇₁/(ω q₀)|, first step from rest",
@@ -122,8 +125,8 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
             0.0,
             f64::INFINITY,
             [
-                |p| above_zero(p, p.origin_place),
-                |p| above_zero(p, p.closed_origin_place?),
+                |p| above_zero(p, p.origin_position),
+                |p| above_zero(p, p.closed_origin_position?),
             ],
         ),
         graph(
@@ -152,11 +155,11 @@ pub fn figures(spectra: &[(Scheme, Spectrum)]) -> Result<[(&'static str, String)
     ])
 }
 
-/// Marks on a curve, about.
+/// Approximate number of marks on a curve.
 const MARKS: usize = 10;
 
-/// Points of a curve at equal distances along an axis; a `shift` by a part of them keeps the marks of
-/// several curves from lying above each other.
+/// Points of a curve at equal distances along an axis; a `shift` by a fraction of them separates the marks of
+/// several curves.
 fn marks(points: &[(f64, f64)], division: Division, shift: f64) -> Vec<(f64, f64)> {
     let position = |p: &(f64, f64)| match division {
         Division::Linear => p.0,
@@ -185,17 +188,17 @@ const HIGHEST: f64 = 1.1;
 /// Damping ratios below this are rounding.
 const LEAST_DAMPING: f64 = 1e-12;
 
-/// The size of a number of the first step, where the scheme is stable.
+/// The magnitude of a result of the first step, if the scheme is stable.
 fn seen(p: &Point, number: f64) -> Option<f64> {
     (p.radius <= HIGHEST).then_some(number.abs())
 }
 
-/// The same where a logarithm does not fall without end.
+/// The same without values whose logarithm tends to −∞.
 fn above_zero(p: &Point, number: f64) -> Option<f64> {
     seen(p, number).filter(|size| *size >= 1e-3)
 }
 
-/// A broken line: every second part of a curve, as long as it is resolved.
+/// A broken line: every second part of a curve, within its resolution.
 fn broken(points: &[Point], pick: impl Fn(&Point) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
     let inside = points.iter().filter(|p| p.Omega <= RESOLVED);
     let all: Vec<_> = inside

@@ -1,8 +1,8 @@
 //! Spectra of schemes: the library's side of `pullback spectrum`.
 //!
-//! [`run`] measures them by the steps that runs make and puts the closed forms of theory beside them
-//! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] make them readable, and
-//! [`write()`] leaves them in a directory.
+//! [`run`] measures them from the steps of the integrator and adds the closed forms of theory
+//! ([`pullback_integrators::spectrum`]); [`table`], [`csv`] and [`figures`] format them, and
+//! [`write()`] writes them to a directory.
 
 #![allow(non_snake_case)]
 
@@ -32,19 +32,19 @@ pub const FILES: [&str; 4] = [
     "overshoot.svg",
 ];
 
-/// Schemes whose spectra are shown unless others are named.
+/// Default schemes.
 pub const SCHEMES: &str = "newmark,hht:-0.1,wbz:0.5,ga:0.5,bathe,radau,central-difference";
 
-/// Ω that can be asked for: what lies beyond has no digits left.
+/// Allowed range of Ω: beyond it no digits are left.
 const RANGE: [f64; 2] = [1e-12, 1e12];
 
-/// Why there are no spectra.
+/// Errors of spectra.
 #[derive(Debug, thiserror::Error)]
 pub enum SpectrumError {
     /// A scheme or a position is refused.
     #[error("{0}")]
     Scheme(#[from] DynamicsError),
-    /// Ω from where to where makes no range.
+    /// An invalid range of Ω.
     #[error(
         "Ω from {} to {} is no range: both must lie between {:e} and {:e}, the second one larger",
         significant(*from), significant(*to), RANGE[0], RANGE[1]
@@ -55,24 +55,24 @@ pub enum SpectrumError {
         /// Largest.
         to: f64,
     },
-    /// A formulation of rotations, which a vibration has none of.
+    /// A formulation of rotations, which do not occur in a vibration.
     #[error(
-        "scheme `{word}`: formulations of rotations make no difference to a linear vibration: leave the prefix \
+        "scheme `{word}`: formulations of rotations do not affect a linear vibration: leave the prefix \
          out, `{scheme}`"
     )]
     Prefix {
-        /// What was asked for.
+        /// The requested scheme.
         word: String,
         /// The scheme without its prefix.
         scheme: String,
     },
-    /// A scheme that keeps energy by a projection.
+    /// A scheme that conserves energy by a projection.
     #[error(
         "scheme `{word}`: its projection is no linear map and gives back what the step takes, so that it has no \
          spectrum; that of its step is the one of `{step}`"
     )]
     Projection {
-        /// What was asked for.
+        /// The requested scheme.
         word: String,
         /// The scheme without the projection.
         step: String,
@@ -82,11 +82,11 @@ pub enum SpectrumError {
         "`{word}` is a general solver, which chooses its own steps: it has no spectrum over Ω = ω h"
     )]
     Solver {
-        /// What was asked for.
+        /// The requested scheme.
         word: String,
     },
     /// A scheme twice.
-    #[error("scheme `{name}` is asked for twice: name it once")]
+    #[error("scheme `{name}` is given twice: name it once")]
     Twice {
         /// Its name.
         name: String,
@@ -99,7 +99,7 @@ pub enum SpectrumError {
 /// The spectrum of a scheme.
 #[derive(Clone, Debug, Serialize)]
 pub struct Spectrum {
-    /// The word that makes the scheme.
+    /// The name from which the scheme is parsed.
     pub scheme: String,
     /// Its name.
     pub name: &'static str,
@@ -113,11 +113,11 @@ pub struct Spectrum {
     /// κ and σ of the period elongation κ Ω² and the damping ratio σ Ω³ at small Ω in theory; null
     /// where there is no such formula.
     pub expansion: Option<[f64; 2]>,
-    /// What it does at each Ω, ascending.
+    /// Its numbers at each Ω, ascending.
     pub points: Vec<Point>,
 }
 
-/// What a scheme does to a vibration at one Ω; see [`Numbers`]. Beyond the limit of a scheme there is
+/// The numbers of a scheme at one Ω; see [`Numbers`]. Beyond the limit of a scheme there is
 /// no vibration, and neither damping nor elongation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Point {
@@ -135,24 +135,24 @@ pub struct Point {
     pub closed_damping: Option<f64>,
     /// Period elongation in closed form.
     pub closed_elongation: Option<f64>,
-    /// σ Ω³, what the damping ratio tends to at small Ω.
+    /// σ Ω³, the limit of the damping ratio at small Ω.
     pub expanded_damping: Option<f64>,
-    /// κ Ω², what the period elongation tends to at small Ω.
+    /// κ Ω², the limit of the period elongation at small Ω.
     pub expanded_elongation: Option<f64>,
     /// q₁/q₀ of the first step from rest.
-    pub rest_place: f64,
+    pub rest_position: f64,
     /// q̇₁/(ω q₀) of the first step from rest.
     pub rest_velocity: f64,
     /// q₁/q₀ of the first step from rest in closed form.
-    pub closed_rest_place: Option<f64>,
+    pub closed_rest_position: Option<f64>,
     /// q̇₁/(ω q₀) of the first step from rest in closed form.
     pub closed_rest_velocity: Option<f64>,
     /// ω q₁/q̇₀ of the first step from q = 0.
-    pub origin_place: f64,
+    pub origin_position: f64,
     /// q̇₁/q̇₀ of the first step from q = 0.
     pub origin_velocity: f64,
     /// ω q₁/q̇₀ of the first step from q = 0 in closed form.
-    pub closed_origin_place: Option<f64>,
+    pub closed_origin_position: Option<f64>,
     /// q̇₁/q̇₀ of the first step from q = 0 in closed form.
     pub closed_origin_velocity: Option<f64>,
 }
@@ -189,9 +189,9 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             damping,
             elongation,
         } = known(measured.numbers);
-        let [rest_place, rest_velocity] = measured.first_step.from_rest;
+        let [rest_position, rest_velocity] = measured.first_step.from_rest;
         let first = closed_first_step(scheme, Omega);
-        let [origin_place, origin_velocity] = measured.first_step.from_origin;
+        let [origin_position, origin_velocity] = measured.first_step.from_origin;
         points.push(Point {
             Omega,
             radius,
@@ -202,13 +202,13 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
             closed_elongation: closed.and_then(|n| n.elongation),
             expanded_damping: expansion.map(|[_, sigma]| sigma * Omega.powi(3)),
             expanded_elongation: expansion.map(|[kappa, _]| kappa * Omega.powi(2)),
-            rest_place,
+            rest_position,
             rest_velocity,
-            closed_rest_place: first.map(|step| step.from_rest[0]),
+            closed_rest_position: first.map(|step| step.from_rest[0]),
             closed_rest_velocity: first.map(|step| step.from_rest[1]),
-            origin_place,
+            origin_position,
             origin_velocity,
-            closed_origin_place: first.map(|step| step.from_origin[0]),
+            closed_origin_position: first.map(|step| step.from_origin[0]),
             closed_origin_velocity: first.map(|step| step.from_origin[1]),
         });
     }
@@ -223,7 +223,7 @@ pub fn run(scheme: &Scheme, Omegas: &[f64]) -> Result<Spectrum, DynamicsError> {
     })
 }
 
-/// Spectra of schemes by their words, on [`grid`].
+/// Spectra of schemes by name, on [`grid`].
 ///
 /// # Errors
 /// [`SpectrumError`].
@@ -235,7 +235,7 @@ pub fn all(
         return Err(SpectrumError::Range { from, to });
     }
     let Omegas = grid(from, to, 161);
-    let schemes = words.iter().map(|word| asked(word));
+    let schemes = words.iter().map(|word| parse_scheme(word));
     let schemes = schemes.collect::<Result<Vec<_>, _>>()?;
     for (k, scheme) in schemes.iter().enumerate() {
         if schemes[..k].contains(scheme) {
@@ -247,8 +247,8 @@ pub fn all(
     schemes.into_iter().map(spectrum).collect()
 }
 
-/// The scheme of a word; words that only `compare` has a use for are refused with the reason.
-fn asked(word: &str) -> Result<Scheme, SpectrumError> {
+/// The scheme of a name; names for `compare` only are refused with the reason.
+fn parse_scheme(word: &str) -> Result<Scheme, SpectrumError> {
     let word = word.trim();
     if word.starts_with(general::PREFIX) {
         let word = word.to_owned();
@@ -263,7 +263,7 @@ fn asked(word: &str) -> Result<Scheme, SpectrumError> {
     }
 }
 
-/// A scheme whose step is all that it does.
+/// A scheme without a projection.
 fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
     if !scheme.keeps_energy() {
         return Ok(scheme);
@@ -276,7 +276,7 @@ fn plain(scheme: Scheme) -> Result<Scheme, SpectrumError> {
     Err(SpectrumError::Projection { word, step })
 }
 
-/// The table for a terminal: each scheme at few Ω.
+/// The table for a terminal: each scheme at a few Ω.
 ///
 /// # Errors
 /// [`DynamicsError`], as [`run`].
@@ -305,7 +305,7 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
                 p.radius,
                 number(p.damping),
                 number(p.elongation),
-                p.rest_place.abs(),
+                p.rest_position.abs(),
                 p.rest_velocity.abs()
             );
         }
@@ -322,12 +322,12 @@ pub fn table(spectra: &[(Scheme, Spectrum)]) -> Result<String, DynamicsError> {
     Ok(out)
 }
 
-/// All numbers as comma-separated values: one line per scheme and Ω; empty where there is none.
+/// All numbers as comma-separated values: one line per scheme and Ω; unknown ones are empty.
 pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
     let mut out = "scheme,Omega,radius,damping,elongation,closed_radius,closed_damping,\
-                   closed_elongation,expanded_damping,expanded_elongation,rest_place,\
-                   rest_velocity,closed_rest_place,closed_rest_velocity,origin_place,\
-                   origin_velocity,closed_origin_place,closed_origin_velocity\n"
+                   closed_elongation,expanded_damping,expanded_elongation,rest_position,\
+                   rest_velocity,closed_rest_position,closed_rest_velocity,origin_position,\
+                   origin_velocity,closed_origin_position,closed_origin_velocity\n"
         .to_owned();
     // Zero has no sign.
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| (x + 0.0).to_string());
@@ -343,13 +343,13 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
                 p.closed_elongation,
                 p.expanded_damping,
                 p.expanded_elongation,
-                Some(p.rest_place),
+                Some(p.rest_position),
                 Some(p.rest_velocity),
-                p.closed_rest_place,
+                p.closed_rest_position,
                 p.closed_rest_velocity,
-                Some(p.origin_place),
+                Some(p.origin_position),
                 Some(p.origin_velocity),
-                p.closed_origin_place,
+                p.closed_origin_position,
                 p.closed_origin_velocity,
             ];
             let line = numbers.map(number).join(",");
@@ -362,7 +362,7 @@ pub fn csv(spectra: &[(Scheme, Spectrum)]) -> String {
 /// Ω up to which vibrations are resolved, about π steps in a period.
 const RESOLVED: f64 = 2.0;
 
-/// Values of Ω for figures: logarithmic, with more of them where vibrations are resolved.
+/// Values of Ω for figures: logarithmic, denser where vibrations are resolved.
 pub fn grid(from: f64, to: f64, count: usize) -> Vec<f64> {
     let mut all = logarithmic(from, to, count);
     let fine = (1..=40).map(|k| RESOLVED * f64::from(k) / 40.0);
@@ -372,7 +372,7 @@ pub fn grid(from: f64, to: f64, count: usize) -> Vec<f64> {
     all
 }
 
-/// Writes the files of [`FILES`] into a directory; `command` is the command line that asks for it.
+/// Writes the files of [`FILES`] into a directory; `command` is the command line, for the report.
 ///
 /// # Errors
 /// [`OutputError`].

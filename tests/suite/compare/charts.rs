@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use pullback::input;
-use pullback::studies::compare::{Comparison, Options, Quantity, Row, Watch, compare};
+use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, Row, compare};
 
 /// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
 /// `{interpolation}` that of its rotations.
@@ -62,7 +62,7 @@ fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
         residual: Some(1e-12),
         ..Options::new(methods, steps.to_vec())
     };
-    let comparison = compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap();
+    let comparison = compare(&make, "model.toml", &options, &Hooks::NONE).unwrap();
     assert_eq!(comparison.late.len(), comparison.rows.len());
     for (row, late) in comparison.rows.iter().zip(&comparison.late) {
         assert!(row.is_regular() && late.is_regular(), "{late:?}");

@@ -5,7 +5,7 @@
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
 use pullback::input::{self, Analysis};
 use pullback::method::Method;
-use pullback::studies::compare::{Contender, Exact, Options, Quantity, looked_at, read_exact};
+use pullback::studies::compare::{Candidate, Exact, Options, Quantity, looked_at, read_exact};
 use std::path::Path;
 
 #[test]
@@ -185,21 +185,21 @@ fn every_model_in_motion_can_be_compared() {
 
 #[test]
 fn words_make_what_is_compared() {
-    let method: Contender = " lie-ga:0.8".parse().unwrap();
+    let method: Candidate = " lie-ga:0.8".parse().unwrap();
     assert_eq!(
         method,
-        Contender::Method("lie-ga:0.8".parse::<Method>().unwrap())
+        Candidate::Method("lie-ga:0.8".parse::<Method>().unwrap())
     );
     assert_eq!(method.order(), Some(2));
     let unknown = "diffsol-euler"
-        .parse::<Contender>()
+        .parse::<Candidate>()
         .unwrap_err()
         .to_string();
     assert!(
         unknown.contains("diffsol-bdf and diffsol-esdirk"),
         "{unknown}"
     );
-    let known = "diffsol-bdf".parse::<Contender>();
+    let known = "diffsol-bdf".parse::<Candidate>();
     if !cfg!(feature = "diffsol") {
         let said = known.unwrap_err().to_string();
         assert!(said.contains("--features diffsol"), "{said}");

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, Options, Quantity, Row, Sample, Values, Watch, compare, run,
+    CompareError, Comparison, Hooks, Options, Quantity, Row, Sample, Values, compare, run,
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -67,7 +67,7 @@ fn compared(text: &str, options: &Options) -> Comparison {
 fn tried(text: &str, options: &Options) -> Result<Comparison, CompareError> {
     let file = input::parse("model.toml", text).unwrap();
     let make = |formulation| input::job_in("model.toml", &file, formulation);
-    compare(&make, "model.toml", options, &Watch::NOBODY)
+    compare(&make, "model.toml", options, &Hooks::NONE)
 }
 
 /// Root mean square over the samples after the start.
@@ -261,7 +261,7 @@ fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
     assert_eq!(failed.len(), 1);
     let [row] = failed[..] else { unreachable!() };
     assert_eq!(
-        (row.scheme.as_str(), row.asked),
+        (row.scheme.as_str(), row.requested_step),
         ("central-difference", 1.2)
     );
     assert!(
@@ -292,7 +292,7 @@ fn what_makes_no_sense_is_refused_by_name() {
         BODY,
         &["newmark", "newmark"],
         &good,
-        "`newmark` is asked for twice",
+        "`newmark` is given twice",
     );
     refused(BODY, &["newmark"], &[], "two step sizes at least, 0 given");
     refused(
@@ -349,12 +349,12 @@ fn a_comparison_that_is_stopped_keeps_what_it_has_and_says_so() {
     let make = |formulation| input::job_in("model.toml", &file, formulation);
     // The reference makes 5600 steps, the others 600.
     let steps = AtomicUsize::new(0);
-    let watch = Watch {
+    let watch = Hooks {
         flow: &|| match steps.fetch_add(1, Ordering::Relaxed) {
             0..5800 => ControlFlow::Continue(()),
             _ => ControlFlow::Break(()),
         },
-        ..Watch::NOBODY
+        ..Hooks::NONE
     };
     let options = Options {
         threads: NonZeroUsize::new(1),
@@ -379,10 +379,10 @@ fn refusals_come_before_runs() {
     let file = input::parse("pendulum.toml", PENDULUM).unwrap();
     let make = |formulation| input::job_in("pendulum.toml", &file, formulation);
     let told = Mutex::new(Vec::new());
-    let watch = Watch {
+    let watch = Hooks {
         refused: &|name, why| told.lock().unwrap().push(format!("{name}: {why}")),
         ended: &|_, _, name| told.lock().unwrap().push(name.to_owned()),
-        ..Watch::NOBODY
+        ..Hooks::NONE
     };
     let schemes = ["newmark", "lie-ga:0.8", "ga:0.8", "ul-newmark"];
     let options = options(&schemes, &[0.2, 0.1]);

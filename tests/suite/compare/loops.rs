@@ -5,7 +5,7 @@
 use crate::support::program::{directory, write};
 use pullback::input;
 use pullback::studies::compare::{
-    Comparison, Options, Quantity, Sample, Slope, Values, Watch, compare,
+    Comparison, Hooks, Options, Quantity, Sample, Slope, Values, compare,
 };
 use std::process::Command;
 
@@ -28,7 +28,7 @@ fn compared(text: &str, words: &[&str], steps: &[f64]) -> Comparison {
         residual: Some(1e-12),
         ..Options::new(schemes, steps.to_vec())
     };
-    compare(&make, "four_bar.toml", &options, &Watch::NOBODY).unwrap()
+    compare(&make, "four_bar.toml", &options, &Hooks::NONE).unwrap()
 }
 
 /// Root mean square of the distance of accelerations of positions.

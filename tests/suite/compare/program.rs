@@ -181,7 +181,7 @@ fn several_models_make_one_page_and_a_directory_each() {
         let json = read(out.join(model).join("compare.json"));
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let [first, long] = [&json["rows"][0], &json["long"][0]];
-        assert_eq!(first["asked"], 4.0 * own_step, "{model}");
+        assert_eq!(first["requested_step"], 4.0 * own_step, "{model}");
         let end = |row: &serde_json::Value| {
             row["step"].as_f64().unwrap() * row["counts"]["steps"].as_f64().unwrap()
         };

@@ -57,7 +57,7 @@ fn files_say_what_theory_says() {
         assert!((number("elongation") - elongation).abs() < close, "{omega}");
         assert!((number("radius") - 1.0).abs() < 1e-12);
         let square = omega * omega;
-        assert!((number("rest_place") - (4.0 - square) / (4.0 + square)).abs() < 1e-12);
+        assert!((number("rest_position") - (4.0 - square) / (4.0 + square)).abs() < 1e-12);
     }
     for figure in ["spectrum.svg", "overshoot.svg"] {
         let text = read(figure);
@@ -85,7 +85,7 @@ fn a_range_without_files_is_noted() {
         assert!(output.status.success());
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(
-            said.contains("--from and --to are for files"),
+            said.contains("--from and --to apply to the files"),
             noted,
             "{said}"
         );
@@ -105,7 +105,7 @@ fn what_it_refuses() {
         ),
         (
             &["--schemes", "newmark,lie-ga:0.8"],
-            "no difference to a linear vibration: leave the prefix out, `ga:0.8`",
+            "do not affect a linear vibration: leave the prefix out, `ga:0.8`",
         ),
         (
             &["--schemes", "em:0.5"],
@@ -121,7 +121,7 @@ fn what_it_refuses() {
         ),
         (
             &["--schemes", "newmark,bathe,newmark:0.25:0.5"],
-            "scheme `newmark` is asked for twice",
+            "scheme `newmark` is given twice",
         ),
         (&["--from", "-1"], "Ω from -1 to 1000 is no range"),
         (&["--from", "10", "--to", "1"], "Ω from 10 to 1 is no range"),

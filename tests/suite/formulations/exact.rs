@@ -9,7 +9,7 @@ use pullback::elements::model::Formulation;
 use pullback::input;
 use pullback::integrators::dynamics::Scheme;
 use pullback::method::Method;
-use pullback::studies::compare::{Comparison, Options, Quantity, Watch, compare};
+use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, compare};
 
 /// A free symmetrical body: moments of inertia 2, 2 and 1.
 const BODY: &str = r#"
@@ -44,7 +44,7 @@ fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
     let make = |formulation| input::job_in("model.toml", &file, formulation);
     let methods = methods.iter().map(|m| m.parse().unwrap()).collect();
     let options = Options::new(methods, steps.to_vec());
-    compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap()
+    compare(&make, "model.toml", &options, &Hooks::NONE).unwrap()
 }
 
 #[test]

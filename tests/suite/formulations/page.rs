@@ -7,7 +7,7 @@ use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;
 use crate::support::program::{directory, files, read};
 use pullback::input;
-use pullback::studies::compare::{Comparison, Options, Quantity, Subject, Watch, run_several};
+use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, Subject, run_several};
 
 const METHODS: [&str; 4] = ["newmark", "ul-newmark", "lie-newmark", "spin-newmark"];
 
@@ -65,7 +65,7 @@ fn all_keep_their_order_and_sums_of_spins_keep_the_energy_of_the_top() {
         ),
     ];
     let out = directory("formulations_page");
-    let all = run_several(&subjects, None, &out, &Watch::NOBODY).unwrap();
+    let all = run_several(&subjects, None, &out, &Hooks::NONE).unwrap();
     let mut found = files(&out);
     found.retain(|name| name.ends_with(".html"));
     assert_eq!(found, ["compare.html"]);

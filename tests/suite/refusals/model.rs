@@ -31,7 +31,7 @@ fn sections_must_make_sense() {
     check(
         &with(main, ""),
         "main",
-        "must be given in one way, but has none",
+        "needs exactly one definition, but has none",
         "exactly one of",
     );
     check(
@@ -220,13 +220,13 @@ fn supports_must_hold_the_structure_once() {
     check(
         &with("fix = \"all\"\n", ""),
         "\"A\"",
-        "neither what to fix nor what to drive",
+        "has neither `fix` nor `prescribed`",
         "fix = \"all\"",
     );
     check(
         &with("fix = \"all\"", "fix = []"),
         "\"A\"",
-        "neither what to fix",
+        "has neither `fix`",
         "",
     );
 }

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use pullback::input::{self, Analysis, ModelFile};
-use pullback::studies::compare::{CompareError, Comparison, Options, Sample, Watch, compare};
+use pullback::studies::compare::{CompareError, Comparison, Hooks, Options, Sample, compare};
 use std::path::Path;
 
 pub fn model(name: &str) -> ModelFile {
@@ -27,7 +27,7 @@ pub fn options(words: &[&str], steps: &[f64]) -> Options {
 
 pub fn compared(file: &ModelFile, options: &Options) -> Result<Comparison, CompareError> {
     let make = |formulation| input::job_in("model.toml", file, formulation);
-    compare(&make, "model.toml", options, &Watch::NOBODY)
+    compare(&make, "model.toml", options, &Hooks::NONE)
 }
 
 /// Angle and rate of the pendulum from rest at the horizontal, from the lowest position: a quarter turn

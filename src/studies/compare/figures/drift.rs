@@ -1,14 +1,14 @@
-//! What becomes, over time, of what the motion keeps.
+//! Drift of conserved quantities over time.
 
 use super::{ends, lasting, near, rounded};
 use crate::output::plot::{Curve, Division, Graph};
 use crate::studies::compare::{Comparison, Row};
 
-/// What is drawn of a run at a common time.
+/// The value drawn of a run at a common time.
 type Drawn = dyn Fn(&Row, usize) -> f64;
 
-/// Points of a curve at most: each is the largest value in its part of the run. What swings through zero
-/// would be a comb on a logarithmic axis, and hide the others.
+/// Most points of a curve: each is the largest value in its part of the run. A quantity that oscillates through
+/// zero would be a comb on a logarithmic axis, and hide the others.
 pub(super) const PARTS: usize = 32;
 
 pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
@@ -16,7 +16,7 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
     for (name, value) in &drawn(comparison) {
         for finest in [false, true] {
             let step = ends(comparison)[usize::from(finest)];
-            // A long run, where there is one, shows more than a short one with the same step.
+            // A long run is preferred to a short one with the same step.
             let rows = match finest || comparison.long.is_empty() {
                 true => &comparison.rows,
                 false => &comparison.long,
@@ -43,12 +43,12 @@ pub(super) fn drift(comparison: &Comparison) -> Vec<Graph> {
     out
 }
 
-/// The largest value in each part of a run, where it is; what is not known has no point.
+/// The largest value in each part of a run, at its time; unknown values have no point.
 fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
     let points: Vec<(f64, f64)> = (1..row.samples.len())
         .map(|j| (row.samples[j].t, value(row, j)))
         .collect();
-    // As many points in each as can be: a short last part would end a curve in a dip.
+    // Equal numbers of points: a short last part would end a curve in a dip.
     let parts = PARTS.min(points.len());
     let end = |k: usize| k * points.len() / parts;
     let largest = (0..parts).filter_map(|k| {
@@ -58,12 +58,12 @@ fn envelope(row: &Row, value: &Drawn) -> Vec<(f64, f64)> {
     largest.collect()
 }
 
-/// The change of something since the start of a run.
+/// The change of a quantity since the start of a run.
 fn change(of: impl Fn(&Row, usize) -> f64 + 'static) -> Box<Drawn> {
     Box::new(move |row, j| (of(row, j) - of(row, 0)).abs())
 }
 
-/// What there is to draw, with the words on its axis.
+/// The quantities to draw, with the descriptions of their axes.
 fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
     let keeps = comparison.reference.as_ref().map(|r| r.kept);
     let keeps = keeps.unwrap_or_default().without(comparison.zero_momenta);
@@ -83,7 +83,7 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
     ];
     for (k, name, keeps) in vectors {
         let of = |i: usize| change(move |row, j| row.samples[j].momenta[k][i]);
-        // The worst of the components speaks for all.
+        // The worst of the components.
         let largest = |i: &usize| {
             let value = of(*i);
             let all = comparison.rows.iter();
@@ -96,7 +96,7 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
             out.push((format!("|change of {name}|, component {}", i + 1), of(i)));
         }
     }
-    // Equations that do not hold at the start are not thereby right.
+    // The residual is drawn as it is, not as a change since the start.
     let violation = |row: &Row, j: usize| row.samples[j].violation;
     let loops = |row: &Row| (0..row.samples.len()).any(|j| violation(row, j).is_some());
     if comparison.rows.iter().any(loops) {

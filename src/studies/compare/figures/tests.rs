@@ -1,8 +1,8 @@
-//! What the figures are drawn from, on an oscillator whose steps are known in closed form.
+//! Data of the figures, on an oscillator whose steps are known in closed form.
 
 use super::*;
 use crate::input;
-use crate::studies::compare::{Options, Watch, compare};
+use crate::studies::compare::{Hooks, Options, compare};
 
 /// A mass of 1 on a spring of stiffness 4, let go at 0.3: x = 0.3 cos 2t.
 const OSCILLATOR: &str = r#"
@@ -37,7 +37,7 @@ fn compared(schemes: &[&str], long: Option<f64>) -> Comparison {
         long,
         ..Options::new(schemes, STEPS.to_vec())
     };
-    compare(&make, "model.toml", &options, &Watch::NOBODY).unwrap()
+    compare(&make, "model.toml", &options, &Hooks::NONE).unwrap()
 }
 
 /// Root mean square over the common times of the error of the position by the trapezoidal rule, which
@@ -103,7 +103,7 @@ fn a_linear_model_takes_one_solution_per_step() {
     }
 }
 
-/// A run that fails is said to: its curve ends before the others.
+/// A failed run is marked in the legend: its curve ends before the others.
 #[test]
 fn curves_that_stop_say_so() {
     let mut comparison = compared(&["newmark", "ga:0.8"], Some(2.0));

@@ -1,10 +1,10 @@
-//! The table of what changes of chart cost.
+//! The table of the cost of chart changes.
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
 use crate::studies::compare::{Comparison, Quantity, Row};
 
-/// Errors beside those of runs whose charts are kept longer.
+/// Errors beside those of runs with charts that are kept longer.
 const SHOWN: [Quantity; 4] = [
     Quantity::Position,
     Quantity::Rotation,
@@ -28,10 +28,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
                    first, have a floor that no step makes smaller.";
     let changes = |row: &Row| row.counts.chart_changes;
     if c.rows.iter().chain(&c.late).all(|row| changes(row) == 0) {
-        out.paragraph(
-            "",
-            "No run changes a chart: there is nothing that it could cost.",
-        );
+        out.paragraph("", "No run changes a chart, so there is no cost.");
         return;
     }
     let errors = SHOWN.map(|q| q.name().to_owned());

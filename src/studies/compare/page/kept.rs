@@ -41,7 +41,7 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
     }
 }
 
-/// What is kept because it is nothing.
+/// Quantities that are conserved because they are zero.
 fn nothing(kept: &Kept, zero: Components) -> String {
     let both = |kept: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| kept[i] && zero[i]);
     let all = [
@@ -93,7 +93,7 @@ fn rows(out: &mut Page, caption: &str, all: &[Row]) {
     out.end_table();
 }
 
-/// Components of a momentum in words, if there are any.
+/// Description of the components of a momentum, if any.
 fn components(name: &str, which: [bool; 3]) -> Option<String> {
     let numbers = (0..3).filter(|&i| which[i]);
     let numbers: Vec<String> = numbers.map(|i| (i + 1).to_string()).collect();
@@ -105,7 +105,7 @@ fn components(name: &str, which: [bool; 3]) -> Option<String> {
     }
 }
 
-/// What a motion keeps, in words.
+/// Description of the conserved quantities of a motion.
 fn keeps(kept: &Kept) -> String {
     let all = [
         kept.energy.then(|| "energy".to_owned()),

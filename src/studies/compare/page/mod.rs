@@ -1,4 +1,4 @@
-//! `compare.html`: one page that needs nothing else, for the screen and for print; and `compare.md`, the
+//! `compare.html`: one self-contained page, for the screen and for print; and `compare.md`, the
 //! same in Markdown.
 
 mod charts;
@@ -34,7 +34,7 @@ figcaption{font-size:.9em;color:#444}\
 @media print{body{font-size:10pt;max-width:none;margin:0;padding:0}table{font-size:7.5pt}\
 figure{margin:.8em 0}figure svg{max-height:108mm}th,td{padding:.12em .45em}h2{break-after:avoid}tr{break-inside:avoid}}";
 
-/// The page of comparisons, each on a model of its own, with their figures.
+/// The page of comparisons, one per model, with their figures.
 pub(super) fn page(
     format: Format,
     all: &[(&Comparison, Vec<Figure>)],
@@ -57,7 +57,7 @@ pub(super) fn page(
     for (k, (comparison, figures)) in all.iter().enumerate() {
         let class = if k > 0 { "another" } else { "" };
         out.heading(1, class, &self::title(comparison));
-        // One command made all of them.
+        // All of them have the same command.
         let command = command.filter(|_| k == 0);
         section(&mut out, comparison, figures, command);
     }
@@ -133,7 +133,7 @@ fn names() -> impl Iterator<Item = String> {
     Quantity::ALL.into_iter().map(|q| q.name().to_owned())
 }
 
-/// The rows of runs that began; the others are among the failures.
+/// The rows of runs that started; the others are among the failures.
 fn begun(rows: &[Row]) -> Vec<&Row> {
     let begun = |row: &&Row| row.failure.is_none() || !row.samples.is_empty();
     rows.iter().filter(begun).collect()
@@ -148,7 +148,7 @@ fn step(row: &Row) -> String {
     exact(row.step)
 }
 
-/// A step size with all its digits where they are few.
+/// A step size with all its digits if there are few.
 fn exact(h: f64) -> String {
     let all = h.to_string();
     if all.len() <= 9 { all } else { short(h) }

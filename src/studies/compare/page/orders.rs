@@ -46,7 +46,7 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
     formulations(out, c);
 }
 
-/// What there is to say of theory where it has several orders.
+/// Note on theory with several orders.
 fn levels(c: &Comparison) -> &'static str {
     let mut orders = c.orders.iter().filter_map(|o| o.theory);
     let same = orders.all(|o| o.0.iter().all(|p| *p == o.0[0]));
@@ -59,7 +59,7 @@ fn levels(c: &Comparison) -> &'static str {
     }
 }
 
-/// What the rotations are in each scheme, where they are not the same in all.
+/// Description of the rotations in each scheme, unless they are the same in all.
 fn formulations(out: &mut Page, c: &Comparison) {
     let first = c.orders.first().map(|o| o.formulation);
     if c.orders.iter().all(|o| Some(o.formulation) == first) {

@@ -19,7 +19,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let rows = begun(&c.rows);
     for (k, row) in rows.iter().enumerate() {
         let mut line = vec![escaped(&row.scheme), step(row), note(row).to_owned()];
-        // An error below that of the reference is only known to be no larger than that.
+        // An error below that of the reference has that one as a bound.
         let least = |q| c.reference.as_ref().map_or(0.0, |r| r.error.of(q));
         let error = |q| match row.error.map(|e| e.of(q)) {
             None => "–".to_owned(),
@@ -33,12 +33,12 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
     out.end_table();
 }
 
-/// Which step sizes were made of those asked for, where they are others.
+/// Step sizes that differ from those requested.
 fn changed_steps(c: &Comparison) -> String {
     let mut made: Vec<String> = Vec::new();
     for row in &c.rows {
-        if (row.step - row.asked).abs() > 1e-9 * row.asked {
-            let pair = format!("{} for {}", exact(row.step), exact(row.asked));
+        if (row.step - row.requested_step).abs() > 1e-9 * row.requested_step {
+            let pair = format!("{} for {}", exact(row.step), exact(row.requested_step));
             if !made.contains(&pair) {
                 made.push(pair);
             }
@@ -53,7 +53,7 @@ fn changed_steps(c: &Comparison) -> String {
     )
 }
 
-/// What there is to say about a run, in a word.
+/// Status of a run, in a word.
 fn note(row: &Row) -> &'static str {
     match status(row) {
         "complete" if row.counts.rejected > 0 => "steps halved",
@@ -62,7 +62,7 @@ fn note(row: &Row) -> &'static str {
     }
 }
 
-/// Errors of all schemes at a cost that they have in common.
+/// Errors of all schemes at a common cost.
 pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
     let (title, what) = match equal.seconds {
         true => {
@@ -122,16 +122,16 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
         false => "",
         true => {
             columns.push("alone / s");
-            "; alone is that of the integration and nothing else but what it looks for before its first step, the \
+            "; alone is that of the integration only, with the search before its first step, the \
              least of some repetitions"
         }
     };
     let beside = match c.threads {
         1 => "one run at a time".to_owned(),
-        n => format!("{n} runs side by side on one machine, which makes each of them slower"),
+        n => format!("{n} runs in parallel on one machine, which slows each of them down"),
     };
     let caption = format!(
-        "Time is wall-clock time with the audits of energy and momentum, {beside}{alone}. An evaluation \
+        "Time is wall time with the evaluation of energies and momenta, {beside}{alone}. An evaluation \
          assembles the model once, with a tangent three times where rates are spins. Increments are \
          centred anew in every step, and each time counts as a change of chart.{}",
         searching(c)
@@ -163,7 +163,7 @@ pub(super) fn cost(out: &mut Page, c: &Comparison) {
     out.end_table();
 }
 
-/// What schemes do before their first step, which is not counted.
+/// Assemblies before the first step, which are not counted.
 fn searching(c: &Comparison) -> String {
     let mut found: Vec<String> = Vec::new();
     for row in c.rows.iter().filter(|row| row.searching > 0) {

@@ -1,16 +1,16 @@
-//! A page in the making: the same headings, paragraphs, tables and figures in HTML and in Markdown.
+//! Writer of a page: the same headings, paragraphs, tables and figures in HTML and in Markdown.
 
 use super::super::figures::Figure;
 use super::escaped;
 use std::fmt::Write;
 
-/// What a page is written in. Text inside paragraphs and cells is that of HTML in both, which
-/// Markdown knows as well.
+/// Format of a page. Text inside paragraphs and cells is that of HTML in both, which
+/// Markdown accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::studies::compare) enum Format {
-    /// One file with its figures inside.
+    /// One file with embedded figures.
     Html,
-    /// Tables between bars; figures by the names of their files.
+    /// Tables with bars; figures by file name.
     Markdown,
 }
 
@@ -35,7 +35,7 @@ impl Page {
     pub(super) fn into_text(self) -> String {
         match self.format {
             Format::Html => self.text,
-            // One line ends it.
+            // Ends with a single line break.
             Format::Markdown => self.text.trim_end().to_owned() + "\n",
         }
     }
@@ -99,7 +99,7 @@ impl Page {
         }
     }
 
-    /// The head of a table: a caption, and names of columns, the first ones of words.
+    /// The head of a table: a caption and names of columns, the first `words` of them text.
     pub(super) fn table(&mut self, caption: &str, columns: &[String], words: usize) {
         if !caption.is_empty() {
             self.paragraph("caption", caption);
@@ -117,7 +117,7 @@ impl Page {
         }
     }
 
-    /// A row of a table, the first cells of words; `next` where something else begins.
+    /// A row of a table, the first cells text; `next` at the start of a group.
     pub(super) fn row(&mut self, next: bool, words: usize, row: &[String]) {
         match self.format {
             Format::Html => {
@@ -165,7 +165,7 @@ fn cells(tag: &str, words: usize, cells: &[String]) -> String {
     out
 }
 
-/// A figure as part of a page: without its declaration.
+/// A figure to embed in a page: without its declaration.
 fn inline(svg: &str) -> &str {
     svg.find("<svg")
         .map_or(svg, |start| svg[start..].trim_end())

@@ -1,5 +1,5 @@
-//! Velocities that initial conditions ask for in models whose loops are closed by multipliers or
-//! penalties: kept where the loops allow them, refused where not.
+//! Velocities prescribed by initial conditions in models whose loops are closed by multipliers or
+//! penalties: kept where the loops allow them, refused otherwise.
 
 use super::assemble::locate;
 use super::file::ModelFile;
@@ -8,27 +8,27 @@ use super::{InputError, Problem, Text};
 use pullback_elements::model::{BEFORE_START, Model, ModelError, NodeId};
 use pullback_manifold::system::System;
 
-/// The unknowns of which an entry of `[[initial]]` says how fast they are.
-pub(super) struct Asked {
+/// The unknowns whose velocities an entry of `[[initial]]` prescribes.
+pub(super) struct VelocityRequest {
     /// Number of the entry.
     entry: usize,
     unknowns: Vec<usize>,
-    /// Whether it speaks of one node. Entries on lines and on the whole give way to rates of joints
-    /// and velocities of nodes.
+    /// Whether it applies to one node. Rates of joints and velocities of nodes take precedence over
+    /// entries for lines and for the whole model.
     of_node: bool,
 }
 
-impl Asked {
-    /// Of a node: its velocity (first), the rate of its rotation (second), or both.
-    pub(super) fn of_node(entry: usize, model: &Model, node: NodeId, asked: [bool; 2]) -> Self {
+impl VelocityRequest {
+    /// For a node: its velocity (first), the rate of its rotation (second), or both.
+    pub(super) fn of_node(entry: usize, model: &Model, node: NodeId, of: [bool; 2]) -> Self {
         Self {
             entry,
-            unknowns: unknowns(model, node, asked).collect(),
+            unknowns: unknowns(model, node, of).collect(),
             of_node: true,
         }
     }
 
-    /// Of some nodes that move with a rigid motion; of the whole model where there is no list.
+    /// For nodes in rigid motion; for the whole model if there is no list.
     pub(super) fn of_nodes(entry: usize, model: &Model, nodes: Option<&[NodeId]>) -> Self {
         let all = 0..model.initial().len();
         Self {
@@ -51,8 +51,8 @@ pub(super) fn unknowns(
     let free = model.free_rotation_of(node);
     let turn = if free == node { 3 } else { 0 };
     let all = [(node, 0, of[0]), (free, turn, of[1])].into_iter();
-    let asked = all.filter(|(.., asked)| *asked);
-    asked
+    let chosen = all.filter(|(.., chosen)| *chosen);
+    chosen
         .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)))
         .filter_map(|(node, k)| model.unknown_at(node, k))
 }
@@ -63,15 +63,15 @@ pub(super) struct Rate {
     pub u: usize,
     /// Name of the coordinate.
     pub of: String,
-    /// Where it stands in the file.
+    /// Path in the file.
     pub at: Vec<String>,
-    /// What is asked for.
+    /// Prescribed rate.
     pub given: f64,
 }
 
-/// Moves a start to what multipliers and penalties enforce by the smallest changes of what nobody
-/// asks for: unknowns that are `placed` are kept if that can be, rates of joints are kept, then the
-/// velocities that nodes have been given in the order of the file.
+/// Projects a start onto the equations of multipliers and penalties by the smallest changes. Coordinates of
+/// unknowns that are `placed` are kept if possible; rates of joints are kept, then velocities of nodes in the
+/// order of the file.
 pub(super) fn satisfy(
     source: &Text<'_>,
     model: &mut Model,
@@ -79,7 +79,7 @@ pub(super) fn satisfy(
     mut start: Start,
     rates: &[Rate],
     placed: &[usize],
-    mut asked: Vec<Asked>,
+    mut requests: Vec<VelocityRequest>,
 ) -> Result<Start, InputError> {
     if !model.is_enforced() {
         return Ok(start);
@@ -103,17 +103,17 @@ pub(super) fn satisfy(
         };
         return Err(source.value(&parts(&first.at), problem));
     }
-    // Like the maps of loops: what a drive moves has another velocity than the whole.
+    // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
     let driven = file.supports.iter().any(|s| s.prescribed.is_some())
         || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.prescribed.is_some()));
-    if driven || asked.iter().any(|a| a.of_node) || !held.is_empty() {
-        asked.retain(|a| a.of_node);
+    if driven || requests.iter().any(|a| a.of_node) || !held.is_empty() {
+        requests.retain(|a| a.of_node);
     }
-    for a in asked {
-        held.extend(a.unknowns);
+    for request in requests {
+        held.extend(request.unknowns);
         let (left, joint) = tried(model, &start, &held).map_err(failed)?;
         if left > LEFT {
-            let at = ["initial", &a.entry.to_string()];
+            let at = ["initial", &request.entry.to_string()];
             return Err(source.value(&at, Problem::LoopMotion { joint }));
         }
     }
@@ -122,13 +122,13 @@ pub(super) fn satisfy(
     Ok(start)
 }
 
-/// How far off velocities remain with what is held, and at which joint.
+/// The remaining error of velocities with the unknowns `held`, and the joint where it is largest.
 fn tried(model: &mut Model, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
     model.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
 }
 
-/// A path to what stands in a file.
+/// A path in the file.
 fn parts(path: &[String]) -> Vec<&str> {
     path.iter().map(String::as_str).collect()
 }

@@ -1,4 +1,4 @@
-//! What is compared: schemes of the library, each in a formulation, and general solvers.
+//! The compared methods: schemes of the library, each in a formulation, and general solvers.
 
 use super::Values;
 use crate::method::Method;
@@ -14,14 +14,14 @@ use std::str::FromStr;
     clippy::large_enum_variant,
     reason = "a comparison has a few of them, and copies them"
 )]
-pub enum Contender {
+pub enum Candidate {
     /// A scheme of the library.
     Method(Method),
     /// A general solver: a step size stands for a tolerance ([`General::at`]).
     General(General),
 }
 
-impl Contender {
+impl Candidate {
     /// The formulation of rotations.
     pub fn formulation(&self) -> Formulation {
         match self {
@@ -30,7 +30,7 @@ impl Contender {
         }
     }
 
-    /// What it is, and from where.
+    /// Description with reference.
     pub fn about(&self) -> &'static str {
         match self {
             Self::Method(method) => method.about(),
@@ -38,7 +38,7 @@ impl Contender {
         }
     }
 
-    /// Its order in theory, where the step size is its own.
+    /// Its order in theory, if its step size is prescribed.
     pub fn order(&self) -> Option<usize> {
         match self {
             Self::Method(method) => Some(method.order()),
@@ -46,7 +46,7 @@ impl Contender {
         }
     }
 
-    /// The same of each quantity, on a model with multipliers or without.
+    /// The order of each quantity, on a model with multipliers or without.
     pub fn orders(&self, multipliers: bool) -> Option<Values<usize>> {
         match (self, multipliers) {
             (Self::Method(method), true) => {
@@ -57,16 +57,16 @@ impl Contender {
     }
 }
 
-impl From<Method> for Contender {
+impl From<Method> for Candidate {
     fn from(method: Method) -> Self {
         Self::Method(method)
     }
 }
 
-impl FromStr for Contender {
+impl FromStr for Candidate {
     type Err = DynamicsError;
 
-    /// A word of [`General`], or of [`Method`].
+    /// The name of a [`General`] solver or a [`Method`].
     fn from_str(text: &str) -> Result<Self, DynamicsError> {
         let text = text.trim();
         match text.starts_with(general::PREFIX) {
@@ -76,7 +76,7 @@ impl FromStr for Contender {
     }
 }
 
-impl fmt::Display for Contender {
+impl fmt::Display for Candidate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Method(method) => method.fmt(f),

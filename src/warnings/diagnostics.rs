@@ -1,4 +1,4 @@
-//! What is doubtful about the equilibria of a static analysis.
+//! Warnings about the equilibria of a static analysis.
 
 use super::LISTED;
 use crate::output::Row;
@@ -15,46 +15,46 @@ struct Change {
     between: [f64; 2],
     /// Unstable directions before and after it.
     directions: [usize; 2],
-    /// Whether the load turns there.
+    /// Whether the load reverses there.
     turns: bool,
 }
 
-/// Sees the rows of a static analysis as they are recorded.
+/// Records the rows of a static analysis.
 #[derive(Clone, Debug)]
-pub(crate) struct Watch {
-    /// Load parameter and unstable directions of the last row that knows them.
+pub(crate) struct Diagnostics {
+    /// Load parameter and number of unstable directions of the last row that has it.
     stability: (f64, usize),
-    /// Load parameter of the last row, and its change to there.
+    /// Load parameter of the last row, and its last change.
     last: f64,
     sense: f64,
-    /// Whether the load has turned since the last row that knows its stability.
+    /// Whether the load has reversed since the last row with a known stability.
     turns: bool,
     changes: Vec<Change>,
     /// Converged rows.
     rows: usize,
-    /// Whether anything has moved, and whether a support has had anything to hold.
-    stirred: bool,
+    /// Whether anything has moved, and whether any reaction is nonzero.
+    moved: bool,
     held: bool,
     /// Element, 1 + Γ₁ and load parameter of the first row with an element inside out.
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
     strained: Option<(String, f64, f64)>,
-    /// Residual relative to loads and reactions at which a step has converged, unless what is left is
+    /// Tolerance of the residual relative to loads and reactions, unless the rest is
     /// rounding.
     relative: f64,
-    /// Residual force and moment, the part of loads and reactions that they are, and load parameter of
-    /// the first row where rounding errors leave that much of them.
+    /// Residual force and moment, their ratio to loads and reactions, and load parameter of
+    /// the first row in which rounding errors are that large.
     unresolved: Option<([f64; 2], f64, f64)>,
 }
 
-/// Residuals from this part of loads and reactions on leave too few correct digits.
+/// Ratio of residuals to loads and reactions above which too few digits are correct.
 const UNRESOLVED: f64 = 1e-5;
 
 /// Elongation or shear beyond which a linear law of the section is doubtful.
 const LARGE_STRAIN: f64 = 0.2;
 
-impl Watch {
-    /// Begins at a load parameter, with a structure that is stable; `relative` is the tolerance of the
+impl Diagnostics {
+    /// Starts at a load parameter with a stable structure; `relative` is the tolerance of the
     /// residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl Watch {
             turns: false,
             changes: Vec::new(),
             rows: 0,
-            stirred: false,
+            moved: false,
             held: false,
             inverted: None,
             strained: None,
@@ -73,14 +73,14 @@ impl Watch {
         }
     }
 
-    /// A converged row, with the model in its configuration; `released` is what was out of balance
-    /// before the first correction at the start: where springs hold each other neither loads nor
-    /// reactions measure them.
-    pub(crate) fn see(&mut self, model: &Model, answers: &Answers, row: &Row, released: [f64; 3]) {
+    /// Records a converged row, with the model in its configuration; `force` is the residual before the first
+    /// correction at the start: the scale of forces where springs in equilibrium with each other leave neither
+    /// loads nor reactions.
+    pub(crate) fn record(&mut self, model: &Model, answers: &Answers, row: &Row, force: [f64; 3]) {
         let t = row.t;
         self.rows += 1;
         let measures = Scales {
-            force: released,
+            force,
             ..model.scales()
         }
         .measures();
@@ -92,7 +92,7 @@ impl Watch {
         if unresolved && self.unresolved.is_none() {
             self.unresolved = Some((row.residual, part, t));
         }
-        self.stirred = self.stirred || answers.strain_energy() != 0.0 || moved(model);
+        self.moved = self.moved || answers.strain_energy() != 0.0 || moved(model);
         let mut reactions = answers.reactions().iter();
         self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
         for (id, state) in answers.sections() {
@@ -122,10 +122,10 @@ impl Watch {
         self.stability = (t, now);
     }
 
-    /// What there is to say; that nothing moves only of a run that is complete.
+    /// The warnings; that nothing moves only for a complete run.
     pub(crate) fn warnings(&self, complete: bool) -> Vec<String> {
-        let idle = || {
-            (complete && self.rows > 0 && !self.stirred).then(|| {
+        let unloaded = || {
+            (complete && self.rows > 0 && !self.moved).then(|| {
                 if self.held {
                     "all loads act on coordinates that supports hold: nothing moves, and only \
                      reactions are computed. Load free nodes, or free these coordinates"
@@ -164,7 +164,7 @@ impl Watch {
             )
         });
         (self.instability().into_iter())
-            .chain(idle())
+            .chain(unloaded())
             .chain(inverted)
             .chain(strained)
             .chain(unresolved)
@@ -216,7 +216,7 @@ impl Watch {
     }
 }
 
-/// Whether any node is elsewhere than where it is drawn.
+/// Whether any node has moved from its reference configuration.
 fn moved(model: &Model) -> bool {
     model.frames().any(|(id, _)| {
         let state = model.node_state(id);
