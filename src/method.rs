@@ -133,8 +133,7 @@ impl Method {
         }
     }
 
-    /// The orders of positions, velocities and accelerations in this formulation on models with
-    /// multipliers.
+    /// The orders of positions, velocities and accelerations in this formulation on models with multipliers.
     pub fn orders_with_multipliers(&self) -> [usize; 3] {
         let most = self.order();
         self.scheme.orders_with_multipliers().map(|p| p.min(most))

@@ -157,8 +157,7 @@ impl Probe {
         &self.name
     }
 
-    /// Rotation vector at the last step, continued over changes of chart; the next value
-    /// depends on it.
+    /// Rotation vector at the last step, continued over changes of chart; the next value depends on it.
     pub fn memory(&self) -> [f64; 3] {
         self.continued.into()
     }

@@ -65,12 +65,10 @@ pub fn default_directory(model: &Path) -> PathBuf {
     model.with_extension("out")
 }
 
-/// Runs a model file. `observer` is called after each converged step has been recorded, and may stop
-/// the run.
+/// Runs a model file. `observer` is called after each converged step has been recorded, and may stop the run.
 ///
 /// # Errors
-/// [`RunError`]. A failure of the solver is an [`Outcome`] whose results hold the converged
-/// steps.
+/// [`RunError`]. A failure of the solver is an [`Outcome`] whose results hold the converged steps.
 pub fn run(
     model: &Path,
     out: Option<&Path>,
@@ -81,8 +79,7 @@ pub fn run(
     run_job(job, &model.display().to_string(), &directory, observer)
 }
 
-/// Resumes a dynamic run from its last checkpoint, with results that are bitwise those of an
-/// uninterrupted run.
+/// Resumes a dynamic run from its last checkpoint, with results that are bitwise those of an uninterrupted run.
 ///
 /// # Errors
 /// [`RunError`], [`ResumeError`] without a checkpoint of this model in the directory.

@@ -29,7 +29,7 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
         let now = energy.now.kinetic + energy.now.stored;
         let still = energy.start == 0.0 && energy.gross == 0.0 && now == 0.0;
         return (still && counts.steps > 0).then_some(
-            "nothing moves: no load acts on anything free, nothing is driven, and all starts at \
+            "nothing moves: no load acts on anything free, nothing is prescribed, and all starts at \
              rest. See `loads`, `prescribed` and `initial`",
         );
     }
@@ -68,14 +68,14 @@ fn is_of(joint: &Joint, name: &str) -> bool {
 }
 
 /// Supports and joints whose prescribed motion has a value (0) or a rate (1) at the start.
-fn driven(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
+fn prescribed(file: &ModelFile, order: usize) -> impl Iterator<Item = (String, Option<&Joint>)> {
     let off = move |time: &Time| {
         time.function()
             .is_ok_and(|f| f.at(BEFORE_START)[order] != 0.0)
     };
     let supports = file.supports.iter().filter(move |s| {
-        let driven = s.prescribed.as_ref();
-        driven.is_some_and(|d| d.given().any(|(_, time)| off(time)))
+        let prescribed = s.prescribed.as_ref();
+        prescribed.is_some_and(|d| d.given().any(|(_, time)| off(time)))
     });
     let joints = (file.joints.iter()).filter(move |j| j.prescribed.as_ref().is_some_and(off));
     (supports.map(|s| (format!("support of {}", s.node), None)))
@@ -99,8 +99,8 @@ fn are(names: &[String]) -> String {
 
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
 pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
-    let driven: Vec<String> = driven(file, 1).map(|(name, _)| name).collect();
-    if !file.initial.is_empty() || driven.is_empty() {
+    let prescribed: Vec<String> = prescribed(file, 1).map(|(name, _)| name).collect();
+    if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
     }
     let moves = |name: &str| {
@@ -123,9 +123,9 @@ pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
     let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
     (!carried.is_empty()).then(|| {
         format!(
-            "{} driven with a velocity just before t = 0: what is attached to it by {} starts with it, as rates \
+            "{} prescribed with a velocity just before t = 0: what is attached to it by {} starts with it, as rates \
              of joints are 0. [[initial]] with velocity = [0, 0, 0] lets it start at rest in space",
-            are(&driven),
+            are(&prescribed),
             listed(&carried)
         )
     })
@@ -156,7 +156,7 @@ pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> 
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
     let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
-    let names: Vec<String> = driven(file, 0)
+    let names: Vec<String> = prescribed(file, 0)
         .chain(valued)
         // The coordinates of a loop are compatible.
         .filter(|(_, joint)| joint.is_none_or(|j| !has(false, model, j)))

@@ -15,8 +15,7 @@ use std::str::FromStr;
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// Model file (TOML; see docs/model_file.md) with a dynamic analysis, or the name of a model of
-    /// the gallery, such as top or elbow. Several models make one page, and a directory of results
-    /// each.
+    /// the gallery, such as top or elbow. Several models make one page, and a directory of results each.
     #[arg(required = true)]
     models: Vec<PathBuf>,
     /// Schemes, such as newmark, hht:-0.1, ga:0.8; an unknown name lists all of them.
@@ -25,8 +24,7 @@ pub(super) struct Arguments {
     /// diffsol-bdf and diffsol-esdirk are general solvers, in programs built with the feature diffsol.
     #[arg(long, value_delimiter = ',', required = true)]
     schemes: Vec<String>,
-    /// Step sizes, from large to small; with the suffix x multiples of the model file's own
-    /// step: 2x,1x,0.5x.
+    /// Step sizes, from large to small; with the suffix x multiples of the model file's own step: 2x,1x,0.5x.
     #[arg(
         long,
         value_delimiter = ',',

@@ -369,12 +369,12 @@ pub(super) fn locate(source: &Text<'_>, file: &ModelFile, error: ModelError) -> 
             // The cause: prescribed motion of the joint, or a support of the node.
             let name = coordinate.strip_prefix("node ").unwrap_or(coordinate);
             let name = name.split(", ").next().unwrap_or_default().to_owned();
-            let driven = |j: &super::file::Joint| {
+            let prescribed = |j: &super::file::Joint| {
                 let of = name.strip_prefix(&j.name);
                 of.is_some_and(|r| r.is_empty() || r.starts_with(' '))
                     && j.acts().prescribed.is_some()
             };
-            let path = match file.joints.iter().position(driven) {
+            let path = match file.joints.iter().position(prescribed) {
                 Some(k) => Some(["joints".to_owned(), k.to_string(), "prescribed".to_owned()]),
                 None => (file.supports.iter().position(|s| s.node == name))
                     .map(|k| ["supports".to_owned(), k.to_string(), "node".to_owned()]),

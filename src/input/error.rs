@@ -138,7 +138,7 @@ pub enum Problem {
     #[error("joint \"{joint}\": {source}")]
     Joint { joint: String, source: BoxedError },
     #[error("joint \"{joint}\" is prescribed, so {key} has no effect")]
-    DrivenJoint { joint: String, key: &'static str },
+    PrescribedJoint { joint: String, key: &'static str },
     #[error(
         "joint \"{joint}\" cannot slide along line \"{line}\": lines must have elements of order 1 \
          (this one has {order}), begin where the one before ends and have its interpolation"

@@ -278,7 +278,7 @@ fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
     [model.reference(node) + three(node, 0), three(free, first)]
 }
 
-/// Refuses a velocity of a node along a coordinate that is held or driven.
+/// Refuses a velocity of a node along a coordinate that is held or prescribed.
 fn movable<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],

@@ -74,8 +74,7 @@ struct Prismatic {
 /// Releases two displacements in a plane, and the angle about its normal.
 #[derive(Deserialize, JsonSchema)]
 struct Planar {
-    /// Normal of the plane in global components of the reference configuration; the parent carries
-    /// it.
+    /// Normal of the plane in global components of the reference configuration; the parent carries it.
     axis: [f64; 3],
     /// Direction of the first displacement; its part in the plane counts.
     second_axis: [f64; 3],

@@ -3,7 +3,7 @@
 use super::advice::RENAMED;
 use super::assemble::Names;
 use super::file::{Acts, Joint, ModelFile};
-use super::loads::{drive, function};
+use super::loads::{function, prescribed_function};
 use super::parts::Laid;
 use super::registry::{JointType, Refusal, Registry, Site};
 use super::{InputError, Problem, Text, plain};
@@ -99,8 +99,7 @@ impl Entry<'_> {
     }
 }
 
-/// Adds joint number `k` of the file, whose parents exist; returns its node and the nodes of its
-/// single coordinates.
+/// Adds joint number `k` of the file, whose parents exist; returns its node and the nodes of its single coordinates.
 pub(super) fn make(
     source: &Text<'_>,
     registry: &Registry,
@@ -264,11 +263,11 @@ fn act(
         ] {
             if given {
                 let joint = name.to_owned();
-                return Err(source.key(&path(key), Problem::DrivenJoint { joint, key }));
+                return Err(source.key(&path(key), Problem::PrescribedJoint { joint, key }));
             }
         }
-        let driven = drive(source, &path("prescribed"), time)?;
-        builder.prescribe_coordinate(coordinate, 0, driven);
+        let prescribed = prescribed_function(source, &path("prescribed"), time)?;
+        builder.prescribe_coordinate(coordinate, 0, prescribed);
     }
     if let Some(s) = acts.spring {
         let law = CoordinateLaw {

@@ -197,8 +197,7 @@ fn axis<'p>(
     Ok(made)
 }
 
-/// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be
-/// ambiguous.
+/// Refuses angles of half a turn and more between the ends of an element, whose sense of rotation would be ambiguous.
 fn per_element(
     source: &Text<'_>,
     path: &[&str],

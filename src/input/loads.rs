@@ -27,16 +27,16 @@ pub(super) fn support(
         let path = |key: &'static str| ["supports", index.as_str(), key];
         let node = nodes.find(source, &path("node"), &support.node)?;
         let fixed = support.fix.as_ref().map_or(&[][..], |fix| fix.dofs());
-        let driven = support.prescribed.clone().unwrap_or_default();
+        let prescribed = support.prescribed.clone().unwrap_or_default();
         let fixed = fixed
             .iter()
             .map(|&dof| (dof, path("fix").to_vec(), Time::Constant(0.0)));
-        let driven = driven.given().map(|(dof, time)| {
+        let prescribed = prescribed.given().map(|(dof, time)| {
             let path = [&path("prescribed")[..], &[dof.key()]].concat();
             (dof, path, time.clone())
         });
         let before = taken.len();
-        for (dof, path, time) in fixed.chain(driven) {
+        for (dof, path, time) in fixed.chain(prescribed) {
             if !taken.insert((node, dof)) {
                 let problem = Problem::PrescribedTwice {
                     node: support.node.clone(),
@@ -46,7 +46,11 @@ pub(super) fn support(
             }
             match time {
                 Time::Constant(value) => builder.prescribe(node, dof.dof(), Constant(value)),
-                _ => builder.prescribe_boxed(node, dof.dof(), drive(source, &path, &time)?),
+                _ => builder.prescribe_boxed(
+                    node,
+                    dof.dof(),
+                    prescribed_function(source, &path, &time)?,
+                ),
             }
         }
         if taken.len() == before {
@@ -103,7 +107,7 @@ pub(super) fn function(
 }
 
 /// The function of a prescribed coordinate, which must not jump.
-pub(super) fn drive(
+pub(super) fn prescribed_function(
     source: &Text<'_>,
     path: &[&str],
     time: &Time,

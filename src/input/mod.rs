@@ -132,8 +132,7 @@ pub fn assemble_text(name: &str, text: &str) -> Result<Job, InputError> {
 /// Parses the text of a model file; messages refer to it as `name`.
 ///
 /// # Errors
-/// [`InputError`] for invalid TOML and unknown keys. References between parts are checked
-/// by the assembly.
+/// [`InputError`] for invalid TOML and unknown keys. References between parts are checked by the assembly.
 pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
     parse_text(&Text::new(name, text))
 }
@@ -240,8 +239,7 @@ fn plain(message: &str) -> String {
     out
 }
 
-/// Parses serde's message about an unknown field or variant: names are in backticks, the
-/// unknown one first.
+/// Parses serde's message about an unknown field or variant: names are in backticks, the unknown one first.
 fn unknown_key(message: &str) -> Option<Problem> {
     if !message.starts_with("unknown field") && !message.starts_with("unknown variant") {
         return None;

@@ -104,9 +104,9 @@ pub(super) fn satisfy(
         return Err(source.value(&parts(&first.at), problem));
     }
     // As with maps of loops, prescribed motion has a velocity of its own, whatever that of the whole model.
-    let driven = file.supports.iter().any(|s| s.prescribed.is_some())
+    let prescribed = file.supports.iter().any(|s| s.prescribed.is_some())
         || (file.joints.iter()).any(|j| j.all_acts().any(|(_, a)| a.prescribed.is_some()));
-    if driven || requests.iter().any(|a| a.of_node) || !held.is_empty() {
+    if prescribed || requests.iter().any(|a| a.of_node) || !held.is_empty() {
         requests.retain(|a| a.of_node);
     }
     for request in requests {

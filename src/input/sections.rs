@@ -8,8 +8,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Material, Section, SectionError};
 use pullback_elements::inertia::Inertia;
 
-/// Dotted path, below the section, of the number that an error is about; the shape if it is about no
-/// single number.
+/// Dotted path, below the section, of the number that an error is about; the shape if it is about no single number.
 fn number(shape: &str, error: &SectionError) -> String {
     match error {
         SectionError::NotPositive { quantity, .. } => {

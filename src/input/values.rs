@@ -34,8 +34,7 @@ pub(super) fn start(
     drawn_apart(source, model, lines, [&carried, placed])
 }
 
-/// Values of single joint coordinates in the file: number of the joint, name of the coordinate, and the
-/// value.
+/// Values of single joint coordinates in the file: number of the joint, name of the coordinate, and the value.
 pub(super) fn given(
     file: &ModelFile,
     pick: fn(&Acts) -> Option<f64>,

@@ -123,8 +123,7 @@ impl Directory {
         })
     }
 
-    /// Opens the directory of a resumed run, and removes the ParaView files written after its
-    /// checkpoint.
+    /// Opens the directory of a resumed run, and removes the ParaView files written after its checkpoint.
     ///
     /// # Errors
     /// [`OutputError::Write`].
@@ -189,8 +188,7 @@ impl Directory {
         Ok(())
     }
 
-    /// Truncates a file after its first bytes and appends to it; without first bytes the file is
-    /// created or replaced.
+    /// Truncates a file after its first bytes and appends to it; without first bytes the file is created or replaced.
     ///
     /// # Errors
     /// [`OutputError::Write`]; the first bytes are then unchanged.

@@ -62,8 +62,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Marks the directory as that of an unfinished run. `warnings` are those of the
-    /// model.
+    /// Marks the directory as that of an unfinished run. `warnings` are those of the model.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -192,8 +191,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Records a converged step, with the model in its configuration; in a motion at the interval of
-    /// the plan.
+    /// Records a converged step, with the model in its configuration; in a motion at the interval of the plan.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -324,8 +322,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Keeps a shape; if there are too many, every second one is dropped. The limit is even, so the
-    /// last one stays.
+    /// Keeps a shape; if there are too many, every second one is dropped. The limit is even, so the last one stays.
     fn keep(&mut self, shape: (f64, Shapes)) {
         let record = &mut self.record;
         record.shapes.push(shape);

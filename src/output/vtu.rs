@@ -42,8 +42,7 @@ pub fn collection(frames: &[Frame]) -> String {
     out + "</Collection>\n</VTKFile>\n"
 }
 
-/// The grid (`.vtu`) of a model in its present configuration, in statics with the load
-/// parameter.
+/// The grid (`.vtu`) of a model in its present configuration, in statics with the load parameter.
 pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
     let mut points = Points::default();
     let mut connectivity = Vec::new();

@@ -39,8 +39,7 @@ pub(crate) struct Diagnostics {
     inverted: Option<(String, f64, f64)>,
     /// Element, strain and load parameter of the first row with a large strain.
     strained: Option<(String, f64, f64)>,
-    /// Tolerance of the residual relative to loads and reactions, unless the rest is
-    /// rounding.
+    /// Tolerance of the residual relative to loads and reactions, unless the rest is rounding.
     relative: f64,
     /// Residual force and moment, their ratio to loads and reactions, and load parameter of
     /// the first row in which rounding errors are that large.
@@ -54,8 +53,7 @@ const UNRESOLVED: f64 = 1e-5;
 const LARGE_STRAIN: f64 = 0.2;
 
 impl Diagnostics {
-    /// Starts at a load parameter with a stable structure; `relative` is the tolerance of the
-    /// residual.
+    /// Starts at a load parameter with a stable structure; `relative` is the tolerance of the residual.
     pub(crate) fn new(t: f64, relative: f64) -> Self {
         Self {
             stability: (t, 0),
@@ -130,7 +128,7 @@ impl Diagnostics {
                     "all loads act on coordinates that supports hold: nothing moves, and only \
                      reactions are computed. Load free nodes, or free these coordinates"
                 } else {
-                    "no load acts and nothing is driven: nothing moves. See `loads`, `prescribed`, and \
+                    "no load acts and nothing is prescribed: nothing moves. See `loads`, `prescribed`, and \
                      whether a `time` is zero over the whole range of the load parameter"
                 }
                 .to_owned()

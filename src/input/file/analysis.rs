@@ -40,8 +40,7 @@ pub struct Static {
     /// Largest step; a quarter of the range by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_step: Option<f64>,
-    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of the
-    /// range by default.
+    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of the range by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_step: Option<f64>,
     /// Newton's method.
@@ -78,8 +77,7 @@ pub struct ArcLength {
     /// Most steps.
     #[schemars(range(min = 1))]
     pub max_steps: usize,
-    /// Change of the load parameter that counts as much as a change of the coordinates by the
-    /// size of the model.
+    /// Change of the load parameter that counts as much as a change of the coordinates by the size of the model.
     pub load_scale: f64,
     /// Target number of iterations per step.
     #[schemars(range(min = 1))]
@@ -156,8 +154,7 @@ pub struct Dynamic {
     pub to: f64,
     /// Step size.
     pub step: f64,
-    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step`
-    /// by default.
+    /// Smallest step: the analysis fails when a smaller one would be needed; a millionth of `step` by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_step: Option<f64>,
     /// Integration scheme.
@@ -202,8 +199,7 @@ pub struct Adaptive {
 pub struct DynamicNewton {
     /// Residual relative to the largest forces (moments) of the step.
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors
-    /// are left.
+    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors are left.
     #[schemars(range(min = 0.0))]
     pub absolute: f64,
     /// Most iterations per step.
@@ -254,8 +250,7 @@ pub enum Predictor {
 pub struct NewtonSettings {
     /// Residual relative to the applied and reaction forces (moments).
     pub relative: f64,
-    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors
-    /// are left.
+    /// Absolute floor of the same test, in units of force (moment); with 0 only rounding errors are left.
     #[schemars(range(min = 0.0))]
     pub absolute: f64,
     /// Most linear solutions per step.

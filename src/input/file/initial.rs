@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Initial displacement, rotation and velocity of a node, or initial velocity of a line or of the
 /// whole model (when neither `node` nor `line` is given). Nodes of a line or model move like a
-/// rigid body: with `velocity` + `angular_velocity` × (x − `about`). Later entries overwrite
-/// earlier ones.
+/// rigid body: with `velocity` + `angular_velocity` × (x − `about`). Later entries overwrite earlier ones.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Initial {

@@ -42,8 +42,7 @@ pub struct Line {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
-    /// Total rotation vectors: the fastest; strains change with a rigid rotation by the order of the
-    /// mesh error.
+    /// Total rotation vectors: the fastest; strains change with a rigid rotation by the order of the mesh error.
     #[default]
     Total,
     /// Rotations relative to a node of the element: strains do not change with a rigid rotation.

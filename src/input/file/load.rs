@@ -52,7 +52,7 @@ pub struct Support {
     pub fix: Option<Fix>,
     /// Coordinates prescribed as functions of the load parameter, or of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub prescribed: Option<Driven>,
+    pub prescribed: Option<PrescribedMotion>,
 }
 
 /// Which coordinates are held.
@@ -74,7 +74,7 @@ pub enum Fix {
 pub enum Group {
     /// All six.
     All,
-    /// The three displacements: a ball joint.
+    /// The three displacements: a spherical joint.
     Position,
     /// The three rotations.
     Rotation,
@@ -96,7 +96,7 @@ impl Fix {
 /// vector: with one component prescribed and the other two fixed it is an angle, any number of turns.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Driven {
+pub struct PrescribedMotion {
     /// Displacement along e1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<Time>,
@@ -117,7 +117,7 @@ pub struct Driven {
     pub rz: Option<Time>,
 }
 
-impl Driven {
+impl PrescribedMotion {
     /// The coordinates given, with their functions.
     pub fn given(&self) -> impl Iterator<Item = (DofName, &Time)> {
         let all = [&self.x, &self.y, &self.z, &self.rx, &self.ry, &self.rz];
@@ -148,8 +148,7 @@ pub struct Load {
     /// Force per reference length of the line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_per_length: Option<[f64; 3]>,
-    /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of
-    /// bodies.
+    /// Acceleration of gravity: a force per length of Aρ times it on lines, and the weight of bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Whether the load rotates with the node or the cross-sections (follower load); otherwise its direction

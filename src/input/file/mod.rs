@@ -21,7 +21,7 @@ pub use body::{Body, Bushing, Six, Spring, Tensor};
 pub use initial::Initial;
 pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
-pub use load::{DofName, Driven, Fix, Group, Load, Support};
+pub use load::{DofName, Fix, Group, Load, PrescribedMotion, Support};
 pub use probe::{Probe, Quantity};
 pub use scheme::Scheme;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};

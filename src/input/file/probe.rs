@@ -76,8 +76,7 @@ pub enum Quantity {
     kinetic_energy,
     /// Kinetic energy, strain energy and potential of the loads that have one.
     total_energy,
-    /// Defect of the energy balance: energy not supplied by loads and supports, the error of the
-    /// integration.
+    /// Defect of the energy balance: energy not supplied by loads and supports, the error of the integration.
     energy_defect,
     /// Linear momentum of everything that has mass.
     momentum,

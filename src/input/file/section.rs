@@ -13,8 +13,7 @@ pub struct Section {
     /// Diagonal law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Stiffness>,
-    /// Full symmetric 6×6 law, row by row: normal force, two shear forces, torque, two bending
-    /// moments.
+    /// Full symmetric 6×6 law, row by row: normal force, two shear forces, torque, two bending moments.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrix: Option<[[f64; 6]; 6]>,
     /// Solid rectangle.
@@ -43,8 +42,7 @@ pub struct Section {
 pub struct Damping {
     /// Factor of the mass: a drag against the absolute velocity, in 1/time.
     pub mass: f64,
-    /// Factor of the stiffness: stresses in proportion to the rates of strain (Kelvin and Voigt),
-    /// in units of time.
+    /// Factor of the stiffness: stresses in proportion to the rates of strain (Kelvin and Voigt), in units of time.
     pub stiffness: f64,
 }
 

@@ -10,8 +10,7 @@ use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, ShapeStyle, WHITE};
 
-/// Curves over the same axes, marked at their points, or at some of them if there are more curves than
-/// colours.
+/// Curves over the same axes, marked at their points, or at some of them if there are more curves than colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     /// Descriptions of the horizontal and the vertical axis.

@@ -38,8 +38,7 @@ pub struct Shapes {
 }
 
 impl Shapes {
-    /// The present configuration of a model, with displacements times `scale`; 0 gives the reference
-    /// configuration.
+    /// The present configuration of a model, with displacements times `scale`; 0 gives the reference configuration.
     pub fn of(model: &Model, geometry: &Geometry, scale: f64) -> Self {
         let between = |reference: Vector3<f64>, position: Vector3<f64>| match scale {
             0.0 => reference,

@@ -34,8 +34,7 @@ impl Recorder<'_> {
         self.directory.write(NAME, &(text + "\n"))
     }
 
-    /// Title of a figure, which says whether the run is incomplete, and for shapes whether displacements are
-    /// scaled.
+    /// Title of a figure, which says whether the run is incomplete, and for shapes whether displacements are scaled.
     fn figure_title(&self, ending: &Ending, shape: bool) -> Option<String> {
         let mut words: Vec<String> = self.setting.file.title.iter().cloned().collect();
         let scale = self.setting.output.deformation_scale;

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Energies and momenta that the motion conserves, as found from the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Kept {
+pub struct Conserved {
     /// The energy: kinetic, stored, and the potential of loads.
     pub energy: bool,
     /// Components of the linear momentum.
@@ -16,13 +16,13 @@ pub struct Kept {
     pub angular_momentum: [bool; 3],
 }
 
-/// Components of the linear and of the angular momentum, as those of [`Kept`].
+/// Components of the linear and of the angular momentum, as those of [`Conserved`].
 pub type Components = [[bool; 3]; 2];
 
-impl Kept {
+impl Conserved {
     /// The same without these components of momenta.
     pub(super) fn without(self, left_out: Components) -> Self {
-        let rest = |kept: [bool; 3], out: [bool; 3]| [0, 1, 2].map(|i| kept[i] && !out[i]);
+        let rest = |all: [bool; 3], out: [bool; 3]| [0, 1, 2].map(|i| all[i] && !out[i]);
         Self {
             momentum: rest(self.momentum, left_out[0]),
             angular_momentum: rest(self.angular_momentum, left_out[1]),
@@ -57,8 +57,7 @@ pub(super) fn zeros<'a>(runs: impl Iterator<Item = &'a [Sample]> + Clone) -> Com
     })
 }
 
-/// The largest changes of conserved quantities since the start, at the common times, and the
-/// balance of energy.
+/// The largest changes of conserved quantities since the start, at the common times, and the balance of energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Drift {
     /// Of the energy, if it is conserved.
@@ -73,8 +72,7 @@ pub struct Drift {
     /// Mean change of the energy in the last quarter of the run less that in the first, if the energy is
     /// conserved, or else of the defect of its balance: growth with time, without oscillations.
     pub trend: Option<f64>,
-    /// The largest |h| of the equations of loops, each relative to its size, if there are
-    /// any.
+    /// The largest |h| of the equations of loops, each relative to its size, if there are any.
     pub violation: Option<f64>,
     /// The largest energy: the magnitudes of kinetic, stored and load potential.
     pub largest_energy: Option<f64>,
@@ -85,9 +83,13 @@ const FEW: usize = 8;
 
 impl Drift {
     /// The drift of a run.
-    pub(super) fn of(samples: &[Sample], kept: Kept, balance: Option<EnergyBalance>) -> Self {
+    pub(super) fn of(
+        samples: &[Sample],
+        conserved: Conserved,
+        balance: Option<EnergyBalance>,
+    ) -> Self {
         let energy = |s: &Sample| {
-            if kept.energy {
+            if conserved.energy {
                 Some(s.energy)
             } else {
                 s.defect
@@ -102,9 +104,9 @@ impl Drift {
         let worse = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         Self {
             violation: violations.reduce(worse),
-            energy: kept.energy.then(|| drift(samples, &|s| s.energy)),
-            momentum: drift_of(samples, kept.momentum, &|s| s.momenta[0]),
-            angular_momentum: drift_of(samples, kept.angular_momentum, &|s| s.momenta[1]),
+            energy: conserved.energy.then(|| drift(samples, &|s| s.energy)),
+            momentum: drift_of(samples, conserved.momentum, &|s| s.momenta[0]),
+            angular_momentum: drift_of(samples, conserved.angular_momentum, &|s| s.momenta[1]),
             balance: balance.map(|e| e.largest_defect),
             trend: quarters.map(|last| mean(&values[last..]) - mean(&values[..quarter])),
             largest_energy: largest.filter(|e| *e > 0.0),
@@ -126,15 +128,14 @@ pub(super) fn drift(samples: &[Sample], value: &dyn Fn(&Sample) -> f64) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The largest change since the start of the conserved components of a vector; `None` if there
-/// are none.
+/// The largest change since the start of the conserved components of a vector; `None` if there are none.
 fn drift_of(
     samples: &[Sample],
-    kept: [bool; 3],
+    conserved: [bool; 3],
     vector: &dyn Fn(&Sample) -> Vector3<f64>,
 ) -> Option<f64> {
     let drifts = (0..3)
-        .filter(|&i| kept[i])
+        .filter(|&i| conserved[i])
         .map(|i| drift(samples, &|s| vector(s)[i]));
     drifts.reduce(f64::max)
 }

@@ -1,7 +1,7 @@
 //! An exact solution instead of a reference: a function of time, or a file.
 
 use super::CompareError;
-use super::reference::{Reference, kept_by};
+use super::reference::{Reference, exactly_conserved};
 use super::sample::{Pose, QUANTITIES, Sample, Values, sizes};
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
@@ -57,7 +57,7 @@ impl Exact {
             order: Values([f64::NAN; QUANTITIES]),
             extrapolated: Values([false; QUANTITIES]),
             error,
-            kept: kept_by(&samples),
+            conserved: exactly_conserved(&samples),
             evaluations: 0,
             chart_changes: 0,
             samples,

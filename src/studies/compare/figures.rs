@@ -89,8 +89,7 @@ fn label(comparison: &Comparison, scheme: &str) -> String {
     }
 }
 
-/// Name of a scheme in the legend of a figure over time, which says if its run failed and its curve ends
-/// early.
+/// Name of a scheme in the legend of a figure over time, which says if its run failed and its curve ends early.
 fn lasting(comparison: &Comparison, scheme: &str) -> String {
     let mut stopped = stopped(comparison);
     match stopped.any(|row| row.scheme == scheme) {

@@ -56,7 +56,7 @@ mod tables;
 mod write;
 
 pub use candidate::Candidate;
-pub use drift::{Components, Drift, Kept};
+pub use drift::{Components, Conserved, Drift};
 pub use equal_cost::EqualCost;
 pub use error::CompareError;
 pub use exact::{Exact, read as read_exact};
@@ -64,7 +64,7 @@ pub use order::{ABOVE_REFERENCE, NEAR, Order, STRAIGHT, fit};
 pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub(super) use run::side_by_side;
-pub use run::{Hooks, LATE, Maker};
+pub use run::{Hooks, LATE_CHARTS, Maker};
 pub use sample::{Pose, Quantity, Sample, Values};
 pub use tables::{summary, unknown};
 pub use write::{FILES, Subject, default_directory, run, run_several};
@@ -96,8 +96,7 @@ pub struct Options {
     /// Whether every scheme also runs at every step size with charts that are kept longer, to show
     /// the cost of chart changes.
     pub charts: bool,
-    /// Tolerance of the residual relative to forces, if it is smaller than that of the model
-    /// file.
+    /// Tolerance of the residual relative to forces, if it is smaller than that of the model file.
     pub residual: Option<f64>,
 }
 
@@ -134,8 +133,7 @@ pub struct Row {
     /// Assemblies of the model: one per evaluated state, and three for a tangent in formulations with
     /// spins. Assemblies before the first step are not counted.
     pub assemblies: usize,
-    /// Assemblies of the model before the first step, to find invariants of the motion or the largest
-    /// frequency.
+    /// Assemblies of the model before the first step, to find invariants of the motion or the largest frequency.
     pub searching: usize,
     /// Root mean square errors against the reference.
     pub error: Option<Values>,
@@ -143,8 +141,7 @@ pub struct Row {
     pub drift: Drift,
     /// Wall time in seconds, energy balances at common times included, beside other runs.
     pub seconds: f64,
-    /// Wall time in seconds of the integration alone on the machine, with the search before its first
-    /// step.
+    /// Wall time in seconds of the integration alone on the machine, with the search before its first step.
     pub seconds_alone: Option<f64>,
     /// The states at the common times reached, the start first.
     #[serde(skip)]
@@ -179,8 +176,7 @@ pub struct SchemeOrders {
 /// Comparison of an observed slope with the order in theory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slope {
-    /// The order in theory: at least three step sizes on a line whose slope is within [`NEAR`] of
-    /// it.
+    /// The order in theory: at least three step sizes on a line whose slope is within [`NEAR`] of it.
     Theory,
     /// At least three step sizes on a steeper line: at these steps the leading term of the
     /// error is smaller than the next one.
@@ -252,9 +248,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// The long runs, one per scheme, if requested; they have no errors.
     pub long: Vec<Row>,
-    /// The runs with charts kept until [`LATE`] instead of half a turn, if requested, in the order
-    /// of `rows`.
-    pub late: Vec<Row>,
+    /// The runs with charts kept until [`LATE_CHARTS`] instead of half a turn, if requested, in the order of `rows`.
+    pub charts: Vec<Row>,
 }
 
 impl Comparison {

@@ -23,8 +23,7 @@ pub struct Order {
 pub const ABOVE_REFERENCE: f64 = 10.0;
 /// Tolerance of slopes between neighbours, against the one between the two finest.
 pub const STRAIGHT: f64 = 0.2;
-/// Tolerance of slopes against the order in theory, also for the extrapolation of the three runs of a
-/// reference.
+/// Tolerance of slopes against the order in theory, also for the extrapolation of the three runs of a reference.
 pub const NEAR: f64 = 0.3;
 
 /// Fits an order to errors at step sizes (from large to small), `None` for an unusable error. Only errors

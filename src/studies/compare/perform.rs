@@ -2,8 +2,8 @@
 
 use super::grid::Grid;
 use super::order::orders;
-use super::run::{self, Failure, Hooks, Maker, Ran, Task, dynamic, side_by_side};
-use super::{Candidate, CompareError, Comparison, Drift, Kept, Options, Reference, Row};
+use super::run::{self, Failure, Hooks, Maker, RunResult, Task, dynamic, side_by_side};
+use super::{Candidate, CompareError, Comparison, Conserved, Drift, Options, Reference, Row};
 use super::{drift, equal_cost, reference, sample};
 use crate::method::Method;
 use crate::solve::{Counts, begin};
@@ -153,8 +153,8 @@ pub(super) fn run(
         None => reference::tasks(&reference, &grid).to_vec(),
     };
     let behind = tasks.len();
-    for late in [false, true] {
-        if late && !options.charts {
+    for late_charts in [false, true] {
+        if late_charts && !options.charts {
             continue;
         }
         let own = options.schemes.iter().flat_map(|&candidate| {
@@ -163,7 +163,7 @@ pub(super) fn run(
                 candidate,
                 steps,
                 relative,
-                late,
+                late_charts,
             })
         });
         tasks.extend(own);
@@ -179,7 +179,7 @@ pub(super) fn run(
             candidate,
             steps,
             relative,
-            late: false,
+            late_charts: false,
         };
         tasks.extend(options.schemes.iter().map(task));
     }
@@ -194,7 +194,7 @@ pub(super) fn run(
         None => reference::judge(&reference, multipliers, &grid, &ran),
     };
     let failure = ran.iter().find_map(|r| r.failure.as_ref());
-    let interrupted = |r: &Ran| matches!(r.failure, Some(Failure::Interrupted));
+    let interrupted = |r: &RunResult| matches!(r.failure, Some(Failure::Interrupted));
     let mut complete = !ran
         .iter()
         .chain(&own)
@@ -205,12 +205,12 @@ pub(super) fn run(
         let own = own.iter().chain(&late).chain(&lasting);
         own.chain(&ran).map(|ran| &ran.samples[..])
     });
-    let kept = judged.as_ref().map(|r| r.kept).unwrap_or_default();
-    let kept = kept.without(zero_momenta);
+    let conserved = judged.as_ref().map(|r| r.conserved).unwrap_or_default();
+    let conserved = conserved.without(zero_momenta);
     let mut rows = Vec::with_capacity(own.len());
     for (k, (ran, task)) in own.into_iter().zip(&tasks[behind..]).enumerate() {
-        let requested_step = options.steps[k % options.steps.len()];
-        let mut row = row(ran, task, requested_step, &grid, judged.as_ref(), kept);
+        let requested = options.steps[k % options.steps.len()];
+        let mut row = row(ran, task, requested, &grid, judged.as_ref(), conserved);
         if options.timed && complete && row.failure.is_none() {
             let time = run::clock(make, task, &grid, hooks);
             row.seconds_alone = time.map(|t| t.as_secs_f64());
@@ -223,14 +223,14 @@ pub(super) fn run(
         .zip(&tasks[behind + rows.len()..])
         .enumerate();
     let late = late.map(|(k, (ran, task))| {
-        let requested_step = options.steps[k % options.steps.len()];
-        row(ran, task, requested_step, &grid, judged.as_ref(), kept)
+        let requested = options.steps[k % options.steps.len()];
+        row(ran, task, requested, &grid, judged.as_ref(), conserved)
     });
     let late = late.collect();
     let lasting = lasting
         .into_iter()
         .zip(&tasks[first..])
-        .map(|(ran, task)| row(ran, task, options.steps[0], grid_of(first), None, kept));
+        .map(|(ran, task)| row(ran, task, options.steps[0], grid_of(first), None, conserved));
     let long = lasting.collect();
     let names: Vec<String> = options.schemes.iter().map(Candidate::to_string).collect();
     Comparison {
@@ -253,7 +253,7 @@ pub(super) fn run(
         zero_momenta,
         rows,
         long,
-        late,
+        charts: late,
     }
 }
 
@@ -264,7 +264,7 @@ fn run_all<'g>(
     grid_of: &(dyn Fn(usize) -> &'g Grid + Sync),
     threads: usize,
     hooks: &Hooks<'_>,
-) -> Vec<Ran> {
+) -> Vec<RunResult> {
     let mut turn: Vec<usize> = (0..tasks.len()).collect();
     turn.sort_by_key(|&k| std::cmp::Reverse(tasks[k].steps));
     let ended = Mutex::new(0);
@@ -276,27 +276,27 @@ fn run_all<'g>(
         (hooks.ended)(*ended, tasks.len(), &task.name);
         ran
     });
-    let mut ran: Vec<(usize, Ran)> = turn.into_iter().zip(ran).collect();
+    let mut ran: Vec<(usize, RunResult)> = turn.into_iter().zip(ran).collect();
     ran.sort_by_key(|(k, _)| *k);
     ran.into_iter().map(|(_, ran)| ran).collect()
 }
 
 fn row(
-    ran: Ran,
+    ran: RunResult,
     task: &Task,
-    requested_step: f64,
+    requested: f64,
     grid: &Grid,
     reference: Option<&Reference>,
-    kept: Kept,
+    conserved: Conserved,
 ) -> Row {
     let reference = reference.filter(|_| ran.failure.is_none());
     let counts = Counts::of_motion(&ran.summary);
     Row {
         scheme: task.name.clone(),
-        requested_step,
+        requested_step: requested,
         step: grid.step(task.steps),
         failure: ran.failure.as_ref().map(ToString::to_string),
-        drift: Drift::of(&ran.samples, kept, counts.energy),
+        drift: Drift::of(&ran.samples, conserved, counts.energy),
         counts,
         assemblies: ran.assemblies,
         searching: ran.searching,

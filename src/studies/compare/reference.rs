@@ -2,10 +2,10 @@
 
 use super::Candidate;
 use super::Quantity;
-use super::drift::{Kept, drift};
+use super::drift::{Conserved, drift};
 use super::grid::Grid;
 use super::order::NEAR;
-use super::run::{Ran, Task};
+use super::run::{RunResult, Task};
 use super::sample::{QUANTITIES, Sample, Values, choose, distances, extrapolate, sizes};
 use crate::method::Method;
 use serde::Serialize;
@@ -16,8 +16,7 @@ pub(super) const REFINED: [usize; 3] = [2, 4, 8];
 pub(super) const TIGHT: f64 = 1e-12;
 /// Round-off of a quantity over its largest size.
 const ROUND_OFF: f64 = 1e-12;
-/// Relative change of an energy or momentum beyond which it is not conserved, whatever the error of the
-/// reference.
+/// Relative change of an energy or momentum beyond which it is not conserved, whatever the error of the reference.
 const STEADY: f64 = 1e-3;
 
 /// A reference solution with estimates of its own error.
@@ -42,7 +41,7 @@ pub struct Reference {
     /// Estimate of the error of each quantity, root mean square.
     pub error: Values,
     /// Conserved quantities.
-    pub kept: Kept,
+    pub conserved: Conserved,
     /// Evaluations of the model in all three runs.
     pub evaluations: usize,
     /// Changes of chart in the finest of them.
@@ -66,7 +65,7 @@ pub(super) fn tasks(method: &Method, grid: &Grid) -> [Task; 3] {
         candidate: Candidate::Method(*method),
         steps: factor * grid.finest(),
         relative: TIGHT,
-        late: false,
+        late_charts: false,
     })
 }
 
@@ -75,7 +74,7 @@ pub(super) fn judge(
     method: &Method,
     multipliers: bool,
     grid: &Grid,
-    runs: &[Ran],
+    runs: &[RunResult],
 ) -> Option<Reference> {
     let [a, b, c] = runs else { return None };
     let theory = Candidate::Method(*method).orders(multipliers)?;
@@ -115,7 +114,7 @@ pub(super) fn judge(
         order: Values(order),
         extrapolated: Values(extrapolated),
         error,
-        kept: kept(&bc, &c.samples, [&ab, &bc]),
+        conserved: conserved(&bc, &c.samples, [&ab, &bc]),
         evaluations: runs.iter().map(|r| r.summary.evaluations).sum(),
         chart_changes: c.summary.chart_changes,
         samples: choose(&bc, &c.samples, extrapolated),
@@ -123,9 +122,9 @@ pub(super) fn judge(
 }
 
 /// The energies and momenta that are constant up to the error of the reference.
-fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
+fn conserved(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Conserved {
     // The difference of the extrapolations of two pairs of runs estimates that error.
-    let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {
+    let conserves = |value: &dyn Fn(&Sample) -> f64, size: f64| {
         let error = two[0].iter().zip(two[1]);
         let error = error.map(|(a, b)| (value(a) - value(b)).abs());
         let error = error.fold(ROUND_OFF * size, f64::max);
@@ -135,28 +134,28 @@ fn kept(best: &[Sample], finest: &[Sample], two: [&[Sample]; 2]) -> Kept {
     let energy = largest(&|s| s.gross_energy);
     let momentum = |k: usize| {
         let size = largest(&|s| s.momenta[k].norm());
-        [0, 1, 2].map(|i| keeps(&|s| s.momenta[k][i], size))
+        [0, 1, 2].map(|i| conserves(&|s| s.momenta[k][i], size))
     };
-    Kept {
-        energy: keeps(&|s| s.energy, energy),
+    Conserved {
+        energy: conserves(&|s| s.energy, energy),
         momentum: momentum(0),
         angular_momentum: momentum(1),
     }
 }
 
 /// Quantities that an exact motion conserves, up to rounding, among those known.
-pub(super) fn kept_by(samples: &[Sample]) -> Kept {
+pub(super) fn exactly_conserved(samples: &[Sample]) -> Conserved {
     let largest = |value: &dyn Fn(&Sample) -> f64| samples.iter().map(value).fold(0.0, f64::max);
-    let keeps = |value: &dyn Fn(&Sample) -> f64, size: f64| {
+    let conserves = |value: &dyn Fn(&Sample) -> f64, size: f64| {
         let known = samples.iter().all(|s| value(s).is_finite());
         known && drift(samples, value) <= 10.0 * ROUND_OFF * size
     };
     let momentum = |k: usize| {
         let size = largest(&|s| s.momenta[k].norm());
-        [0, 1, 2].map(|i| keeps(&|s| s.momenta[k][i], size))
+        [0, 1, 2].map(|i| conserves(&|s| s.momenta[k][i], size))
     };
-    Kept {
-        energy: keeps(&|s| s.energy, largest(&|s| s.gross_energy)),
+    Conserved {
+        energy: conserves(&|s| s.energy, largest(&|s| s.gross_energy)),
         momentum: momentum(0),
         angular_momentum: momentum(1),
     }

@@ -48,17 +48,17 @@ pub(super) struct Task {
     pub steps: usize,
     /// Tolerance of the residual relative to forces, if it is smaller than that of the model file.
     pub relative: f64,
-    /// Whether charts of rotations are kept until [`LATE`].
-    pub late: bool,
+    /// Whether charts of rotations are kept until [`LATE_CHARTS`].
+    pub late_charts: bool,
 }
 
 /// The length of a rotation vector, in radians, at which charts that are kept change: three quarters of a
 /// turn, as far from half a turn as from the end of the chart.
-pub const LATE: f64 = 1.5 * PI;
+pub const LATE_CHARTS: f64 = 1.5 * PI;
 
 /// Results of one run.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Ran {
+pub(super) struct RunResult {
     /// Samples at the common times reached.
     pub samples: Vec<Sample>,
     pub summary: Summary,
@@ -132,10 +132,10 @@ fn options(task: &Task, method: &Method, grid: &Grid, plan: &DynamicPlan) -> Dyn
 }
 
 /// Integrates from common time to common time, and samples the model at each.
-pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, hooks: &Hooks<'_>) -> Ran {
-    let mut ran = Ran {
+pub(super) fn drive(make: &Maker<'_>, task: &Task, grid: &Grid, hooks: &Hooks<'_>) -> RunResult {
+    let mut ran = RunResult {
         samples: Vec::with_capacity(grid.times + 1),
-        ..Ran::default()
+        ..RunResult::default()
     };
     ran.failure = advance(make, task, grid, hooks, &mut ran).err();
     ran
@@ -146,11 +146,11 @@ fn advance(
     task: &Task,
     grid: &Grid,
     hooks: &Hooks<'_>,
-    ran: &mut Ran,
+    ran: &mut RunResult,
 ) -> Result<(), Failure> {
     let mut job = make(task.candidate.formulation())?;
-    if task.late {
-        job.model.keep_charts_until(LATE);
+    if task.late_charts {
+        job.model.keep_charts_until(LATE_CHARTS);
     }
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
@@ -223,7 +223,7 @@ fn in_general(
     general: &crate::studies::general::General,
     grid: &Grid,
     hooks: &Hooks<'_>,
-    ran: &mut Ran,
+    ran: &mut RunResult,
 ) -> Result<(), Failure> {
     use crate::studies::general::Observer;
     use pullback_elements::model::Model;
@@ -275,7 +275,7 @@ fn in_general(
     general: &crate::studies::general::General,
     _: &Grid,
     _: &Hooks<'_>,
-    _: &mut Ran,
+    _: &mut RunResult,
 ) -> Result<(), Failure> {
     let why = format!("{general}: this program is built without the feature `diffsol`");
     Err(Failure::Failed(why))
@@ -313,7 +313,7 @@ pub(super) fn clock(
             }
             Candidate::General(general) => {
                 let general = general.at(grid.step(task.steps), grid.step(grid.counts[0]));
-                let mut ran = Ran::default();
+                let mut ran = RunResult::default();
                 in_general(&mut job, &general, grid, hooks, &mut ran).ok()?;
                 ran.time
             }
@@ -330,8 +330,7 @@ pub(super) fn clock(
     least
 }
 
-/// Does `count` pieces of work on this number of threads; results are in the order of the
-/// pieces.
+/// Does `count` pieces of work on this number of threads; results are in the order of the pieces.
 pub(in crate::studies) fn side_by_side<T: Send>(
     count: usize,
     threads: usize,

@@ -146,8 +146,7 @@ pub struct Sample {
     pub defect: Option<f64>,
     /// Linear momentum, and angular momentum about the origin, global components.
     pub momenta: [Vector3<f64>; 2],
-    /// The largest residual |h| of the equations of loops, each relative to its size, if there are
-    /// any.
+    /// The largest residual |h| of the equations of loops, each relative to its size, if there are any.
     pub violation: Option<f64>,
 }
 

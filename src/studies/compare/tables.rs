@@ -40,7 +40,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
     let mut out = head.join(",") + "\n";
     let compared = comparison.rows.iter().map(|row| ("compared", row));
     let long = comparison.long.iter().map(|row| ("long", row));
-    let late = comparison.late.iter().map(|row| ("late", row));
+    let late = comparison.charts.iter().map(|row| ("charts", row));
     for (run, row) in compared.chain(late).chain(long) {
         let optional = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
         let c = &row.counts;
@@ -240,8 +240,7 @@ pub(super) fn short(x: f64) -> String {
     .replace("-", "−")
 }
 
-/// An order in theory, if there is one: 3/2/1 if those of velocities and accelerations
-/// differ.
+/// An order in theory, if there is one: 3/2/1 if those of velocities and accelerations differ.
 pub(super) fn theory(orders: Option<Values<usize>>) -> String {
     use Quantity::{Acceleration, Position, Velocity};
     let Some(orders) = orders else {

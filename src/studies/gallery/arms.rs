@@ -2,7 +2,7 @@
 
 use super::case::{Case, CaseError, Context};
 use super::motion::{History, Run, observed_order};
-use crate::input::{Driven, ModelFile, SpinUp, Time};
+use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::Curve;
 
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
@@ -77,10 +77,10 @@ fn smooth(file: &ModelFile) -> ModelFile {
         let duration = 0.5;
         Some(Time::SpinUp(SpinUp { rate, duration }))
     };
-    file.supports[0].prescribed = Some(Driven {
+    file.supports[0].prescribed = Some(PrescribedMotion {
         z: run_up(6.0),
         rz: run_up(3.0),
-        ..Driven::default()
+        ..PrescribedMotion::default()
     });
     file
 }
@@ -91,7 +91,7 @@ fn smooth(file: &ModelFile) -> ModelFile {
 /// links. How much energy the stop takes out depends on the phase of each, and the trapezoidal rule
 /// with h = 0.01 has the phase of a vibration right at the stop (ω³h²t/12 < 0.3 at t = 0.5) only where
 /// ω < 40. That leaves an error of 0.003 of the length there. With a revolute joint the second link
-/// then folds upon the first, and between t = 1 and 1.5 it unfolds: a disturbance of the drive by a
+/// then folds upon the first, and between t = 1 and 1.5 it unfolds: a disturbance of the prescribed motion by a
 /// part in 10⁶ is 40 times larger afterwards, on every mesh and with every step (one of a part in 10⁵
 /// ten times as large: the motion is sensitive, not chaotic). With a spherical joint disturbances grow
 /// tenfold until the end.
@@ -99,8 +99,7 @@ fn smooth(file: &ModelFile) -> ModelFile {
 /// So with h = 0.01 the meshes of the spherical arm stay together, as in the thesis's plot, and those of
 /// the revolute arm do only until the second link has unfolded; later they are as much as 0.27 of the
 /// length apart. That is both step and mesh, the step more: docs/gallery.md has the distances. With
-/// steps that resolve the waves the meshes are measured by their order, and the finest by an independent
-/// solution.
+/// steps that resolve the waves the meshes are measured by their order, and the finest by an independent solution.
 fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Result<(), CaseError> {
     let file = context.file(text)?;
     let mut curves = Vec::new();

@@ -2,7 +2,7 @@
 //! rotation and of another load path.
 
 use super::case::{Case, CaseError, Context, order};
-use crate::input::{DofName, Driven, Fix, Interpolation, ModelFile, Time};
+use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
 use std::f64::consts::PI;
@@ -237,11 +237,11 @@ fn energy(
         let axis = Vector3::new(0.8, -1.1, 0.9).normalize();
         file.supports[0].fix = Some(Fix::List(DofName::ALL[..3].to_vec()));
         let ramp = |part: f64| Some(Time::Table(vec![[1.0, 0.0], [2.0, turn * part]]));
-        file.supports[0].prescribed = Some(Driven {
+        file.supports[0].prescribed = Some(PrescribedMotion {
             rx: ramp(axis.x),
             ry: ramp(axis.y),
             rz: ramp(axis.z),
-            ..Driven::default()
+            ..PrescribedMotion::default()
         });
         file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
     }

@@ -19,15 +19,15 @@ pub const FLYING: Case = Case {
 
 fn spin_up(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../../examples/models/spin_up.toml"))?;
-    let Ok(drive) = SpinUp::new(6.0, 15.0) else {
-        return Err(context.setup("its drive is not usable"));
+    let Ok(spin_up) = SpinUp::new(6.0, 15.0) else {
+        return Err(context.setup("its spin-up is not usable"));
     };
     // Time, extension and deflection in axes that turn with the hub.
     let seen = |step: f64| -> Result<Vec<[f64; 3]>, CaseError> {
         let run = context.motion(&file, &["tip"], Run::step(step))?;
         let states = run.t.iter().zip(&run.nodes[0]);
         let seen = states.map(|(&t, s)| {
-            let (sin, cos) = drive.at(t)[0].sin_cos();
+            let (sin, cos) = spin_up.at(t)[0].sin_cos();
             let [x, y] = [s.position.x, s.position.y];
             [t, cos * x + sin * y - 10.0, cos * y - sin * x]
         });

@@ -9,8 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
 use pullback_manifold::so3::skew;
 
-/// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot
-/// redraws Fig. 31.
+/// Case 2 of [M04]: the helical beam with 100 and 200 elements, and with 100 geodesic ones. Its plot redraws Fig. 31.
 pub const CASE: Case = Case { name: "helix", run };
 
 /// The first maximum of the tip's displacement out of the plane: load and value, by the parabola

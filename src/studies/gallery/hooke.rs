@@ -4,7 +4,9 @@
 
 use super::case::{Case, CaseError, Context};
 use super::motion::{History, Run, richardson};
-use crate::input::{Analysis, DofName, Driven, Fix, ModelFile, Scheme, SpinUp, Support, Time};
+use crate::input::{
+    Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
+};
 use crate::output::plot::Curve;
 use crate::probe::continue_rotation;
 use nalgebra::Vector3;
@@ -132,12 +134,12 @@ fn light(file: &ModelFile, degrees: f64) -> ModelFile {
                 .filter(|dof| *dof != DofName::RX)
                 .collect(),
         )),
-        prescribed: Some(Driven {
+        prescribed: Some(PrescribedMotion {
             rx: Some(Time::SpinUp(SpinUp {
                 rate: 1.0,
                 duration: RUN_UP as f64 * STEP,
             })),
-            ..Driven::default()
+            ..PrescribedMotion::default()
         }),
     };
     if let Analysis::Dynamic(d) = &mut file.analysis {

@@ -31,8 +31,7 @@ pub const PARALLELOGRAMS: Case = Case {
 
 pub(super) const G: f64 = 9.81;
 
-/// Mass M of a mechanism of one freedom θ (kinetic energy ½ M θ̇²) and its potential V, with their
-/// derivatives by θ.
+/// Mass M of a mechanism of one freedom θ (kinetic energy ½ M θ̇²) and its potential V, with their derivatives by θ.
 pub(super) type OneFreedom<'a> = &'a dyn Fn(Taylor<f64>) -> [Taylor<f64>; 2];
 
 /// θ and θ̇ at a time by the classical Runge-Kutta method: M θ̈ + ½ M′ θ̇² + V′ = 0.
@@ -227,8 +226,7 @@ fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five
-/// couplers at its end.
+/// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five couplers at its end.
 fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
     let file = context.file(include_str!("../../../examples/models/parallelograms.toml"))?;
     let runs = halved(context, &file, &["end 5", "far 5"], 4e-3)?;

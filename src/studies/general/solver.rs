@@ -11,8 +11,7 @@ use pullback_manifold::system::System;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-/// Callbacks: `seen` at each of the output times, `go` after every step; each may stop
-/// the run.
+/// Callbacks: `seen` at each of the output times, `go` after every step; each may stop the run.
 pub struct Observer<'a, Y: ?Sized> {
     /// Called with the system and its state at an output time.
     pub seen: &'a mut dyn FnMut(&mut Y, &State) -> ControlFlow<()>,

@@ -63,8 +63,8 @@ fn compared(text: &str, methods: &[&str], steps: &[f64]) -> Comparison {
         ..Options::new(methods, steps.to_vec())
     };
     let comparison = compare(&make, "model.toml", &options, &Hooks::NONE).unwrap();
-    assert_eq!(comparison.late.len(), comparison.rows.len());
-    for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+    assert_eq!(comparison.charts.len(), comparison.rows.len());
+    for (row, late) in comparison.rows.iter().zip(&comparison.charts) {
         assert!(row.is_regular() && late.is_regular(), "{late:?}");
         assert_eq!((&row.scheme, row.step), (&late.scheme, late.step));
     }
@@ -95,7 +95,7 @@ fn in_a_plane_a_change_of_chart_costs_nothing() {
         &["newmark", "radau"],
         &[0.02, 0.01],
     );
-    for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+    for (row, late) in comparison.rows.iter().zip(&comparison.charts) {
         // Past half a turn, and past three quarters or nearly.
         assert!(row.counts.chart_changes > late.counts.chart_changes);
         for (a, b) in row.samples.iter().zip(&late.samples) {
@@ -111,7 +111,7 @@ fn in_a_plane_a_change_of_chart_costs_nothing() {
 fn a_body_keeps_its_order_whenever_charts_change() {
     let steps = [0.01, 0.005, 0.0025];
     let comparison = compared(BODY, &["newmark", "ul-newmark"], &steps);
-    for rows in [&comparison.rows, &comparison.late] {
+    for rows in [&comparison.rows, &comparison.charts] {
         for scheme in ["newmark", "ul-newmark"] {
             let errors = errors(rows, scheme);
             for slope in slopes(&errors) {
@@ -120,11 +120,11 @@ fn a_body_keeps_its_order_whenever_charts_change() {
         }
     }
     let total = |rows: &[Row]| errors(rows, "newmark")[2];
-    let [early, late] = [total(&comparison.rows), total(&comparison.late)];
+    let [early, late] = [total(&comparison.rows), total(&comparison.charts)];
     assert!((early - late).abs() > 1e-2 * late, "{early:e} {late:e}");
     // Increments are in no such chart.
     let updated = |rows: &[Row]| errors(rows, "ul-newmark");
-    let [early, late] = [updated(&comparison.rows), updated(&comparison.late)];
+    let [early, late] = [updated(&comparison.rows), updated(&comparison.charts)];
     for (a, b) in early.iter().zip(&late) {
         assert!((a - b).abs() < 1e-9, "{a:e} {b:e}");
     }
@@ -138,13 +138,13 @@ fn total_rotation_vectors_lose_the_error_of_the_mesh_and_geodesic_elements_nothi
     let [total, geodesic] = ["total", "geodesic"]
         .map(|interpolation| compared(&rod("[2, 1, 8]", interpolation), &["newmark"], &steps));
     for comparison in [&total, &geodesic] {
-        for (row, late) in comparison.rows.iter().zip(&comparison.late) {
+        for (row, late) in comparison.rows.iter().zip(&comparison.charts) {
             assert!(row.counts.chart_changes > late.counts.chart_changes);
         }
     }
     // How far the two motions are apart, rotation by rotation.
     let apart = |comparison: &Comparison| -> Vec<f64> {
-        let pairs = comparison.rows.iter().zip(&comparison.late);
+        let pairs = comparison.rows.iter().zip(&comparison.charts);
         let pair = |(row, late): (&Row, &Row)| {
             let samples = row.samples.iter().zip(&late.samples);
             let nodes = samples.flat_map(|(a, b)| a.nodes.iter().zip(&b.nodes));

@@ -173,7 +173,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
         assert_eq!(scheme.of(Quantity::Position), None);
     }
     // A free body keeps everything.
-    let kept = reference.kept;
+    let kept = reference.conserved;
     assert!(kept.energy && kept.momentum == [true; 3] && kept.angular_momentum == [true; 3]);
 }
 

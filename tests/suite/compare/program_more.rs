@@ -221,7 +221,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     }
     assert_eq!(json["equal_time"]["seconds"], true);
     assert_eq!(json["equal_cost"]["seconds"], false);
-    assert_eq!(json["late"].as_array().unwrap().len(), 10);
+    assert_eq!(json["charts"].as_array().unwrap().len(), 10);
     let page = read(model.with_extension("compare").join("compare.md"));
     for heading in [
         "Errors at equal work",
@@ -231,7 +231,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
         assert!(page.contains(&format!("\n## {heading}\n")), "{heading}");
     }
     let csv = read(model.with_extension("compare").join("compare.csv"));
-    assert_eq!(csv.lines().filter(|l| l.starts_with("late,")).count(), 10);
+    assert_eq!(csv.lines().filter(|l| l.starts_with("charts,")).count(), 10);
 }
 
 /// Momenta and constraints over a long run: by theory, not by an earlier one.
@@ -257,7 +257,7 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
         assert!(row["failure"].is_null());
         row["drift"][what].as_f64().unwrap()
     };
-    let kept = &json["reference"]["kept"];
+    let kept = &json["reference"]["conserved"];
     for momentum in ["momentum", "angular_momentum"] {
         assert_eq!(kept[momentum], serde_json::json!([true, true, true]));
     }

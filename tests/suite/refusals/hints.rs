@@ -44,7 +44,7 @@ fn what_hangs_on_a_base_that_is_driven_from_the_start_moves_along() {
     let sprung = joint("prismatic", "spring = { k = 4 }");
     let lost = "[[bodies]]\nname = \"t\"\nnode = \"tip\"\nmass = 1\ninertia = [1, 1, 1]\n";
     let [notes, _] = said("carried", &[base, &sprung, BODY, lost].concat());
-    let note = "support of ground is driven with a velocity just before t = 0: what is attached to it by J";
+    let note = "support of ground is prescribed with a velocity just before t = 0: what is attached to it by J";
     assert!(notes.iter().any(|n| n.starts_with(note)), "{notes:?}");
     // What the note advises is done: nothing hangs about.
     let rest = "[[initial]]\nvelocity = [0, 0, 0]\n";

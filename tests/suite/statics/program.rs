@@ -214,7 +214,7 @@ fn what_does_nothing_or_too_much_is_warned_of() {
 
     let idle = with(moment, "moment = [0, 0, 0]");
     let (_, result, _) = run("statics_idle", &idle);
-    assert!(first(&result).contains("no load acts and nothing is driven"));
+    assert!(first(&result).contains("no load acts and nothing is prescribed"));
 
     let held = with(at_b, "[[loads]]\nnode = \"A\"\nmoment");
     let (_, result, _) = run("statics_held", &held);

@@ -65,9 +65,9 @@ fn change(of: impl Fn(&Row, usize) -> f64 + 'static) -> Box<Drawn> {
 
 /// The quantities to draw, with the descriptions of their axes.
 fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
-    let keeps = comparison.reference.as_ref().map(|r| r.kept);
-    let keeps = keeps.unwrap_or_default().without(comparison.zero_momenta);
-    let mut out = vec![match keeps.energy {
+    let conserved = comparison.reference.as_ref().map(|r| r.conserved);
+    let conserved = (conserved.unwrap_or_default()).without(comparison.zero_momenta);
+    let mut out = vec![match conserved.energy {
         true => (
             "|change of energy|".to_owned(),
             change(|row, j| row.samples[j].energy),
@@ -78,10 +78,10 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
         ),
     }];
     let vectors = [
-        (0, "momentum", keeps.momentum),
-        (1, "angular momentum", keeps.angular_momentum),
+        (0, "momentum", conserved.momentum),
+        (1, "angular momentum", conserved.angular_momentum),
     ];
-    for (k, name, keeps) in vectors {
+    for (k, name, conserved) in vectors {
         let of = |i: usize| change(move |row, j| row.samples[j].momenta[k][i]);
         // The worst of the components.
         let largest = |i: &usize| {
@@ -90,7 +90,7 @@ fn drawn(comparison: &Comparison) -> Vec<(String, Box<Drawn>)> {
             let changes = all.flat_map(|row| (0..row.samples.len()).map(move |j| (row, j)));
             changes.fold(0.0, |m: f64, (row, j)| m.max(value(row, j)))
         };
-        let worst = (0..3).filter(|&i| keeps[i]);
+        let worst = (0..3).filter(|&i| conserved[i]);
         let worst = worst.max_by(|a, b| largest(a).total_cmp(&largest(b)));
         if let Some(i) = worst.filter(|i| largest(i) > 0.0) {
             out.push((format!("|change of {name}|, component {}", i + 1), of(i)));

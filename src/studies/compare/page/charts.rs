@@ -13,7 +13,7 @@ const SHOWN: [Quantity; 4] = [
 ];
 
 pub(super) fn charts(out: &mut Page, c: &Comparison) {
-    if c.late.is_empty() {
+    if c.charts.is_empty() {
         return;
     }
     out.heading(2, "", "What changes of chart cost");
@@ -27,7 +27,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
                    motions are not the same, and errors after the stroke, against the reference of the \
                    first, have a floor that no step makes smaller.";
     let changes = |row: &Row| row.counts.chart_changes;
-    if c.rows.iter().chain(&c.late).all(|row| changes(row) == 0) {
+    if c.rows.iter().chain(&c.charts).all(|row| changes(row) == 0) {
         out.paragraph("", "No run changes a chart, so there is no cost.");
         return;
     }
@@ -38,7 +38,7 @@ pub(super) fn charts(out: &mut Page, c: &Comparison) {
         .collect();
     out.table(caption, &columns, 1);
     let rows = begun(&c.rows);
-    let late = begun(&c.late);
+    let late = begun(&c.charts);
     for (k, row) in rows.iter().enumerate() {
         let twin = |late: &&&Row| late.scheme == row.scheme && late.step == row.step;
         let Some(late) = late.iter().find(twin) else {

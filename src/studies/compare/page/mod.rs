@@ -2,7 +2,7 @@
 //! same in Markdown.
 
 mod charts;
-mod kept;
+mod conserved;
 mod orders;
 mod runs;
 mod writer;
@@ -88,7 +88,7 @@ fn section(out: &mut Page, c: &Comparison, figures: &[Figure], command: Option<&
     }
     out.heading(2, "", "Cost");
     runs::cost(out, c);
-    kept::drift(out, c);
+    conserved::drift(out, c);
     charts::charts(out, c);
     runs::failures(out, c);
 }

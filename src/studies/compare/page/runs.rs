@@ -176,7 +176,7 @@ fn searching(c: &Comparison) -> String {
         true => String::new(),
         false => format!(
             " Not counted are assemblies before the first step, once in a run, that find what a scheme \
-             has to know (what the motion keeps, the largest frequency): {}.",
+             has to know (invariants of the motion, the largest frequency): {}.",
             found.join(", ")
         ),
     }

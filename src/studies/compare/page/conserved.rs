@@ -2,10 +2,11 @@
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
-use crate::studies::compare::{Comparison, Components, Kept, Row};
+use crate::studies::compare::{Comparison, Components, Conserved, Row};
 
 pub(super) fn drift(out: &mut Page, c: &Comparison) {
-    let kept = c.reference.as_ref().map(|r| r.kept).unwrap_or_default();
+    let found = c.reference.as_ref().map(|r| r.conserved);
+    let found = found.unwrap_or_default();
     let constraints = if c.enforced {
         "Loops closed by multipliers hold their equations h at every step to the tolerance of the \
          solver, those closed by a penalty to its compliance; their rates are not enforced."
@@ -14,13 +15,13 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
          closed by their equations, |h| is what Newton's method leaves of them at a given q."
     };
     out.heading(2, "", "What the motion keeps");
-    let kept = keeps(&kept.without(c.zero_momenta)) + &nothing(&kept, c.zero_momenta);
-    out.paragraph("", &format!("{kept} {constraints}"));
-    let caption = "Largest change since the start at common times, of what is kept; |h|, the largest \
+    let conserved = described(&found.without(c.zero_momenta)) + &zero(&found, c.zero_momenta);
+    out.paragraph("", &format!("{conserved} {constraints}"));
+    let caption = "Largest change since the start at common times, of conserved quantities; |h|, the largest \
                    residual of a loop there, each equation over its size; and the largest \
                    defect of the balance of energy over all steps, kinetic and stored less supplied \
-                   (the work by the trapezoidal rule). What grows with time is told by the trend: the \
-                   mean change of the energy (where it is not kept, the defect of its balance) in the \
+                   (the work by the trapezoidal rule). The trend measures growth with time: the \
+                   mean change of the energy (if it is not conserved, the defect of its balance) in the \
                    last quarter of the run less that in the first. All relative to the largest energy, \
                    the magnitudes of kinetic and stored energy and load potential.";
     rows(out, caption, &c.rows);
@@ -42,19 +43,19 @@ pub(super) fn drift(out: &mut Page, c: &Comparison) {
 }
 
 /// Quantities that are conserved because they are zero.
-fn nothing(kept: &Kept, zero: Components) -> String {
-    let both = |kept: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| kept[i] && zero[i]);
+fn zero(conserved: &Conserved, zero: Components) -> String {
+    let both = |a: [bool; 3], zero: [bool; 3]| [0, 1, 2].map(|i| a[i] && zero[i]);
     let all = [
-        components("momentum", both(kept.momentum, zero[0])),
-        components("angular momentum", both(kept.angular_momentum, zero[1])),
+        components("momentum", both(conserved.momentum, zero[0])),
+        components(
+            "angular momentum",
+            both(conserved.angular_momentum, zero[1]),
+        ),
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
     match all.is_empty() {
         true => String::new(),
-        false => format!(
-            " Left out of it, as zero in all runs whatever the scheme: {}.",
-            all.join(", ")
-        ),
+        false => format!(" Excluded, as zero in all runs: {}.", all.join(", ")),
     }
 }
 
@@ -106,15 +107,15 @@ fn components(name: &str, which: [bool; 3]) -> Option<String> {
 }
 
 /// Description of the conserved quantities of a motion.
-fn keeps(kept: &Kept) -> String {
+fn described(conserved: &Conserved) -> String {
     let all = [
-        kept.energy.then(|| "energy".to_owned()),
-        components("momentum", kept.momentum),
-        components("angular momentum", kept.angular_momentum),
+        conserved.energy.then(|| "energy".to_owned()),
+        components("momentum", conserved.momentum),
+        components("angular momentum", conserved.angular_momentum),
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
     match all.is_empty() {
-        true => "The reference keeps neither energy nor momentum.".to_owned(),
-        false => format!("The reference keeps {}.", all.join(", ")),
+        true => "The reference conserves neither energy nor momentum.".to_owned(),
+        false => format!("The reference conserves {}.", all.join(", ")),
     }
 }
