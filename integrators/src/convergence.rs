@@ -13,7 +13,7 @@ const FALL: f64 = 0.1;
 /// The same for corrections in a time step, whose first corrections are small.
 const FALL_IN_TIME: f64 = 0.1;
 /// The same in statics, where a large step may begin far from its end and corrections fall
-/// linearly: by two thirds per iteration for a purely cubic spring.
+/// linearly: to two thirds per iteration for a purely cubic spring.
 const FALL_AT_REST: f64 = 0.9;
 /// Ratio of residuals in linear convergence, three tenths for that spring: slower than quadratic
 /// convergence, unlike rounding errors, which stay.

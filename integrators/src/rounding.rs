@@ -40,8 +40,8 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
     (0..system.pattern().dim()).map(scale).collect()
 }
 
-/// Whether every residual is below the rounding errors of the coordinates, `|r_i| ≤ 16 ε Σ_j |S_ij|
-/// |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
+/// Whether every residual is below the rounding errors of the coordinates,
+/// `|r_i| ≤ 16 ε Σ_j |S_ij| |q_j|` (backward error: Oettli & Prager 1964, Numer. Math. 6).
 ///
 /// All multipliers count as the largest: they are solved for together, and a vanishing one has the
 /// rounding errors of the others. `sizes` and `floor` are scratch, one number per coordinate.

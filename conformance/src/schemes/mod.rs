@@ -1,4 +1,4 @@
-//! The laws of a scheme: what it properties, measured on runs.
+//! The laws of a scheme: its stated properties, measured on runs.
 //!
 //! | law | measured on |
 //! |---|---|

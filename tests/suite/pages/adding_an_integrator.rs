@@ -1,4 +1,4 @@
-//! docs/adding_an_integrator.md includes the source, and its scheme from outside does what it
+//! docs/adding_an_integrator.md includes the source, and its scheme from outside has its stated
 //! properties.
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! Every scheme of the list does what it properties, and the kit tells where one does not.
+//! Every scheme of the list has its stated properties, and the kit tells where one does not.
 
 use pullback_conformance as check;
 use pullback_integrators::dynamics::Scheme;

@@ -105,7 +105,7 @@ fn an_increment_remembers_where_it_is_centred() {
     let new = mixed.reparametrize(0.0, &q, &v).unwrap();
     assert!((rotation(&q) * new.v - v).norm() < 1e-14);
     assert!(new.B == Matrix3::identity() && new.c == Vector3::zeros());
-    // From its saved another one goes on at the same position.
+    // From its saved state another one goes on at the same position.
     let saved = Map::<3, 3>::save(&one);
     let mut other = Increment::with_velocities(VelocityKind::Material);
     assert!(Map::<3, 3>::restore(&mut other, &saved));
