@@ -205,7 +205,7 @@ fn twice_as_many_steps_allocate_no_more() {
     .map(|f| (plain, f));
     // One that finds multipliers for what the motion keeps, in every step.
     let keeping = DynamicOptions {
-        scheme: "em:0.8".parse().unwrap(),
+        scheme: "projected-newmark:0.8".parse().unwrap(),
         ..plain
     };
     let keepers = [
