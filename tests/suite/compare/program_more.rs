@@ -185,7 +185,12 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     };
     // What a scheme looks for before its first step is apart, whatever the number of steps. The matrix of
     // two stages of Radau's takes two tangents of each.
-    for scheme in ["newmark", "projected-newmark", "central-difference", "radau"] {
+    for scheme in [
+        "newmark",
+        "projected-newmark",
+        "central-difference",
+        "radau",
+    ] {
         for [assemblies, evaluations] in counts(scheme) {
             assert_eq!(assemblies, evaluations, "{scheme}");
         }

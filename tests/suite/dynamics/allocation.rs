@@ -8,6 +8,7 @@ use pullback::elements::beam::Damping;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
 use pullback::elements::load::CoordinateForce;
+use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Formulation, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
@@ -17,6 +18,7 @@ use pullback::manifold::implicit::{Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 
 fn section() -> Section {

@@ -224,7 +224,10 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
     // discretisation, so that no symmetry is known to the projection.
     let exact = 20.0 * (1.0 / 12.0 + 1e-4);
     let start = 10.0 * exact;
-    for (base, scheme) in [("newmark", "projected-newmark"), ("ga:0.5", "projected-newmark:0.5")] {
+    for (base, scheme) in [
+        ("newmark", "projected-newmark"),
+        ("ga:0.5", "projected-newmark:0.5"),
+    ] {
         for damping in [0.1, 0.01] {
             let [(momentum, most), (projected, bounded)] =
                 [base, scheme].map(|scheme| spun_down(damping, scheme));

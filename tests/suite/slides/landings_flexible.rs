@@ -203,7 +203,12 @@ fn momenta_and_energy_are_kept_over_corners_to_the_order_of_the_scheme() {
         }
         // At a corner of 0.15 what is handed over gains or loses of the order of its cube; em restores it.
         assert!(
-            fine[2] < if word == "projected-newmark" { 1e-12 } else { 1e-3 },
+            fine[2]
+                < if word == "projected-newmark" {
+                    1e-12
+                } else {
+                    1e-3
+                },
             "{word}: {fine:?}"
         );
     }

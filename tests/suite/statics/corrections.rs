@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use pullback::input::{Plan, assemble_text};
+use pullback::integrators::statics::{StaticsError, Step, trace_path};
 use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.

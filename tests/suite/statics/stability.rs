@@ -4,6 +4,7 @@
 
 use crate::support::program::{directory, history, number, program, results, write};
 use pullback::input::{Plan, assemble_text};
+use pullback::integrators::statics::{Step, trace_path};
 use pullback::prelude::*;
 use std::f64::consts::PI;
 

@@ -18,9 +18,9 @@
 
 mod bathe;
 mod central_difference;
-mod projected_newmark;
 mod generalised_alpha;
 mod list;
+mod projected_newmark;
 mod radau;
 
 pub use generalised_alpha::Coefficients;
