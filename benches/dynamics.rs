@@ -18,7 +18,6 @@ use pullback::elements::inertia::Inertia;
 use pullback::elements::joint::{JointMap, Pose, Revolute};
 use pullback::manifold::map::{KinematicsMut, Map, Parametrization, derived};
 use pullback::manifold::so3;
-use pullback::manifold::system::System;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;
