@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | [`map`] | a [`Map`](pullback_manifold::map::Map) | B, ẋ, ẍ, Ḃ, B̈, K_σ follow from φ; closed forms agree with exact derivatives |
 //! | [`implicit`] | an [`Implicit`](pullback_manifold::implicit::Implicit) constraint that is solved | h = 0; the laws of a map; a change of the coordinates q and back loses nothing |
-//! | [`rewriting`] | a map that changes the meaning of its q | x, ẋ, ẍ and forces stay; the way back |
+//! | [`rewriting`] | a map that changes the meaning of its q | x, ẋ, ẍ and forces stay; the change back |
 //! | [`chart`] | a [`Chart`](pullback_manifold::chart::Chart) | coordinates and points determine each other; a change of chart loses nothing |
 //! | [`forces`] | any residual with tangents | K = −∂r/∂x, C = −∂r/∂ẋ, M = −∂r/∂ẍ, r_t, r = −∂E/∂x |
 //! | [`system`] | a [`System`](pullback_manifold::system::System) | the same, with the tangent taken out of its pattern |

@@ -3,13 +3,13 @@
 use nalgebra::SVector;
 use std::f64::consts::{PI, TAU};
 
-/// Points closer than this to the edge of a domain are not asked.
+/// Points closer than this to the edge of a domain are left out.
 pub(crate) const CLEARANCE: f64 = 0.02;
 
 /// Names of the positions and the norm of every three consecutive coordinates there.
 ///
 /// A `None` stands for a random norm. Several random positions: directions matter more than norms.
-const PLACES: [(&str, Option<f64>); 8] = [
+const POSITIONS: [(&str, Option<f64>); 8] = [
     ("0", Some(0.0)),
     ("1e-8", Some(1e-8)),
     ("random 1", None),
@@ -85,7 +85,7 @@ impl Random {
 
     /// All positions in D coordinates, with their names.
     pub(crate) fn positions(&mut self, dim: usize) -> Vec<(&'static str, Vec<f64>)> {
-        PLACES
+        POSITIONS
             .iter()
             .map(|(name, norm)| {
                 let mut q = vec![0.0; dim];

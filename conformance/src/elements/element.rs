@@ -13,7 +13,7 @@ use pullback_manifold::system::Weights;
 /// Tangents by slope, at rest and in motion; symmetry where the element claims it; the force as
 /// derivative of the energy where there is one; inertial forces as those of the kinetic energy; the
 /// power of all forces against the energies; that neither the residual nor a tangent depends on what
-/// else is asked for; and that a combined tangent is the sum of its parts.
+/// else is requested; and that a combined tangent is the sum of its parts.
 pub fn element(element: &dyn Element) -> Report {
     let n = element.dim();
     let name = format!("element of {n} coordinates");
@@ -108,7 +108,7 @@ impl One<'_> {
     }
 }
 
-/// What is asked for in one evaluation.
+/// What one evaluation computes.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Request {
     All,
@@ -178,11 +178,11 @@ impl One<'_> {
         let alone = gap(evaluate(element, s, Request::Residual), |f, all| {
             (&f.r - &all.r).norm()
         });
-        report.defect("r does not depend on what else is asked", at, alone, 0.0);
+        report.defect("r does not depend on what else is requested", at, alone, 0.0);
         let with_K = gap(evaluate(element, s, Request::Stiffness), |f, all| {
             (&f.K - &all.K).norm() + (&f.r - &all.r).norm()
         });
-        report.defect("K does not depend on what else is asked", at, with_K, 0.0);
+        report.defect("K does not depend on what else is requested", at, with_K, 0.0);
         if s.is_static() {
             // Sums of terms that are zero may still be ordered differently.
             let size = all.r.norm() + all.K.norm() * (1.0 + s.x.norm());

@@ -1,7 +1,7 @@
 //! Objectivity, and independence of charts: forces and energies are those of a body, whoever looks.
 //!
 //! Some elements have both exactly. Others interpolate total rotation vectors and have them in the
-//! limit of small relative rotations only, which is that of fine meshes: what is exact is asked to
+//! limit of small relative rotations only, which is that of fine meshes: exactness is required to
 //! be so to round-off, and what is not has to lose its defect faster than the force itself when the
 //! relative motion of its nodes goes to zero. An element that does not turn with its nodes has
 //! neither.
@@ -16,7 +16,7 @@ use pullback_elements::element::Element;
 use std::f64::consts::TAU;
 
 /// What round-off explains, as a fraction of the sizes that cancel: two logarithms and two tangents
-/// on the way there and back.
+/// there and back.
 pub(crate) const EXACT: f64 = 1e-11;
 /// Rotation vectors closer to 0 or 2π than this are not looked at in the other chart.
 const CLEAR: f64 = 0.2;

@@ -15,7 +15,7 @@ use pullback_manifold::sparse::BlockPattern;
 pub use system::{dense, system, system_at, system_sizes};
 pub use tangents::CONFIRMED;
 
-/// Time and motion at which forces are asked; `v` and `a` are empty in statics.
+/// Time and motion at which forces are evaluated; `v` and `a` are empty in statics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Time.
@@ -46,7 +46,7 @@ impl State {
     }
 }
 
-/// What forces answer at a state. Absent tangents count as zero, other absent things are not asked.
+/// What forces answer at a state. Absent tangents count as zero, other absent values are not verified.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Residual.
@@ -98,10 +98,10 @@ pub fn forces_at(
 ) -> Report {
     let mut report = Report::new(subject);
     let mut random = Random::new(7);
-    let mut asked = 0;
+    let mut evaluated = 0;
     for (at, state) in states {
         if let Some(f) = evaluate(state) {
-            asked += 1;
+            evaluated += 1;
             let mut laws = Laws {
                 report: &mut report,
                 layout,
@@ -112,7 +112,7 @@ pub fn forces_at(
             laws.forces(&f, symmetric, &mut evaluate);
         }
     }
-    if asked == 0 {
+    if evaluated == 0 {
         report.impossible("domain", "everywhere", "no state is inside the domain");
     }
     report

@@ -32,7 +32,7 @@ pub fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
 
 /// Checks a system's residual and tangents at given states.
 ///
-/// ∂r/∂t is asked at rest only: in motion the path of driven coordinates would need a third time
+/// ∂r/∂t is verified at rest only: in motion the path of driven coordinates would need a third time
 /// derivative, which no solver asks for.
 pub fn system(subject: &str, system: &mut dyn System, states: &[(String, State)]) -> Report {
     let layout = Layout::of(system);
@@ -48,7 +48,7 @@ pub fn system_at(
 ) -> Report {
     let mut report = Report::new(subject);
     let mut random = Random::new(7);
-    let mut asked = 0;
+    let mut evaluated = 0;
     for (at, state) in states {
         let laws = Laws {
             report: &mut report,
@@ -57,9 +57,9 @@ pub fn system_at(
             state,
             random: &mut random,
         };
-        asked += usize::from(one(laws, system).is_some());
+        evaluated += usize::from(one(laws, system).is_some());
     }
-    if asked == 0 {
+    if evaluated == 0 {
         report.impossible("domain", "everywhere", "no state is inside the domain");
     }
     report
@@ -152,7 +152,7 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
 
     let alone = residual(system, state).unwrap_or_else(|| vec![f64::NAN; r.len()]);
     let gap = alone.iter().zip(&again).map(|(a, b)| (a - b).abs());
-    let law = "r does not depend on what else is asked";
+    let law = "r does not depend on what else is requested";
     laws.report.defect(law, at, gap.sum(), 0.0);
 
     if state.is_static() {

@@ -20,14 +20,14 @@ where
 {
     let mut report = Report::new(short_name::<C>());
     let mut random = Random::default();
-    let mut asked = 0;
+    let mut evaluated = 0;
     for (at, q) in random.positions(D) {
         let q = SVector::<f64, D>::from_column_slice(&q);
         let margin = chart.margin(&q);
         if margin.is_nan() || margin <= CLEARANCE {
             continue;
         }
-        asked += 1;
+        evaluated += 1;
         let allowed = RECOVERED * (1.0 + q.norm());
         let point = chart.point(&q);
         report.defect(
@@ -87,7 +87,7 @@ where
             &mut random,
         );
     }
-    if asked == 0 {
+    if evaluated == 0 {
         report.impossible("domain", "everywhere", "no position is inside the chart");
     }
     report

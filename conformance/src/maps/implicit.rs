@@ -59,7 +59,7 @@ where
             let to = |m: &mut Solved<H, D, X, M>, q: &_, v: &_| m.switch(t, q, v, independent);
             let own = map.independent();
             let back = |m: &mut Solved<H, D, X, M>, q: &_, v: &_| m.switch(t, q, v, own);
-            // The way back into a tangent space leads to another one.
+            // The change back into a tangent space leads to another one.
             let back: Option<&Change<_, D>> = own.is_some().then_some(&back);
             let name = match independent {
                 Some(k) => format!("{at}, to {k:?}"),
@@ -133,7 +133,7 @@ fn exchange<M, const D: usize, const N: usize>(
         let Some(back) = back else { continue };
         let mut returned = changed.clone();
         let Some(old) = back(&mut returned, &new.q, &new.v) else {
-            return report.impossible("change and back", at, "there is no way back");
+            return report.impossible("change and back", at, "there is no change back");
         };
         let size = unit + new.B.norm() * old.B.norm();
         agree(

@@ -38,7 +38,7 @@ impl Map<13, 6> for Slide {
     fn phi<S: Scalar>(&self, _t: S, q: &SVector<S, 13>) -> SVector<S, 6> {
         let three = |k: usize| Vector3::new(q[k], q[k + 1], q[k + 2]);
         let [a, b] = self.chain.shape(q[12]);
-        let d = self.chain.way(q[12]) + three(0) * a + three(6) * b;
+        let d = self.chain.displacement(q[12]) + three(0) * a + three(6) * b;
         let psi = self.turn.at([three(3), three(9)], [a, b]);
         SVector::<S, 6>::new(d.x, d.y, d.z, psi.x, psi.y, psi.z)
     }

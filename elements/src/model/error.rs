@@ -129,7 +129,7 @@ pub enum ModelError {
     #[error(
         "joint {joint} closes a loop that ends at {node}, which is neither held nor carries the \
          other end. Hold {node} in all six coordinates, or let it be free and the child of a joint, \
-         so that it hangs there; a node that is held in part may be attached to a prismatic, cylindrical \
+         so that it is attached there; a node that is held in part may be attached to a prismatic, cylindrical \
          or planar joint instead. Loops over slides and flexible parts close by `Closure`"
     )]
     LooseLoop { joint: String, node: String },

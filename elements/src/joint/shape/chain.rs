@@ -5,7 +5,7 @@ use pullback_manifold::scalar::Scalar;
 
 /// Excursions beyond an end below this part of the chain are rounding errors.
 const GRAIN: f64 = 4e-15;
-/// What is this part of the chain beyond an end of a line may be on its way back.
+/// A slide this part of the chain beyond an end of a line may be about to return.
 const HAIR: f64 = 1e-8;
 
 /// A chain of straight lines, followed by the arc length u (L) from where it is entered. One line is the
@@ -48,7 +48,7 @@ impl Chain {
             next: None,
         };
         chain.line = chain.line_at(0.0);
-        chain.start = chain.way(0.0);
+        chain.start = chain.displacement(0.0);
         Some(chain)
     }
 
@@ -58,7 +58,7 @@ impl Chain {
     }
 
     /// From where it is entered to where u is on the present line.
-    pub fn way<S: Scalar>(&self, u: S) -> Vector3<S> {
+    pub fn displacement<S: Scalar>(&self, u: S) -> Vector3<S> {
         let [a, b] = self.shape(u);
         let position = |k: usize| self.positions[self.line + k].map(S::constant);
         position(0) * a + position(1) * b - self.start.map(S::constant)
@@ -81,7 +81,7 @@ impl Chain {
         [S::one() - b, b]
     }
 
-    /// The way to the nearer end of the chain, and a hair more, so that a joint may rest there.
+    /// The distance to the nearer end of the chain, and a hair more, so that a joint may rest there.
     pub fn room(&self, u: f64) -> f64 {
         let (s, end) = (self.origin + u, self.lengths[self.lengths.len() - 1]);
         s.min(end - s) + 1e-9 * end
@@ -96,8 +96,8 @@ impl Chain {
         let after = (k + 2 < self.lengths.len()).then_some(k + 1);
         let lines = [k.checked_sub(1), after];
         // u0 + c s + b s² + a s³, s = 0 … 1.
-        let way = u1 - u0;
-        let (a, b) = (h * (v0 + v1) - 2.0 * way, 3.0 * way - h * (2.0 * v0 + v1));
+        let du = u1 - u0;
+        let (a, b) = (h * (v0 + v1) - 2.0 * du, 3.0 * du - h * (2.0 * v0 + v1));
         let c = h * v0;
         let u = |s: f64| {
             if s == 1.0 {

@@ -20,7 +20,7 @@ pub enum SplineError {
     /// A point is where the one before it is, or not finite.
     #[error("point {number} of its curve must be finite and apart from the one before")]
     Point {
-        /// Number of the point, from 1; of a closed curve one more for the way back to the first.
+        /// Number of the point, from 1; of a closed curve one more for the last piece, back to the first.
         number: usize,
     },
     /// The distances of its points differ too much in size.

@@ -216,7 +216,7 @@ fn every_law_of_an_element_finds_its_error() {
     found(Error::Rate, "r_t = dr/dt");
     found(
         Error::ResidualOfTangent,
-        "r does not depend on what else is asked",
+        "r does not depend on what else is requested",
     );
     found(Error::NeedsVelocity, "statics is the motion at rest");
     found(

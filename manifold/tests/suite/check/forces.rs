@@ -199,7 +199,7 @@ fn every_law_of_a_system_finds_its_error() {
     failing(Assembly::CancelsWrongly, "K symmetric");
     failing(
         Assembly::ResidualChanges,
-        "r does not depend on what else is asked",
+        "r does not depend on what else is requested",
     );
 }
 
