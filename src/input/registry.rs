@@ -48,7 +48,6 @@ impl Site<'_> {
 ///
 /// ```no_run
 /// use pullback::elements::joint::helical;
-/// use pullback::elements::model::Axis;
 /// use pullback::input::Registry;
 /// use pullback::prelude::*;
 ///

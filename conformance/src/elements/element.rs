@@ -178,11 +178,21 @@ impl One<'_> {
         let alone = gap(evaluate(element, s, Request::Residual), |f, all| {
             (&f.r - &all.r).norm()
         });
-        report.defect("r does not depend on what else is requested", at, alone, 0.0);
+        report.defect(
+            "r does not depend on what else is requested",
+            at,
+            alone,
+            0.0,
+        );
         let with_K = gap(evaluate(element, s, Request::Stiffness), |f, all| {
             (&f.K - &all.K).norm() + (&f.r - &all.r).norm()
         });
-        report.defect("K does not depend on what else is requested", at, with_K, 0.0);
+        report.defect(
+            "K does not depend on what else is requested",
+            at,
+            with_K,
+            0.0,
+        );
         if s.is_static() {
             // Sums of terms that are zero may still be ordered differently.
             let size = all.r.norm() + all.K.norm() * (1.0 + s.x.norm());
