@@ -15,6 +15,8 @@ use pullback::elements::element::{Element, Motion, Response};
 use pullback::elements::energy::{
     ElasticJoint, Energies, FrameInertia, Gravity, PolynomialSpring, Reissner, strain_beam,
 };
+use pullback::elements::spring::{AxialSpring, Bushing};
+use pullback::manifold::system::System;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;

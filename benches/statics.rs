@@ -5,6 +5,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, Symmetry};
+use pullback::integrators::statics::Step;
+use pullback::manifold::system::System;
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
 use std::f64::consts::PI;

@@ -1,7 +1,11 @@
 //! A cam with a roller follower: the roller's centre stands off the cam along its normal, which is the
 //! derivative of the contour.
 
+use nalgebra::Matrix3;
+use pullback::Failure;
 use pullback::elements::joint::OnCurve;
+use pullback::elements::joint::{Curve, offset, on_curve, prismatic, revolute};
+use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::manifold::jet::Grad;
 use pullback::prelude::*;
 use std::error::Error;

@@ -1,5 +1,8 @@
 //! The 45° bend of the README: a curved cantilever, bent out of its plane by a tip force.
 
+use pullback::Failure;
+use pullback::elements::model::{Arc, Axis};
+use pullback::integrators::statics::equilibrium;
 use pullback::prelude::*;
 
 fn main() -> Result<(), Failure> {

@@ -1,5 +1,8 @@
 //! A joint from outside the library: a nut on a screw, in a model and in model files.
 
+use pullback::Failure;
+use pullback::elements::joint::offset;
+use pullback::input::Registry;
 use pullback::prelude::*;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -1,5 +1,6 @@
 //! An element by its energy: a hardening spring, at rest and swinging.
 
+use pullback::Failure;
 use pullback::elements::energy::Energies;
 use pullback::manifold::scalar::Scalar;
 use pullback::prelude::*;

@@ -1,6 +1,9 @@
 //! A joint from outside the library: a point on a space curve, on which every swing takes the same
 //! time.
 
+use pullback::Failure;
+use pullback::elements::joint::JointNodes;
+use pullback::elements::load::CoordinateForce;
 use pullback::prelude::*;
 use std::error::Error;
 use std::f64::consts::PI;

@@ -1,7 +1,12 @@
 //! A constraint by its equation h(t, x) = 0: two sliders and the rod between them, three times.
 
+use pullback::Failure;
+use pullback::elements::constraint::{Multipliers, Penalty, Stiffness};
 use pullback::elements::joint::Prismatic;
+use pullback::elements::joint::offset;
+use pullback::manifold::implicit::{Equations, Implicit, Solved};
 use pullback::manifold::map::Linear;
+use pullback::manifold::map::Map;
 use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 use std::error::Error;

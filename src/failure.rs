@@ -7,6 +7,7 @@ use std::fmt;
 /// `Box<dyn Error>` prints its debug form. `?` converts any error or text into it.
 ///
 /// ```
+/// use pullback::Failure;
 /// use pullback::prelude::*;
 ///
 /// let loose = || -> Result<(), Failure> { Err("the spring is not hooked in")? };

@@ -54,6 +54,7 @@
 //! # A pendulum
 //!
 //! ```
+//! use pullback::elements::joint::{offset, revolute};
 //! use pullback::prelude::*;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -125,37 +126,18 @@ pub use pullback_manifold as manifold;
 /// What most programs need.
 pub mod prelude {
     #[cfg(feature = "cli")]
-    pub use crate::{Failure, check, input::Registry};
-    pub use nalgebra::{Matrix3, SVector, Unit, Vector3};
-    pub use pullback_elements::beam::{Material, Section};
+    pub use crate::check;
+    pub use nalgebra::{SVector, Vector3};
+    pub use pullback_elements::beam::Section;
     pub use pullback_elements::body::{PointMass, RigidBody};
-    pub use pullback_elements::constraint::{Multipliers, Penalty, Stiffness};
-    pub use pullback_elements::inertia::Inertia;
-    pub use pullback_elements::joint::{
-        Curve, Joint, JointCoordinate, JointMap, JointNodes, Pose, Surface, constant_velocity,
-        cylindrical, gear, helical, offset, on_curve, on_surface, planar, prismatic, rack,
-        revolute, slide, spherical, universal, weld,
-    };
-    pub use pullback_elements::load::{CoordinateForce, LineLoad, LoadKind, NodalLoad};
-    pub use pullback_elements::model::{
-        Arc, Axis, Dof, EnergiesAndMomentum, Line, Model, ModelBuilder, ModelError, NodeId,
-        NodeState, RigidMotion, Straight,
-    };
-    pub use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
-    pub use pullback_elements::time::{
-        Constant, Input, Proportional, Pulse, Sine, SpinUp, Table, TimeFunction,
-    };
-    pub use pullback_integrators::dynamics::{
-        DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
-    };
-    pub use pullback_integrators::statics::{
-        ArcLengthOptions, Event, StaticOptions, StaticsError, Step, equilibrium, solve_statics,
-        trace_path,
-    };
-    pub use pullback_manifold::implicit::{Equations, Implicit, Solved};
-    pub use pullback_manifold::map::Map;
+    pub use pullback_elements::joint::{Joint, JointCoordinate, Pose};
+    pub use pullback_elements::load::{LoadKind, NodalLoad};
+    pub use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+    pub use pullback_elements::time::{Constant, Proportional};
+    pub use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
+    pub use pullback_integrators::statics::{StaticOptions, solve_statics};
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
-    pub use pullback_manifold::system::{Point, Quantity, System};
+    pub use pullback_manifold::system::Quantity;
     pub use std::ops::ControlFlow;
 }

@@ -19,7 +19,7 @@ pub struct Prefix {
 }
 
 /// All of them.
-pub static PREFIXES: [Prefix; 6] = [
+pub static PREFIXES: [Prefix; 5] = [
     Prefix {
         word: "",
         formulation: Formulation::Total,
@@ -37,18 +37,8 @@ pub static PREFIXES: [Prefix; 6] = [
         word: "lie-",
         formulation: Formulation::LieGroup,
         about: "Lie group: exponentials of sums of angular velocities and their rates (Brüls, \
-                Cardona & Arnold 2012; with Newmark's coefficients the spin-vector Newmark of Simo & \
-                Vu-Quoc 1988, svq-newmark)",
+                Cardona & Arnold 2012; lie-newmark is the spin-vector Newmark of Simo & Vu-Quoc 1988)",
         only: None,
-    },
-    Prefix {
-        word: "svq-",
-        formulation: Formulation::LieGroup,
-        about: "the spin-vector Newmark of Simo & Vu-Quoc 1988, as published: material angular \
-                velocities and their rates of both ends of a step, vectors of different tangent \
-                spaces, are added, which [M04] 3.3 calls inconsistent with the manifold; step by \
-                step the same as lie-newmark",
-        only: Some("newmark"),
     },
     Prefix {
         word: "spin-",
@@ -112,7 +102,8 @@ impl Method {
         );
         if spins && scheme.stages().len() > 1 {
             return Err(refuse(
-                "spins are added up by schemes with one stage (newmark, hht, wbz, ga, em, central-difference); for this \
+                "spins are added up by schemes with one stage (newmark, hht, wbz, ga, projected-newmark, \
+                 central-difference); for this \
                  scheme take it without prefix, or with `ul-`"
                     .to_owned(),
             ));

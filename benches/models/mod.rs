@@ -1,8 +1,11 @@
 //! Models in motion with any number of elements.
 
 use nalgebra::Matrix3;
+use pullback::elements::beam::Material;
 use pullback::elements::joint::spherical;
+use pullback::elements::load::LineLoad;
 use pullback::elements::model::LineNodes;
+use pullback::elements::time::Table;
 use pullback::prelude::*;
 
 /// A model with a beam between two nodes, and the nodes.

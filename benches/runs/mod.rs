@@ -8,6 +8,7 @@ use pullback::integrators::dynamics::{
     DynamicOptions, Predictor, Progress, StepReport, Summary, Tangent, integrate, start,
 };
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use pullback::manifold::system::System;
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
 use std::hint::black_box;

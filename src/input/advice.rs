@@ -16,7 +16,7 @@ fn names(known: &[String]) -> String {
 /// Words of other programs and the keys here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("linear", "proportional"),
-    ("limit-point", "turning-point"),
+    ("limit-point", "turning_point"),
     ("harmonic", "sine"),
     ("step", "pulse"),
     ("hinge", "revolute"),
@@ -40,6 +40,11 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("way", "displacement"),
     ("way 1", "displacement 1"),
     ("way 2", "displacement 2"),
+    ("arc-length", "arc_length"),
+    ("turning-point", "turning_point"),
+    ("constant-velocity", "constant_velocity"),
+    ("on-curve", "on_curve"),
+    ("on-surface", "on_surface"),
 ];
 
 /// Explanation of a parser message.
@@ -58,7 +63,7 @@ fn explanation(message: &str) -> Option<String> {
     } else if message.contains("expected f64") {
         "a number stands without quotes, its decimals after a point"
     } else if message.contains("exactly one key") {
-        "one at a time: one of static, arc-length and dynamic for an analysis, one function for a \
+        "one at a time: one of static, arc_length and dynamic for an analysis, one function for a \
          time"
     } else {
         return None;

@@ -113,7 +113,7 @@ struct OnSurface {
 
 /// A surface through the position where a joint starts.
 #[derive(Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Shape {
     /// A plane.
     Plane {
@@ -154,7 +154,7 @@ pub(super) fn add_to(registry: Registry) -> Registry {
             let axes = [keys.axis, keys.second_axis];
             universal(at.builder, at.name, at.parent, axes)
         })
-        .joint("constant-velocity", |at, keys: ConstantVelocity| {
+        .joint("constant_velocity", |at, keys: ConstantVelocity| {
             let axes = [keys.axis, keys.second_axis];
             constant_velocity(at.builder, at.name, at.parent, axes)
         })
@@ -170,14 +170,14 @@ pub(super) fn add_to(registry: Registry) -> Registry {
         .joint("helical", |at, keys: Helical| {
             helical(at.builder, at.name, at.parent, keys.axis, keys.pitch)
         })
-        .joint("on-curve", |at, keys: OnCurve| {
+        .joint("on_curve", |at, keys: OnCurve| {
             let origin = at.builder.position(at.parent);
             let seen = |point: &[f64; 3]| (Vector3::from(*point) - origin).into();
             let points: Vec<_> = keys.through.iter().map(seen).collect();
             let curve = Spline::through(&points, keys.closed, keys.start)?;
             Ok::<_, BoxedError>(on_curve(at.builder, at.name, at.parent, curve)?)
         })
-        .joint("on-surface", |at, keys: OnSurface| {
+        .joint("on_surface", |at, keys: OnSurface| {
             let origin = at.builder.position(at.parent);
             let seen = |point: [f64; 3]| (Vector3::from(point) - origin).into();
             let start = seen(keys.position);

@@ -47,6 +47,9 @@ impl Site<'_> {
 /// `type = "..."` of its own:
 ///
 /// ```no_run
+/// use pullback::elements::joint::helical;
+/// use pullback::elements::model::Axis;
+/// use pullback::input::Registry;
 /// use pullback::prelude::*;
 ///
 /// /// A frame that slides along an axis and turns about it.

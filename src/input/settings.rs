@@ -326,7 +326,7 @@ fn path(
     nodes: &Names<NodeId>,
     a: &ArcLength,
 ) -> Result<Plan, InputError> {
-    let kind = "arc-length";
+    let kind = "arc_length";
     let numbers = [
         ("first_step", a.first_step),
         ("max_step", a.max_step),
@@ -380,7 +380,7 @@ fn event(
     stop: &Stop,
 ) -> Result<(Event, String), InputError> {
     Ok(match stop {
-        Stop::TurningPoint => (Event::TurningPoint, "turning-point".to_owned()),
+        Stop::TurningPoint => (Event::TurningPoint, "turning_point".to_owned()),
         Stop::Load(load) => (Event::Load(*load), format!("load = {load}")),
         Stop::Coordinate(c) => {
             let path = [at, &["coordinate", "node"]].concat();

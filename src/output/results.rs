@@ -15,7 +15,7 @@ pub(super) const NAME: &str = "result.json";
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Ending {
     /// Not yet (or the program was killed).
     Running,

@@ -104,7 +104,7 @@ impl Diagnostics {
             }
         }
         let sense = t - self.last;
-        let located = row.event.as_deref() == Some("turning-point");
+        let located = row.event.as_deref() == Some("turning_point");
         self.turns |= located || sense * self.sense < 0.0;
         (self.last, self.sense) = (t, sense);
         let Some(now) = row.unstable else { return };

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// What to compute.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Analysis {
     /// Load stepping: equilibrium at growing values of the load parameter.
     Static(Static),
@@ -123,7 +123,7 @@ pub enum Direction {
 
 /// An event on the path, located to round-off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Stop {
     /// The load has a maximum or minimum.
     TurningPoint,

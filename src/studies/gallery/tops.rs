@@ -308,7 +308,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     // The scheme with energy projection, at a coarse step.
     let mut kept = file.clone();
     if let Analysis::Dynamic(d) = &mut kept.analysis {
-        d.scheme = "em".into();
+        d.scheme = "projected-newmark".into();
     }
     let kept = context.motion(&kept, &["O"], Run::step(1e-2))?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();

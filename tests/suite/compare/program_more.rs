@@ -147,14 +147,14 @@ fn an_exact_solution_comes_from_a_file() {
 #[test]
 fn a_search_that_finds_nothing_is_apart_too() {
     // Nothing is kept by a pendulum on its pin but energy.
-    let asked = ["--schemes", "em", "--steps", "4x,2x", "-q"];
+    let asked = ["--schemes", "projected-newmark", "--steps", "4x,2x", "-q"];
     let directory = directory("program_compare_search");
     let pendulum = write(
         &directory,
         pullback::studies::gallery::model(Path::new("pendulum")).unwrap(),
     );
     let json = compared(&pendulum, &asked);
-    for row in rows(&json, "em") {
+    for row in rows(&json, "projected-newmark") {
         let [before, all] = ["searching", "assemblies"].map(|key| row[key].as_u64().unwrap());
         assert!(before > 0);
         assert_eq!(all, row["counts"]["evaluations"].as_u64().unwrap());
@@ -167,7 +167,7 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     let model = write(&directory, BODY);
     let asked = [
         "--schemes",
-        "newmark,lie-newmark,em,central-difference,radau",
+        "newmark,lie-newmark,projected-newmark,central-difference,radau",
         "--steps",
         "0.02,0.0005",
         "-q",
@@ -185,13 +185,18 @@ fn times_are_taken_alone_where_they_are_asked_for() {
     };
     // What a scheme looks for before its first step is apart, whatever the number of steps. The matrix of
     // two stages of Radau's takes two tangents of each.
-    for scheme in ["newmark", "em", "central-difference", "radau"] {
+    for scheme in [
+        "newmark",
+        "projected-newmark",
+        "central-difference",
+        "radau",
+    ] {
         for [assemblies, evaluations] in counts(scheme) {
             assert_eq!(assemblies, evaluations, "{scheme}");
         }
         for row in rows(&json, scheme) {
             let before = row["searching"].as_u64().unwrap();
-            let searches = ["em", "central-difference"].contains(&scheme);
+            let searches = ["projected-newmark", "central-difference"].contains(&scheme);
             assert_eq!(before > 0, searches, "{scheme}: {before}");
         }
     }
@@ -241,7 +246,7 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     let model = write(&directory, BODY);
     let asked = [
         "--schemes",
-        "newmark,em",
+        "newmark,projected-newmark",
         "--steps",
         "0.02,0.01",
         "--long",
@@ -262,11 +267,11 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
         assert_eq!(kept[momentum], serde_json::json!([true, true, true]));
     }
     // Positions go on linearly, and Newmark's scheme is exact for them; angular momenta are kept by `em` alone.
-    for scheme in ["newmark", "em"] {
+    for scheme in ["newmark", "projected-newmark"] {
         assert!(long(&json, scheme, "momentum") < 1e-11);
     }
     // The centre of mass moves, |L| = √52 about it: 5 s at 0.02 are far from exact.
-    let [lost, kept] = ["newmark", "em"].map(|s| long(&json, s, "angular_momentum"));
+    let [lost, kept] = ["newmark", "projected-newmark"].map(|s| long(&json, s, "angular_momentum"));
     assert!(lost > 1e-5 && kept < 1e-10, "{lost:e} {kept:e}");
     let csv = read(model.with_extension("compare").join("compare.csv"));
     assert_eq!(csv.lines().filter(|l| l.starts_with("long,")).count(), 2);

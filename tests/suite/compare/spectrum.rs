@@ -108,7 +108,7 @@ fn what_it_refuses() {
             "do not affect a linear vibration: leave the prefix out, `ga:0.8`",
         ),
         (
-            &["--schemes", "em:0.5"],
+            &["--schemes", "projected-newmark:0.5"],
             "that of its step is the one of `ga:0.5`",
         ),
         (

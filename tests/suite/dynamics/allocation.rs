@@ -8,6 +8,7 @@ use pullback::elements::beam::Damping;
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, offset, revolute, slide, spherical};
 use pullback::elements::load::CoordinateForce;
+use pullback::elements::load::LineLoad;
 use pullback::elements::model::{Formulation, RigidMotion};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
@@ -17,6 +18,7 @@ use pullback::manifold::implicit::{Implicit, Solved};
 use pullback::manifold::map::{Linear, Map};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 
 fn section() -> Section {
@@ -205,7 +207,7 @@ fn twice_as_many_steps_allocate_no_more() {
     .map(|f| (plain, f));
     // One that finds multipliers for what the motion keeps, in every step.
     let keeping = DynamicOptions {
-        scheme: "em:0.8".parse().unwrap(),
+        scheme: "projected-newmark:0.8".parse().unwrap(),
         ..plain
     };
     let keepers = [

@@ -22,7 +22,7 @@ const LENGTH: f64 = 1.0;
 const MASS: f64 = 1.0;
 
 fn em() -> Scheme {
-    "em".parse().unwrap()
+    "projected-newmark".parse().unwrap()
 }
 
 /// Four geodesic or total elements along e1 between two nodes.
@@ -203,7 +203,7 @@ fn it_is_of_order_two() {
         let errors = [n / 2, n, 2 * n].map(off);
         assert_slopes(word, &QUANTITIES, &errors, 2.0, 0.1);
     };
-    for word in ["em", "em:0.8"] {
+    for word in ["projected-newmark", "projected-newmark:0.8"] {
         let top = |scheme, n| {
             let (mut model, v) = heavy_top();
             let node = [model.find("tip").unwrap()];
@@ -321,7 +321,7 @@ fn a_heavy_top_keeps_energy_and_vertical_momentum() {
         let scheme = scheme.parse().unwrap();
         run(&mut model, &v, &options(scheme, 20.0, 4000), start, mask)
     };
-    let (kept, progress) = go("em");
+    let (kept, progress) = go("projected-newmark");
     assert_eq!(progress.invariants.unwrap().motions.len(), 1);
     assert!(progress.summary.chart_changes > 10);
     assert!(kept[0] < 1e-13 && kept[2] < 1e-13, "{kept:?}");
@@ -408,7 +408,7 @@ fn a_swinging_cantilever_keeps_energy() {
             let scheme = scheme.parse().unwrap();
             run(&mut beam, &v, &options(scheme, 30.0, 3000), start, start.1)
         };
-        for word in ["em", "em:0.8"] {
+        for word in ["projected-newmark", "projected-newmark:0.8"] {
             let (kept, progress) = go(word);
             assert!(progress.invariants.unwrap().motions.is_empty());
             assert!(kept[0] < 1e-13, "{word}: {kept:?}");

@@ -79,7 +79,7 @@ to = 1
         );
         // About the pivot there is no impulse: −m c (v − c ω) + I ω = 0, and nothing acts after that.
         let exact = 2.0 / (2.0 + inertia);
-        for scheme in ["newmark", "em", "em:0.5"] {
+        for scheme in ["newmark", "projected-newmark", "projected-newmark:0.5"] {
             let omega = spin(&text, "j", scheme, 0.01);
             let off = (omega - Vector3::new(0.0, exact, 0.0)).norm();
             assert!(off < 1e-10, "{scheme}, {inertia}: {omega}");
@@ -131,7 +131,7 @@ to = 2
     let exact = spin(text, "j", "radau", 0.004);
     for step in [0.008, 0.004, 0.002] {
         let off = |scheme| (spin(text, "j", scheme, step) - exact).norm();
-        let (base, projected) = (off("newmark"), off("em"));
+        let (base, projected) = (off("newmark"), off("projected-newmark"));
         assert!(
             base < 1e-2 && projected < 2.0 * base,
             "{step}: {projected}, {base}"
@@ -145,7 +145,7 @@ to = 2
         .replace("gravity = [0, -9.81, 0]", "gravity = [0, 0, 0]");
     let exact = spin(&shaken, "j", "radau", 0.002);
     let off = |scheme| (spin(&shaken, "j", scheme, 0.02) - exact).norm();
-    let (base, projected) = (off("newmark"), off("em"));
+    let (base, projected) = (off("newmark"), off("projected-newmark"));
     assert!(projected < 1.1 * base, "{projected}, {base}");
 }
 
@@ -185,7 +185,7 @@ fn what_vibrations_have_lost_is_given_back() {
     // The rotation sets off vibrations that do not last: little is left then that a factor could enlarge.
     let text = spinning(0.0).replace("\"total\"", "\"geodesic\"");
     let exact = 0.5 * 20.0_f64.powi(2) * (1.0 / 12.0 + 1e-4);
-    run(&text, "em:0.5", 0.02, &mut |model, state| {
+    run(&text, "projected-newmark:0.5", 0.02, &mut |model, state| {
         let at = Point {
             t: state.t,
             q: &state.q,
@@ -205,7 +205,7 @@ fn a_drag_takes_momentum() {
         .replace("\"total\"", "\"geodesic\"")
         .replace("[0, 0, 20]", "[0, 0, 1]\nvelocity = [1, 2, 3]");
     let mut momentum = Vector3::zeros();
-    run(&text, "em", 0.005, &mut |model, state| {
+    run(&text, "projected-newmark", 0.005, &mut |model, state| {
         let at = Point {
             t: state.t,
             q: &state.q,
@@ -224,7 +224,10 @@ fn dampers_that_steps_do_not_resolve_take_no_momentum() {
     // discretisation, so that no symmetry is known to the projection.
     let exact = 20.0 * (1.0 / 12.0 + 1e-4);
     let start = 10.0 * exact;
-    for (base, scheme) in [("newmark", "em"), ("ga:0.5", "em:0.5")] {
+    for (base, scheme) in [
+        ("newmark", "projected-newmark"),
+        ("ga:0.5", "projected-newmark:0.5"),
+    ] {
         for damping in [0.1, 0.01] {
             let [(momentum, most), (projected, bounded)] =
                 [base, scheme].map(|scheme| spun_down(damping, scheme));
@@ -296,7 +299,7 @@ angular_velocity = [0, 0, {rate:?}]
 to = 1
 "#
         );
-        for scheme in ["newmark", "em", "em:0.9"] {
+        for scheme in ["newmark", "projected-newmark", "projected-newmark:0.9"] {
             let omega = spin(&text, "j", scheme, 0.01);
             let off = (omega - Vector3::new(0.0, 0.0, rate)).norm();
             assert!(off < 1e-9 * rate, "{scheme}, {rate}: {omega}");

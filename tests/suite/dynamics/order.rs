@@ -135,7 +135,7 @@ fn bodies_on_joints_of_a_driven_carriage() {
     for scheme in second_order()
         .into_iter()
         .chain([Scheme::central_difference()])
-        .chain(["em", "em:0.8"].map(|word| word.parse().unwrap()))
+        .chain(["projected-newmark", "projected-newmark:0.8"].map(|word| word.parse().unwrap()))
     {
         assert_eq!(scheme.order(), 2);
         let e = errors(160, &reference, &mut |n| run(scheme, n));

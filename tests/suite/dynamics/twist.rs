@@ -9,8 +9,10 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback::elements::beam::Interpolation;
 use pullback::elements::body::RigidBody;
 use pullback::elements::spring::Bushing;
+use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::integrators::statics::StaticsError;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::f64::consts::{PI, TAU};
 

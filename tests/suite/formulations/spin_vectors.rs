@@ -153,7 +153,7 @@ fn rates_that_are_not_transported_cost_an_order() {
     assert!(off < 1e-3, "{found} {expected}");
     for (name, order) in [
         ("mixed-newmark", 1.0),
-        ("svq-newmark", 2.0),
+        ("lie-newmark", 2.0),
         ("spin-newmark", 2.0),
     ] {
         let errors = [2e-3, 1e-3, 5e-4].map(|h| end(name, 2.0, h));

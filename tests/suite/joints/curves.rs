@@ -5,6 +5,10 @@
 use crate::support::dynamics::{assert_slopes, body, configure, tight};
 use nalgebra::Matrix3;
 use pullback::elements::joint::Spline;
+use pullback::elements::joint::{Curve, JointNodes, Surface, on_curve, on_surface, revolute};
+use pullback::elements::model::NodeState;
+use pullback::integrators::dynamics::StepReport;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -9,8 +9,13 @@ use pullback::elements::joint::{
     ConstantVelocity, Cylindrical, Helical, OnCurve, OnSurface, Planar, Prismatic, Revolute,
     Spherical, Universal,
 };
+use pullback::elements::joint::{Curve, Surface, prismatic, revolute};
+use pullback::elements::time::TimeFunction;
+use pullback::integrators::dynamics::StepReport;
 use pullback::manifold::so3;
 use pullback::manifold::system::Evaluation;
+use pullback::manifold::system::Point;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 
 const MASS: f64 = 2.0;

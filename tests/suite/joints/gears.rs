@@ -3,7 +3,14 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::program::{check, directory, history, number, program, write};
+use nalgebra::Matrix3;
 use pullback::elements::joint::{GearError, JointNodes, RevoluteNodes};
+use pullback::elements::joint::{gear, offset, revolute};
+use pullback::elements::load::CoordinateForce;
+use pullback::elements::model::ModelError;
+use pullback::integrators::dynamics::StepReport;
+use pullback::manifold::system::Point;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 
 /// Two rotors on the ground with a motor on the first, and a spring and damper where `acts` says so.

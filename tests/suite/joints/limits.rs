@@ -4,7 +4,14 @@
 
 use crate::support::dynamics::{configure, observed, tight};
 use nalgebra::Matrix3;
+use pullback::elements::joint::{
+    Curve, JointNodes, constant_velocity, offset, on_curve, spherical, universal,
+};
+use pullback::elements::model::NodeState;
+use pullback::elements::spring::AxialSpring;
+use pullback::integrators::dynamics::DynamicsError;
 use pullback::manifold::so3;
+use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::f64::consts::TAU;
 

@@ -204,7 +204,7 @@ fn a_body_on_a_coupling_goes_round_without_turning_about_its_shaft() {
     let omega: f64 = (m * G / ((m + across) * cosine + along * (1.0 - cosine))).sqrt();
     // The first tilt is about e2, the second about −e1; the bob is at (sin θ, 0, −cos θ).
     let coupling = format!(
-        "type = \"constant-velocity\"\naxis = [0, 0, 1]\nsecond_axis = [0, 0, 1]\ncoordinates = {{ \
+        "type = \"constant_velocity\"\naxis = [0, 0, 1]\nsecond_axis = [0, 0, 1]\ncoordinates = {{ \
          \"tilt 1\" = {{ value = {} }}, \"tilt 2\" = {{ rate = {} }} }}",
         -CONE,
         -CONE * omega
@@ -276,7 +276,7 @@ section = "shaft"
 
 [[joints]]
 name = "coupling"
-type = "constant-velocity"
+type = "constant_velocity"
 parent = "middle"
 axis = [1, 0, 0]
 second_axis = [{c}, {s}, 0]

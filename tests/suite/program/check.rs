@@ -183,7 +183,7 @@ fn a_point_on_a_curve_may_start_at_a_point_that_it_leads_through() {
     let directory = directory("program_check_curve");
     for start in ["closed = true", "start = 1.0198039027185569"] {
         let model = format!(
-            "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on-curve\"\n\
+            "[nodes]\nground = [0, 0, 0]\n\n[[joints]]\nname = \"p\"\ntype = \"on_curve\"\n\
              parent = \"ground\"\n{start}\n\
              through = [[-1, 0, 0.2], [0, 0, 0], [1, 0.3, 0], [2, 0, 0.1], [3, 0.5, 0]]\n\n\
              [[bodies]]\nname = \"b\"\nnode = \"p\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\n\
@@ -395,13 +395,13 @@ fn a_weight_on_a_plane_that_a_base_turns_is_right() {
 o = [0, 0, 0]
 [[joints]]
 name = "far"
-type = "on-surface"
+type = "on_surface"
 parent = "o"
 position = [71.3891907758585, 0, 1]
 surface = { sphere = { center = [0, 0, 0] } }
 [[joints]]
 name = "plane"
-type = "on-surface"
+type = "on_surface"
 parent = "o"
 position = [0, 1, 1]
 surface = { plane = { normal = [0, 1, 1] } }

@@ -387,7 +387,7 @@ fn quiet_is_quiet_and_figures_can_be_left_out() {
 #[test]
 fn paths_record_their_events() {
     // A moment bends the beam along; its tip passes a quarter of a turn at full load.
-    let analysis = "[analysis.arc-length]\nstop = [{ coordinate = { node = \"B\", dof = \"rz\", value = 1.5 } }]\nrecord = [{ load = 0.5 }]";
+    let analysis = "[analysis.arc_length]\nstop = [{ coordinate = { node = \"B\", dof = \"rz\", value = 1.5 } }]\nrecord = [{ load = 0.5 }]";
     let directory = directory("program_path");
     let model = write(&directory, &with("[analysis.static]\nsteps = 4", analysis));
     let output = program(&[&model]);
@@ -407,8 +407,8 @@ fn paths_record_their_events() {
 
     // Too few steps to get there.
     let short = analysis.replace(
-        "[analysis.arc-length]",
-        "[analysis.arc-length]\nmax_steps = 2",
+        "[analysis.arc_length]",
+        "[analysis.arc_length]\nmax_steps = 2",
     );
     write(&directory, &with("[analysis.static]\nsteps = 4", &short));
     let output = program(&[&model]);

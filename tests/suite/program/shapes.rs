@@ -60,7 +60,7 @@ node = "bead"
 #[test]
 fn a_bead_on_a_straight_wire_falls_with_a_part_of_gravity() {
     // Along (3, 0, −4)/5 from a quarter of the way; the points are not evenly spaced.
-    let joint = "type = \"on-curve\"\n\
+    let joint = "type = \"on_curve\"\n\
                  through = [[0, 0, 0], [0.6, 0, -0.8], [0.9, 0, -1.2], [6, 0, -8]]\nstart = 2.5";
     for [t, x, y, z] in run("wire", joint, 10.0, [1.0, 0.05]) {
         let s = 2.5 + 0.5 * 8.0 * t * t;
@@ -79,7 +79,7 @@ fn a_bead_on_a_ring_is_at_the_bottom_after_a_quarter_of_its_period() {
         .map(|a| format!("[{:?}, 0, {:?}]", a.cos(), a.sin()))
         .collect();
     let joint = format!(
-        "type = \"on-curve\"\nclosed = true\nthrough = [{}]",
+        "type = \"on_curve\"\nclosed = true\nthrough = [{}]",
         points.join(", ")
     );
     let quarter = 1.854_074_677_301_372 / 9.81_f64.sqrt();
@@ -101,7 +101,7 @@ fn a_bead_on_a_ring_is_at_the_bottom_after_a_quarter_of_its_period() {
 #[test]
 fn a_point_on_a_cylinder_falls_and_goes_round() {
     // About the vertical axis through (1, 2): radius 2, one radian per second.
-    let joint = "type = \"on-surface\"\nposition = [3, 2, 5]\n\
+    let joint = "type = \"on_surface\"\nposition = [3, 2, 5]\n\
                  surface = { cylinder = { center = [1, 2, 0], axis = [0, 0, 7] } }\n\
                  coordinates = { \"parameter 1\" = { rate = 1.0 } }";
     for [t, x, y, z] in run("cylinder", joint, 10.0, [2.0, 0.1]) {
@@ -121,7 +121,7 @@ fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
     let position = [r * angle.sin(), 0.0, -r * angle.cos()];
     let omega = (9.81 / (r * angle.cos())).sqrt();
     let joint = format!(
-        "type = \"on-surface\"\nposition = {position:?}\nsurface = {{ sphere = {{ center = [0, 0, 0] }} }}\n\
+        "type = \"on_surface\"\nposition = {position:?}\nsurface = {{ sphere = {{ center = [0, 0, 0] }} }}\n\
          coordinates = {{ \"parameter 2\" = {{ rate = {:?} }} }}",
         omega * angle.sin()
     );
@@ -141,7 +141,7 @@ fn a_point_on_a_sphere_circles_as_a_conical_pendulum() {
 #[test]
 fn a_point_on_a_plane_slides_down_it() {
     // A slope of 45°: half of gravity along x.
-    let joint = "type = \"on-surface\"\nposition = [0, 0, 1]\n\
+    let joint = "type = \"on_surface\"\nposition = [0, 0, 1]\n\
                  surface = { plane = { normal = [1, 0, 1] } }";
     for [t, x, y, z] in run("plane", joint, 10.0, [1.0, 0.1]) {
         let way = 2.5 * t * t;
@@ -155,7 +155,7 @@ fn curves_and_surfaces_that_are_none_are_refused() {
     let refuse = |joint: &str, position: &str, message: &str| {
         check(&model(joint, 9.81, [1.0, 0.1]), position, message, "");
     };
-    let on_curve = |keys: &str| format!("type = \"on-curve\"\n{keys}");
+    let on_curve = |keys: &str| format!("type = \"on_curve\"\n{keys}");
     let named = "[[joints]]";
     refuse(
         &on_curve("through = [[0, 0, 0]]"),
@@ -176,7 +176,7 @@ fn curves_and_surfaces_that_are_none_are_refused() {
     let twice = "through = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]";
     refuse(&on_curve(twice), named, "point 3 of its curve");
     let on_surface =
-        |surface: &str| format!("type = \"on-surface\"\nposition = [0, 0, 1]\nsurface = {surface}");
+        |surface: &str| format!("type = \"on_surface\"\nposition = [0, 0, 1]\nsurface = {surface}");
     refuse(
         &on_surface("{ sphere = { center = [0, 0, 1] } }"),
         named,

@@ -45,7 +45,7 @@ fn words_of_earlier_versions_are_refused_with_those_of_today() {
         ),
         (
             joint(
-                "type = \"on-surface\"\nparent = \"A\"\nposition = [1, 0, 0]\n\
+                "type = \"on_surface\"\nparent = \"A\"\nposition = [1, 0, 0]\n\
                  surface = { sphere = { centre = [0, 0, 0] } }",
             ),
             "centre",
@@ -93,7 +93,7 @@ fn unknown_keys_and_words_get_a_suggestion() {
         &with("[analysis.static]", "[analysis.sttic]"),
         "sttic",
         "`sttic`",
-        "`static`, `arc-length`",
+        "`static`, `arc_length`",
     );
     check(
         &with("steps = 4", "stepps = 4"),

@@ -323,7 +323,7 @@ fn analyses_must_be_possible() {
     let path = |text: &str| {
         with(
             "[analysis.static]\nsteps = 4",
-            &format!("[analysis.arc-length]\n{text}"),
+            &format!("[analysis.arc_length]\n{text}"),
         )
     };
     check(&path("stop = []"), "[]", "stop = 0", "at least one");

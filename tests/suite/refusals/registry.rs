@@ -5,6 +5,8 @@
 
 use crate::support::program::{directory, history, number, write};
 use pullback::elements::joint::Revolute;
+use pullback::elements::joint::{JointMap, JointNodes, slide};
+use pullback::input::Registry;
 use pullback::input::{BoxedError, InputError};
 use pullback::manifold::map::{KinematicsMut, Parametrization};
 use pullback::manifold::system::Quantity;

@@ -1,6 +1,8 @@
 //! Nodes that a program's own joints release, where they are not of one coordinate each.
 
+use pullback::elements::joint::JointNodes;
 use pullback::input::BoxedError;
+use pullback::input::Registry;
 use pullback::manifold::system::Quantity;
 use pullback::prelude::*;
 

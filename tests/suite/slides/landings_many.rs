@@ -186,7 +186,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
         ("hht:-0.1", 2.0),
         ("wbz:0.8", 2.0),
         ("ga:0.5", 2.0),
-        ("em", 2.0),
+        ("projected-newmark", 2.0),
         ("bathe", 2.0),
         ("radau", 3.0),
         ("central-difference", 2.0),

@@ -3,7 +3,11 @@
 #![allow(non_snake_case)]
 
 use nalgebra::Matrix3;
+use pullback::elements::load::LineLoad;
+use pullback::elements::spring::AxialSpring;
+use pullback::integrators::dynamics::StepReport;
 use pullback::integrators::dynamics::Summary;
+use pullback::integrators::statics::StaticsError;
 use pullback::prelude::*;
 
 /// Displacement of the crown of a von Mises truss of height `rise` and half span 1 (stiffness 1 of

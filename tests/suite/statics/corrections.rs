@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use pullback::input::{Plan, assemble_text};
+use pullback::integrators::statics::{StaticsError, Step, trace_path};
 use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
@@ -37,7 +38,7 @@ fn moved(model: &Model, node: &str, axis: usize) -> f64 {
     model.coordinate(node, axis).unwrap()[0]
 }
 
-const ANALYSES: [&str; 2] = ["[analysis.static]", "[analysis.arc-length]"];
+const ANALYSES: [&str; 2] = ["[analysis.static]", "[analysis.arc_length]"];
 
 #[test]
 fn a_column_bends_by_the_smallest_lateral_load() {
@@ -210,7 +211,7 @@ fn assert_limits(h: f64, times: f64, steps: &str) -> Result<(), StaticsError> {
     let rest = 1.0_f64.hypot(h);
     let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
     let limit = carried(1.0, h, h - y);
-    let analysis = format!("[analysis.arc-length]\nrecord = [\"turning-point\"]\n{steps}");
+    let analysis = format!("[analysis.arc_length]\nrecord = [\"turning_point\"]\n{steps}");
     let (_, loads) = located(&truss(1.0, h, times * limit), &analysis)?;
     assert_eq!(loads.len(), 3, "{h}, {steps}: {loads:?}");
     for (load, expected) in loads.iter().zip([1.0 / times, -1.0 / times, 1.0]) {

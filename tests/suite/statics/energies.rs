@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case)]
 
+use nalgebra::Matrix3;
 use pullback::elements::energy::{
     Energies, Gravity, GreenLagrange, Reissner, StrainMeasure, strain_beam,
 };
+use pullback::elements::model::NodeState;
 use pullback::prelude::*;
 use std::f64::consts::PI;
 

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use pullback::integrators::statics::Cause;
+use pullback::integrators::statics::{StaticsError, Step};
 use pullback::prelude::*;
 
 /// A cantilever of unit length along e1 with a load at its tip.

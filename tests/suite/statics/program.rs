@@ -44,8 +44,8 @@ fn lee(analysis: &str) -> String {
 fn located_rows_are_where_they_say_whatever_the_step() {
     let analysis = |step: f64| {
         format!(
-            "[analysis.arc-length]\nfirst_step = {step}\nmax_step = {step}\n\
-             record = [{{ load = 0.25 }}, {{ load = 0.9 }}, \"turning-point\"]\n\
+            "[analysis.arc_length]\nfirst_step = {step}\nmax_step = {step}\n\
+             record = [{{ load = 0.25 }}, {{ load = 0.9 }}, \"turning_point\"]\n\
              stop = [{{ load = 1 }}]"
         )
     };
@@ -87,7 +87,7 @@ fn located_rows_are_where_they_say_whatever_the_step() {
 
 #[test]
 fn a_path_plays_in_the_order_of_its_rows() {
-    let analysis = "[analysis.arc-length]\nstop = [\"turning-point\"]\nmax_step = 0.3\n";
+    let analysis = "[analysis.arc_length]\nstop = [\"turning_point\"]\nmax_step = 0.3\n";
     let (rows, _, out) = run(
         "statics_pvd",
         &lee(analysis).replace("paraview_every = 0", "paraview_every = 1"),
@@ -257,7 +257,7 @@ fn the_equilibrium_at_the_start_is_the_first_row() {
         &format!("[[loads]]\nnode = \"B\"\n{half}\n\n[analysis.static]"),
         1,
     );
-    let path = text.replace("[analysis.static]\nsteps = 4", "[analysis.arc-length]");
+    let path = text.replace("[analysis.static]\nsteps = 4", "[analysis.arc_length]");
     for (name, text) in [("statics_start", text), ("statics_start_path", path)] {
         let (rows, result, _) = run(name, &text);
         assert_eq!(rows[0]["step"], "0");
@@ -333,15 +333,15 @@ fn a_truss_of_springs_snaps_through_and_is_drawn() {
         [[loads]]
         node = "T"
         force = [0, -0.1, 0]
-        [analysis.arc-length]
-        record = ["turning-point"]
+        [analysis.arc_length]
+        record = ["turning_point"]
     "#;
     let (rows, result, out) = run("statics_springs", truss);
     // dP/dy = 0 of P = 2 y (l₀/l − 1) where l³ = l₀.
     let rest = 1.25_f64.sqrt();
     let y = (rest.powf(2.0 / 3.0) - 1.0).sqrt();
     let limit = 2.0 * y * (rest / (1.0 + y * y).sqrt() - 1.0);
-    let turning = rows.iter().find(|r| r["event"] == "turning-point").unwrap();
+    let turning = rows.iter().find(|r| r["event"] == "turning_point").unwrap();
     assert!((0.1 * number(turning, "t") / limit - 1.0).abs() < 1e-6);
     let warnings = result["warnings"].to_string();
     assert!(warnings.contains("limit point between"), "{warnings}");

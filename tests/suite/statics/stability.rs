@@ -4,6 +4,7 @@
 
 use crate::support::program::{directory, history, number, program, results, write};
 use pullback::input::{Plan, assemble_text};
+use pullback::integrators::statics::{Step, trace_path};
 use pullback::prelude::*;
 use std::f64::consts::PI;
 
@@ -97,7 +98,7 @@ fn each_eulers_load_of_a_straight_column_is_one_more_direction() {
         }
     }
     // Along the path.
-    let path = "[analysis.arc-length]\nload_scale = 30\nstop = [{ load = 110 }]\n\
+    let path = "[analysis.arc_length]\nload_scale = 30\nstop = [{ load = 110 }]\n\
                 record = [{ load = 9.8 }, { load = 9.95 }]";
     let rows = counts(&column(PINNED, path));
     assert!(rows.len() > 20);
@@ -177,7 +178,7 @@ fn a_deep_arch_is_unstable_from_its_limit_point_on() {
     let output = program(&[example.as_ref(), "--out".as_ref(), &out]);
     assert!(output.status.success());
     let rows = history(&out);
-    let turning = rows.iter().position(|r| r["event"] == "turning-point");
+    let turning = rows.iter().position(|r| r["event"] == "turning_point");
     let turning = turning.unwrap();
     // Where the tangent is singular nothing can be said.
     assert_eq!(rows[turning]["unstable"], "");

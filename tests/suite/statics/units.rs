@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Matrix6};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{offset, revolute};
+use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
 use pullback::prelude::*;
 

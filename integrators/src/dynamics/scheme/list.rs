@@ -30,10 +30,17 @@ pub static SCHEMES: &[Family] = &[
     super::generalised_alpha::HHT,
     super::generalised_alpha::WBZ,
     super::generalised_alpha::CHUNG_HULBERT,
-    super::energy_momentum::ENERGY_MOMENTUM,
+    super::projected_newmark::PROJECTED_NEWMARK,
     super::bathe::BATHE,
     super::radau::RADAU,
     super::central_difference::CENTRAL_DIFFERENCE,
+];
+
+/// Names of earlier versions and the present ones.
+const RENAMED: [(&str, &str); 3] = [
+    ("em", "projected-newmark"),
+    ("energy-momentum", "projected-newmark"),
+    ("svq-newmark", "lie-newmark"),
 ];
 
 impl Scheme {
@@ -55,6 +62,9 @@ impl Scheme {
         // Accepts "generalized-alpha" as well.
         let long = word.replace("ized", "ised");
         let family = SCHEMES.iter().find(|f| f.word == word || f.long == long);
+        if let Some((_, now)) = RENAMED.iter().find(|(was, _)| *was == word) {
+            return Err(refuse(format!("it is now called {now}")));
+        }
         let Some(family) = family else {
             let known: Vec<&str> = SCHEMES.iter().map(|f| f.usage).collect();
             let text = format!(

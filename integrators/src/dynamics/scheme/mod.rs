@@ -18,9 +18,9 @@
 
 mod bathe;
 mod central_difference;
-mod energy_momentum;
 mod generalised_alpha;
 mod list;
+mod projected_newmark;
 mod radau;
 
 pub use generalised_alpha::Coefficients;
@@ -385,8 +385,8 @@ mod tests {
             ("ga:0.5", radius(0.5)),
             ("ga:0.8", radius(0.8)),
             ("ga:1", 1.0 / 12.0),
-            ("em", 1.0 / 12.0),
-            ("em:0.8", radius(0.8)),
+            ("projected-newmark", 1.0 / 12.0),
+            ("projected-newmark:0.8", radius(0.8)),
             ("bathe:0.5", bathe(0.5)),
             ("bathe", bathe(2.0 - 2.0_f64.sqrt())),
         ] {

@@ -59,7 +59,7 @@ fn work_is_what_the_runs_cost_against_their_errors() {
         panic!("{} graphs", graphs.len());
     };
     assert_eq!(by_assemblies.description[0], "assemblies of the model");
-    assert!(by_time.description[0].starts_with("time"));
+    assert!(by_time.description[0].starts_with("wall time"));
     assert_eq!(by_assemblies.description[1], "error of position");
     for graph in [by_assemblies, by_time] {
         let labels: Vec<&str> = graph.curves.iter().map(|c| &c.label[..]).collect();

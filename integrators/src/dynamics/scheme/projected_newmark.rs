@@ -2,12 +2,12 @@
 
 use super::{Family, Scheme, SchemeProperties};
 
-/// The energy-momentum projection of the generalised-α family.
-pub(super) const ENERGY_MOMENTUM: Family = Family {
-    word: "em",
-    long: "energy-momentum",
-    usage: "em (the trapezoidal rule), or em:RHO (generalised-alpha with the spectral radius in \
-            [0, 1]); energy and momenta are restored after every step",
+/// Newmark's scheme, or generalised-α, with its steps projected onto energy and momenta.
+pub(super) const PROJECTED_NEWMARK: Family = Family {
+    word: "projected-newmark",
+    long: "projected-newmark",
+    usage: "projected-newmark (the trapezoidal rule), or projected-newmark:RHO (generalised-alpha with \
+            the spectral radius in [0, 1]); energy and momenta are restored after every step",
     stability: None,
     make: |numbers| match *numbers {
         [] => Some(Ok(Scheme::trapezoidal().keeping(None))),
@@ -36,8 +36,8 @@ impl Scheme {
             ..self.properties
         };
         Self {
-            name: "energy-momentum",
-            word: "em",
+            name: "projected-newmark",
+            word: "projected-newmark",
             arguments: [argument, None],
             properties,
             keeps: true,
