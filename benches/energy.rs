@@ -16,7 +16,6 @@ use pullback::elements::energy::{
     ElasticJoint, Energies, FrameInertia, Gravity, PolynomialSpring, Reissner, strain_beam,
 };
 use pullback::elements::spring::{AxialSpring, Bushing};
-use pullback::manifold::system::System;
 use pullback::manifold::system::Weights;
 use pullback::prelude::*;
 use std::hint::black_box;

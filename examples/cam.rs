@@ -3,6 +3,7 @@
 
 use nalgebra::Matrix3;
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::joint::OnCurve;
 use pullback::elements::joint::{Curve, offset, on_curve, prismatic, revolute};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};

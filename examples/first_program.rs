@@ -1,11 +1,9 @@
 //! The 45° bend of the README: a curved cantilever, bent out of its plane by a tip force.
 
-use pullback::Failure;
 use pullback::elements::model::{Arc, Axis};
-use pullback::integrators::statics::equilibrium;
 use pullback::prelude::*;
 
-fn main() -> Result<(), Failure> {
+fn main() -> Result<(), pullback::Failure> {
     let arc = Arc {
         from: Vector3::zeros(),
         center: Vector3::new(0.0, 100.0, 0.0),

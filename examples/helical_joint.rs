@@ -1,6 +1,7 @@
 //! A joint from outside the library: a nut on a screw, in a model and in model files.
 
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::joint::offset;
 use pullback::input::Registry;
 use pullback::prelude::*;

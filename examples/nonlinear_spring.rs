@@ -1,6 +1,7 @@
 //! An element by its energy: a hardening spring, at rest and swinging.
 
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::energy::Energies;
 use pullback::manifold::scalar::Scalar;
 use pullback::prelude::*;

@@ -1,6 +1,7 @@
 //! A joint from outside the library: a pin in a slot, which carries a pendulum.
 
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::joint::{JointNodes, offset};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};

@@ -2,6 +2,7 @@
 //! time.
 
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::joint::JointNodes;
 use pullback::elements::load::CoordinateForce;
 use pullback::prelude::*;

@@ -1,6 +1,7 @@
 //! A constraint by its equation h(t, x) = 0: two sliders and the rod between them, three times.
 
 use pullback::Failure;
+use pullback::check;
 use pullback::elements::constraint::{Multipliers, Penalty, Stiffness};
 use pullback::elements::joint::Prismatic;
 use pullback::elements::joint::offset;

@@ -125,8 +125,6 @@ pub use pullback_manifold as manifold;
 
 /// What most programs need.
 pub mod prelude {
-    #[cfg(feature = "cli")]
-    pub use crate::check;
     pub use nalgebra::{SVector, Vector3};
     pub use pullback_elements::beam::Section;
     pub use pullback_elements::body::{PointMass, RigidBody};
@@ -135,7 +133,7 @@ pub mod prelude {
     pub use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
     pub use pullback_elements::time::{Constant, Proportional};
     pub use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
-    pub use pullback_integrators::statics::{StaticOptions, solve_statics};
+    pub use pullback_integrators::statics::{StaticOptions, equilibrium, solve_statics};
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
     pub use pullback_manifold::system::Quantity;

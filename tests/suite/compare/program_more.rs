@@ -266,7 +266,7 @@ fn long_runs_tell_what_becomes_of_momenta_and_constraints() {
     for momentum in ["momentum", "angular_momentum"] {
         assert_eq!(kept[momentum], serde_json::json!([true, true, true]));
     }
-    // Positions go on linearly, and Newmark's scheme is exact for them; angular momenta are kept by `em` alone.
+    // Positions go on linearly, and Newmark's scheme is exact for them; angular momenta are kept by `projected-newmark` alone.
     for scheme in ["newmark", "projected-newmark"] {
         assert!(long(&json, scheme, "momentum") < 1e-11);
     }

@@ -112,7 +112,7 @@ fn what_it_refuses() {
             "that of its step is the one of `ga:0.5`",
         ),
         (
-            &["--schemes", "energy-momentum"],
+            &["--schemes", "projected-newmark"],
             "that of its step is the one of `newmark`",
         ),
         (

@@ -39,7 +39,7 @@ fn the_work_of_gravity_is_what_it_has_lost_of_its_potential() {
         "kept",
         parent,
         GRAVITY,
-        "to = 20\nstep = 0.1\nscheme = \"em\"",
+        "to = 20\nstep = 0.1\nscheme = \"projected-newmark\"",
     );
     let worst = rows.iter().map(|r| r[1].abs()).fold(0.0, f64::max);
     assert!(worst < 1e-12, "{worst:e}");

@@ -416,7 +416,7 @@ fn paths_record_their_events() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("max_steps = 2"));
     assert_eq!(
         results(&directory.join("model.out"))["ending"]["kind"],
-        "step-limit"
+        "step_limit"
     );
 }
 

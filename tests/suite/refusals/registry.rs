@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use crate::support::program::{directory, history, number, write};
+use pullback::check;
 use pullback::elements::joint::Revolute;
 use pullback::elements::joint::{JointMap, JointNodes, slide};
 use pullback::input::Registry;
