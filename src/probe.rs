@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::input::Quantity;
+use crate::input::ProbeQuantity;
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
 use pullback_elements::model::{ElementId, EnergiesAndMomentum, Model, NodeId, Reaction};
@@ -38,7 +38,7 @@ pub enum Component {
 #[derive(Clone, Debug)]
 pub struct Probe {
     name: String,
-    quantity: Quantity,
+    quantity: ProbeQuantity,
     target: Target,
     component: Component,
     /// Rotation vector at the last step, continued over changes of chart.
@@ -97,14 +97,14 @@ impl Answers {
     }
 
     /// A scalar of the whole model.
-    fn whole(&self, quantity: Quantity) -> f64 {
+    fn whole(&self, quantity: ProbeQuantity) -> f64 {
         let balance = self.energy_balance();
         match quantity {
-            Quantity::kinetic_energy => balance.energies.kinetic,
-            Quantity::total_energy => {
+            ProbeQuantity::kinetic_energy => balance.energies.kinetic,
+            ProbeQuantity::total_energy => {
                 balance.energies.kinetic + self.strain_energy + self.load_potential
             }
-            Quantity::energy_defect => self.energy_defect,
+            ProbeQuantity::energy_defect => self.energy_defect,
             _ => self.strain_energy,
         }
     }
@@ -142,7 +142,7 @@ impl Answers {
 
 impl Probe {
     /// A probe before its first rotation.
-    pub fn new(name: &str, quantity: Quantity, target: Target, component: Component) -> Self {
+    pub fn new(name: &str, quantity: ProbeQuantity, target: Target, component: Component) -> Self {
         Self {
             name: name.to_owned(),
             quantity,
@@ -168,7 +168,7 @@ impl Probe {
     }
 
     /// The recorded quantity.
-    pub fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> ProbeQuantity {
         self.quantity
     }
 
@@ -190,8 +190,8 @@ impl Probe {
             Component::Whole => out.push(match &self.target {
                 Target::Joint(node) => {
                     let rate = match self.quantity {
-                        Quantity::joint_rate => 1,
-                        Quantity::joint_acceleration => 2,
+                        ProbeQuantity::joint_rate => 1,
+                        ProbeQuantity::joint_acceleration => 2,
                         _ => 0,
                     };
                     (model.coordinate_motion(*node, 0)).map_or(f64::NAN, |x| x[rate])
@@ -207,14 +207,14 @@ impl Probe {
             Target::Whole => {
                 let momentum = answers.energy_balance().momentum;
                 match self.quantity {
-                    Quantity::momentum => momentum.linear,
+                    ProbeQuantity::momentum => momentum.linear,
                     _ => momentum.angular,
                 }
             }
             Target::Element(id) => answers.mean(*id, |s| match self.quantity {
-                Quantity::M => s.M,
-                Quantity::Gamma => s.Gamma,
-                Quantity::K => s.K,
+                ProbeQuantity::M => s.M,
+                ProbeQuantity::Gamma => s.Gamma,
+                ProbeQuantity::K => s.K,
                 _ => s.N,
             }),
             Target::Node(node, name) => {
@@ -225,23 +225,23 @@ impl Probe {
                     own.map_or_else(|_| Vector3::zeros(), |k| part(&all[k]))
                 };
                 match self.quantity {
-                    Quantity::position => state.position,
-                    Quantity::chart_rotation => state.psi,
-                    Quantity::rotation => {
+                    ProbeQuantity::position => state.position,
+                    ProbeQuantity::chart_rotation => state.psi,
+                    ProbeQuantity::rotation => {
                         self.continued = continue_rotation(&self.continued, &state.psi);
                         self.continued
                     }
-                    Quantity::velocity => state.velocity,
-                    Quantity::angular_velocity => state.omega,
-                    Quantity::acceleration => state.acceleration,
-                    Quantity::angular_acceleration => state.omega_dot,
-                    Quantity::joint_force | Quantity::joint_moment => {
-                        let k = usize::from(self.quantity == Quantity::joint_moment);
+                    ProbeQuantity::velocity => state.velocity,
+                    ProbeQuantity::angular_velocity => state.omega,
+                    ProbeQuantity::acceleration => state.acceleration,
+                    ProbeQuantity::angular_acceleration => state.omega_dot,
+                    ProbeQuantity::joint_force | ProbeQuantity::joint_moment => {
+                        let k = usize::from(self.quantity == ProbeQuantity::joint_moment);
                         let force = model.joint_force(*node);
                         force.map_or_else(Vector3::zeros, |both| both[k])
                     }
-                    Quantity::reaction_force => reaction(|r| r.force),
-                    Quantity::reaction_moment => reaction(|r| r.moment),
+                    ProbeQuantity::reaction_force => reaction(|r| r.force),
+                    ProbeQuantity::reaction_moment => reaction(|r| r.moment),
                     _ => state.d,
                 }
             }

@@ -1,7 +1,7 @@
 //! Probes of the file, resolved.
 
 use super::assemble::{Geometry, Names, distinct};
-use super::file::{Probe as Described, Quantity};
+use super::file::{Probe as Described, ProbeQuantity};
 use super::{InputError, Problem, Text};
 use crate::output::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};
@@ -81,18 +81,21 @@ fn one(
         };
         source.value(&path("quantity"), problem)
     };
-    let joint = matches!(quantity, Quantity::joint_force | Quantity::joint_moment);
+    let joint = matches!(
+        quantity,
+        ProbeQuantity::joint_force | ProbeQuantity::joint_moment
+    );
     // The frame of a joint has the joint's name.
     let (key, node, released) = match (&probe.node, &probe.joint) {
         (None, frame) if joint => ("joint", frame, &None),
         (node, released) => ("node", node, released),
     };
     let target = match (needs, node, &probe.element, released) {
-        (Quantity::NODE | Quantity::FRAME, Some(name), None, None) => {
+        (ProbeQuantity::NODE | ProbeQuantity::FRAME, Some(name), None, None) => {
             let node = names.nodes.find(source, &path(key), name)?;
             let reaction = matches!(
                 quantity,
-                Quantity::reaction_force | Quantity::reaction_moment
+                ProbeQuantity::reaction_force | ProbeQuantity::reaction_moment
             );
             if reaction && !names.supports.contains(&node) {
                 let node = name.clone();
@@ -104,17 +107,17 @@ fn one(
             }
             Target::Node(node, name.clone())
         }
-        (Quantity::ELEMENT, None, Some(name), None) => {
+        (ProbeQuantity::ELEMENT, None, Some(name), None) => {
             Target::Element(names.elements.find(source, &path("element"), name)?)
         }
-        (Quantity::JOINT, None, None, Some(name)) => {
+        (ProbeQuantity::JOINT, None, None, Some(name)) => {
             Target::Joint(names.released.find(source, &path("joint"), name)?)
         }
-        (Quantity::NOTHING | Quantity::SPACE, None, None, None) => Target::Whole,
+        (ProbeQuantity::NOTHING | ProbeQuantity::SPACE, None, None, None) => Target::Whole,
         _ => return Err(wrong_target()),
     };
     let (names, expected): ([&str; 3], _) = match target {
-        Target::Whole if needs == Quantity::SPACE => {
+        Target::Whole if needs == ProbeQuantity::SPACE => {
             (["x", "y", "z"], "\"x\", \"y\", \"z\" or \"norm\"")
         }
         Target::Whole | Target::Joint(_) => ([""; 3], "no component"),
@@ -139,7 +142,7 @@ fn one(
     Ok(Probe::new(&probe.name, quantity, target, component))
 }
 
-impl Quantity {
+impl ProbeQuantity {
     const NODE: &'static str = "a node (and no element)";
     const FRAME: &'static str = "a joint, or the node that is attached to one (and no element)";
     const ELEMENT: &'static str = "an element such as \"line:1\" (and no node)";

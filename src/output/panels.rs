@@ -2,7 +2,7 @@
 
 use super::history::Row;
 use super::plot::{Curve, Panel};
-use crate::input::{Plan, Quantity};
+use crate::input::{Plan, ProbeQuantity};
 use crate::probe::Probe;
 
 /// Most curves in a panel.
@@ -33,8 +33,8 @@ impl Scales {
     }
 
     /// The scale of a quantity in the model, by its unit; zero if none is known.
-    fn size(&self, quantity: Quantity) -> f64 {
-        use Quantity::*;
+    fn size(&self, quantity: ProbeQuantity) -> f64 {
+        use ProbeQuantity::*;
         let Self {
             length,
             time,
@@ -81,11 +81,11 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -
     let scales = Scales::of(length, rows);
     // By custom the load of a path, which may turn back, is on the vertical axis.
     let upright = matches!(plan, Plan::Path(..));
-    let mut panels: Vec<(Quantity, Vec<Curve>)> = Vec::new();
+    let mut panels: Vec<(ProbeQuantity, Vec<Curve>)> = Vec::new();
     let mut column = 0;
     for probe in probes {
         let (quantity, labels) = (probe.quantity(), probe.columns());
-        let room = |(q, curves): &(Quantity, Vec<Curve>)| {
+        let room = |(q, curves): &(ProbeQuantity, Vec<Curve>)| {
             *q == quantity && curves.len() + labels.len() <= CURVES
         };
         let position = panels.iter().position(room).unwrap_or_else(|| {
@@ -114,7 +114,7 @@ pub(super) fn panels(plan: &Plan, probes: &[Probe], rows: &[Row], length: f64) -
             }
         });
         let curve = Curve::new("strain energy", points.collect());
-        panels.push((Quantity::strain_energy, vec![curve]));
+        panels.push((ProbeQuantity::strain_energy, vec![curve]));
     }
     panels
         .into_iter()
@@ -147,7 +147,7 @@ mod tests {
         };
         let after = |sizes: [f64; 2]| {
             let mut curves = sizes.map(|s| Curve::new("", vec![(0.5, s), (1.0, -s)]));
-            without_noise(&mut curves, scales.size(Quantity::displacement), |p| {
+            without_noise(&mut curves, scales.size(ProbeQuantity::displacement), |p| {
                 &mut p.1
             });
             curves.map(|c| c.points[1])
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn nothing_is_round_off_where_no_size_is_known() {
         let scales = Scales::of(0.0, &[Row::default()]);
-        use Quantity::{N, acceleration, displacement, kinetic_energy, momentum};
+        use ProbeQuantity::{N, acceleration, displacement, kinetic_energy, momentum};
         for quantity in [displacement, acceleration, N, kinetic_energy, momentum] {
             assert_eq!(scales.size(quantity), 0.0);
         }

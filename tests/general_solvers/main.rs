@@ -7,7 +7,7 @@ mod laboratory;
 use laboratory::{bob, compared, model, options, until};
 use nalgebra::Vector3;
 use pullback::input;
-use pullback::studies::compare::{Candidate, Exact, Options, Quantity};
+use pullback::studies::compare::{Candidate, ErrorQuantity, Exact, Options};
 
 const WORDS: [&str; 2] = ["diffsol-bdf:1e-6", "diffsol-esdirk:1e-6"];
 
@@ -35,7 +35,7 @@ fn a_general_solver_swings_the_pendulum() {
         }
         let errors: Vec<f64> = rows
             .iter()
-            .map(|r| r.error.unwrap().of(Quantity::Position))
+            .map(|r| r.error.unwrap().of(ErrorQuantity::Position))
             .collect();
         // The tolerance falls to a sixteenth: local errors do, the global ones about.
         assert!(

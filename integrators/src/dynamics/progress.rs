@@ -148,7 +148,7 @@ pub struct Progress {
     /// Target of a scheme that restores energy and momenta.
     #[cfg_attr(
         feature = "serde",
-        serde(alias = "kept", default, skip_serializing_if = "Option::is_none")
+        serde(default, skip_serializing_if = "Option::is_none")
     )]
     pub invariants: Option<Invariants>,
     /// Number of converged steps since the last failure.

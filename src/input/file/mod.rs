@@ -22,7 +22,7 @@ pub use initial::Initial;
 pub use joint::{Acts, Closure, Gear, Joint, JointSpring};
 pub use line::{Arc, Interpolation, Line};
 pub use load::{DofName, Fix, Group, Load, PrescribedMotion, Support};
-pub use probe::{Probe, Quantity};
+pub use probe::{Probe, ProbeQuantity};
 pub use scheme::Scheme;
 pub use section::{Circle, Damping, Mass, Material, Rectangle, Section, Stiffness, Tube};
 pub use time::{Pulse, Ramp, Sine, SpinUp, Time, Triangle};

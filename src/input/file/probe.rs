@@ -11,7 +11,7 @@ pub struct Probe {
     /// `name.x`, `name.y`, `name.z` (`name.1` ... for section quantities).
     pub name: String,
     /// What is recorded.
-    pub quantity: Quantity,
+    pub quantity: ProbeQuantity,
     /// Node, for displacement, position, rotation, chart_rotation, velocity, angular_velocity,
     /// acceleration, reaction_force, reaction_moment, joint_force and joint_moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,7 +30,7 @@ pub struct Probe {
 /// What a probe records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[allow(non_camel_case_types, reason = "names of quantities as in the file")]
-pub enum Quantity {
+pub enum ProbeQuantity {
     /// Displacement d of a node.
     displacement,
     /// Current position of a node.

@@ -1,6 +1,6 @@
 //! Errors of schemes at equal cost.
 
-use super::{Quantity, Reference, Row, Values};
+use super::{ErrorQuantity, Reference, Row, Values};
 use serde::Serialize;
 
 /// Errors of all schemes at one cost: log error is interpolated linearly over log cost between
@@ -27,7 +27,7 @@ pub(super) fn find(
 ) -> Option<EqualCost> {
     // An error below that of the reference is unknown.
     let known = |errors: Values| {
-        Values(Quantity::ALL.map(|q| {
+        Values(ErrorQuantity::ALL.map(|q| {
             let least = reference.map_or(0.0, |r| r.error.of(q));
             let error = errors.of(q);
             if error < least { f64::NAN } else { error }
@@ -56,7 +56,7 @@ pub(super) fn find(
     let common = ends.reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))?;
     let cost = 0.5 * (common.0 + common.1);
     let schemes = curves.iter().map(|(name, points)| {
-        let errors = Quantity::ALL.map(|q| at(points, cost, q).unwrap_or(f64::NAN));
+        let errors = ErrorQuantity::ALL.map(|q| at(points, cost, q).unwrap_or(f64::NAN));
         let beyond = points.iter().all(|p| p.0 > cost) || points.iter().all(|p| p.0 < cost);
         ((*name).clone(), Values(errors), beyond)
     });
@@ -71,7 +71,7 @@ pub(super) fn find(
 const APART: f64 = 1.4;
 
 /// The error in a quantity at a cost, on the line through the two adjacent or nearest runs.
-fn at(points: &[(f64, Values)], cost: f64, quantity: Quantity) -> Option<f64> {
+fn at(points: &[(f64, Values)], cost: f64, quantity: ErrorQuantity) -> Option<f64> {
     let behind = points.iter().position(|p| p.0 >= cost);
     let behind = behind.unwrap_or(points.len()).clamp(1, points.len() - 1);
     let [(from, a), (to, b)] = [points[behind - 1], points[behind]];
@@ -109,7 +109,7 @@ mod tests {
             (3.0, 2.0 / 27.0),
             (8.0, 2.0 / 512.0),
         ] {
-            let found = at(&points, f64::ln(cost), Quantity::Rotation);
+            let found = at(&points, f64::ln(cost), ErrorQuantity::Rotation);
             assert!(
                 found.is_some_and(|e| (e / error - 1.0).abs() < 1e-12),
                 "{cost}: {found:?}"
@@ -117,9 +117,9 @@ mod tests {
         }
         // Twice the steps in nearly the same time are not extrapolated.
         let noise = super::tests::points(&[(1.0, 1.0), (2.0, 0.25), (2.02, 0.0625)]);
-        assert_eq!(at(&noise, f64::ln(4.0), Quantity::Rotation), None);
-        assert!(at(&noise, f64::ln(2.01), Quantity::Rotation).is_some());
+        assert_eq!(at(&noise, f64::ln(4.0), ErrorQuantity::Rotation), None);
+        assert!(at(&noise, f64::ln(2.01), ErrorQuantity::Rotation).is_some());
         let none = [(1.0, 0.0), (2.0, 0.0)].map(|(c, e)| (c, Values([e; QUANTITIES])));
-        assert_eq!(at(&none, 1.5, Quantity::Position), None);
+        assert_eq!(at(&none, 1.5, ErrorQuantity::Position), None);
     }
 }

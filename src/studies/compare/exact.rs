@@ -65,7 +65,7 @@ impl Exact {
     }
 }
 
-/// Quantity in a column of a file of exact values.
+/// ErrorQuantity in a column of a file of exact values.
 #[derive(Clone, Copy)]
 enum Column {
     Time,

@@ -3,7 +3,7 @@
 mod drift;
 
 use super::page::escaped;
-use super::{Comparison, Quantity, Row};
+use super::{Comparison, ErrorQuantity, Row};
 use crate::output::plot::{Curve, Division, Graph, PlotError, graphs};
 use drift::{PARTS, drift};
 
@@ -160,8 +160,8 @@ fn left_out(comparison: &Comparison) -> String {
 }
 
 /// The quantities with more than round-off.
-fn shown(comparison: &Comparison) -> Vec<Quantity> {
-    let visible = |q: &Quantity| {
+fn shown(comparison: &Comparison) -> Vec<ErrorQuantity> {
+    let visible = |q: &ErrorQuantity| {
         let level = comparison
             .reference
             .as_ref()
@@ -169,10 +169,10 @@ fn shown(comparison: &Comparison) -> Vec<Quantity> {
         let errors = comparison.rows.iter().filter_map(|row| row.error);
         errors.map(|e| e.of(*q)).any(|e| e > level && e.is_finite())
     };
-    Quantity::ALL.into_iter().filter(visible).collect()
+    ErrorQuantity::ALL.into_iter().filter(visible).collect()
 }
 
-fn error(row: &Row, quantity: Quantity) -> Option<f64> {
+fn error(row: &Row, quantity: ErrorQuantity) -> Option<f64> {
     row.error
         .filter(|_| row.is_regular())
         .map(|e| e.of(quantity))
@@ -182,7 +182,7 @@ fn error(row: &Row, quantity: Quantity) -> Option<f64> {
 const FAR: f64 = 1e-2;
 
 /// The error of the reference, if it is close to the errors drawn.
-fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
+fn level(comparison: &Comparison, quantity: ErrorQuantity) -> Option<f64> {
     let level = comparison.reference.as_ref()?.error.of(quantity);
     let errors = comparison
         .rows
@@ -192,7 +192,7 @@ fn level(comparison: &Comparison, quantity: Quantity) -> Option<f64> {
     (level > FAR * least).then_some(level)
 }
 
-fn slopes(comparison: &Comparison, quantity: Quantity) -> Vec<f64> {
+fn slopes(comparison: &Comparison, quantity: ErrorQuantity) -> Vec<f64> {
     let orders = comparison.orders.iter().filter_map(|o| o.theory);
     let mut slopes: Vec<usize> = orders.map(|o| o.of(quantity)).collect();
     slopes.sort_unstable();
@@ -201,7 +201,7 @@ fn slopes(comparison: &Comparison, quantity: Quantity) -> Vec<f64> {
 }
 
 fn convergence(comparison: &Comparison) -> Vec<Graph> {
-    let graph = |quantity: Quantity| Graph {
+    let graph = |quantity: ErrorQuantity| Graph {
         description: [
             "step size h".to_owned(),
             format!("error of {}", quantity.name()),
@@ -236,7 +236,7 @@ fn work(comparison: &Comparison) -> Vec<Graph> {
     let costs: [(&str, &Cost); 2] = [("assemblies of the model", &assemblies), (&time, &seconds)];
     let quantities = shown(comparison).into_iter().take(2);
     let pairs = quantities.flat_map(|q| costs.map(|cost| (q, cost)));
-    let graph = |(quantity, (cost, of)): (Quantity, (&str, &Cost))| Graph {
+    let graph = |(quantity, (cost, of)): (ErrorQuantity, (&str, &Cost))| Graph {
         description: [cost.to_owned(), format!("error of {}", quantity.name())],
         division: [Division::Logarithmic; 2],
         curves: curves(comparison, &|row| Some((of(row)?, error(row, quantity)?))),

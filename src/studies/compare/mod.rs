@@ -6,7 +6,7 @@
 //! ([`fit`]). Runs go side by side on threads; nothing but times depends on how many.
 //!
 //! ```
-//! use pullback::studies::compare::{Options, Quantity, Hooks, compare};
+//! use pullback::studies::compare::{Options, ErrorQuantity, Hooks, compare};
 //! use pullback::input;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -31,7 +31,7 @@
 //! let make = |formulation| input::job_in("body.toml", &file, formulation);
 //! let comparison = compare(&make, "body.toml", &options, &Hooks::NONE)?;
 //! for scheme in &comparison.orders {
-//!     let order = scheme.of(Quantity::Rotation).ok_or("no order")?;
+//!     let order = scheme.of(ErrorQuantity::Rotation).ok_or("no order")?;
 //!     assert!((order.order - 2.0).abs() < 0.1);
 //! }
 //! # Ok(())
@@ -65,7 +65,7 @@ pub use perform::{compare, looked_at};
 pub use reference::Reference;
 pub(super) use run::side_by_side;
 pub use run::{Hooks, LATE_CHARTS, Maker};
-pub use sample::{Pose, Quantity, Sample, Values};
+pub use sample::{ErrorQuantity, Pose, Sample, Values};
 pub use tables::{summary, unknown};
 pub use write::{FILES, Subject, default_directory, run, run_several};
 
@@ -187,12 +187,12 @@ pub enum Slope {
 
 impl SchemeOrders {
     /// The observed order of a quantity.
-    pub fn of(&self, quantity: Quantity) -> Option<Order> {
+    pub fn of(&self, quantity: ErrorQuantity) -> Option<Order> {
         self.observed.of(quantity)
     }
 
     /// Comparison of the observed order of a quantity with theory.
-    pub fn slope(&self, quantity: Quantity) -> Option<Slope> {
+    pub fn slope(&self, quantity: ErrorQuantity) -> Option<Slope> {
         let (observed, theory) = (self.of(quantity)?, self.theory?.of(quantity) as f64);
         Some(match observed.order - theory {
             off if observed.points < 3 || off < -NEAR => Slope::Doubtful,
@@ -202,7 +202,7 @@ impl SchemeOrders {
     }
 
     /// Whether the observed order of a quantity is that in theory ([`Slope::Theory`]).
-    pub fn is_asymptotic(&self, quantity: Quantity) -> bool {
+    pub fn is_asymptotic(&self, quantity: ErrorQuantity) -> bool {
         self.slope(quantity) == Some(Slope::Theory)
     }
 }
@@ -255,7 +255,7 @@ pub struct Comparison {
 impl Comparison {
     /// Whether there is a reference for any quantity.
     pub fn is_known(&self) -> bool {
-        let knows = |r: &Reference| Quantity::ALL.into_iter().any(|q| r.knows(q));
+        let knows = |r: &Reference| ErrorQuantity::ALL.into_iter().any(|q| r.knows(q));
         self.reference.as_ref().is_some_and(knows)
     }
 

@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::sample::QUANTITIES;
-use super::{Quantity, Reference, Row, SchemeOrders, Values};
+use super::{ErrorQuantity, Reference, Row, SchemeOrders, Values};
 use serde::Serialize;
 
 /// An observed order: the slope of log error over log step by least squares.
@@ -86,7 +86,7 @@ pub(super) fn orders(
     rows: &[Row],
     reference: Option<&Reference>,
 ) -> Vec<SchemeOrders> {
-    let observed = |name: &str, quantity: Quantity| {
+    let observed = |name: &str, quantity: ErrorQuantity| {
         let own = rows.iter().filter(|row| row.scheme == name);
         let error = |row: &Row| {
             row.error
@@ -103,7 +103,7 @@ pub(super) fn orders(
             theory: method.orders(multipliers),
             // A slope over a tolerance is no order.
             observed: match method.order() {
-                Some(_) => Values(Quantity::ALL.map(|quantity| observed(&name, quantity))),
+                Some(_) => Values(ErrorQuantity::ALL.map(|quantity| observed(&name, quantity))),
                 None => Values([None; QUANTITIES]),
             },
             scheme: name,

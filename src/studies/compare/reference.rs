@@ -1,7 +1,7 @@
 //! The reference solution and its error.
 
 use super::Candidate;
-use super::Quantity;
+use super::ErrorQuantity;
 use super::drift::{Conserved, drift};
 use super::grid::Grid;
 use super::order::NEAR;
@@ -53,7 +53,7 @@ pub struct Reference {
 
 impl Reference {
     /// Whether a quantity has a reference.
-    pub fn knows(&self, quantity: Quantity) -> bool {
+    pub fn knows(&self, quantity: ErrorQuantity) -> bool {
         self.error.of(quantity).is_finite()
     }
 }

@@ -10,7 +10,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// A quantity whose error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ErrorQuantity {
     /// Positions of nodes, a length.
     Position,
     /// Rotations of nodes: the angle of the relative rotation, in radians.
@@ -30,7 +30,7 @@ pub enum Quantity {
 /// Number of quantities.
 pub(super) const QUANTITIES: usize = 7;
 
-impl Quantity {
+impl ErrorQuantity {
     /// All of them, in the order of [`Values`].
     pub const ALL: [Self; QUANTITIES] = [
         Self::Position,
@@ -65,13 +65,13 @@ impl Quantity {
     }
 }
 
-/// A value per [`Quantity`]; unknown ones are NaN, and null in JSON.
+/// A value per [`ErrorQuantity`]; unknown ones are NaN, and null in JSON.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Values<T = f64>(pub [T; QUANTITIES]);
 
 impl<T: Copy> Values<T> {
     /// That of a quantity.
-    pub fn of(&self, quantity: Quantity) -> T {
+    pub fn of(&self, quantity: ErrorQuantity) -> T {
         self.0[quantity as usize]
     }
 
@@ -94,7 +94,7 @@ impl<T: Copy> Values<T> {
 impl<T: Copy + Serialize> Serialize for Values<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for quantity in Quantity::ALL {
+        for quantity in ErrorQuantity::ALL {
             map.serialize_entry(quantity.key(), &self.of(quantity))?;
         }
         map.end()
@@ -229,7 +229,7 @@ pub(super) fn distances(a: &[Sample], b: &[Sample]) -> Values {
                 add(k, d);
             }
         }
-        add(Quantity::Energy as usize, a.energy - b.energy);
+        add(ErrorQuantity::Energy as usize, a.energy - b.energy);
     }
     Values(std::array::from_fn(|k| (sum[k] / count[k] as f64).sqrt()))
 }
@@ -245,7 +245,7 @@ pub(super) fn sizes(samples: &[Sample]) -> Values {
             }
         }
         largest[1] = 1.0;
-        let energy = &mut largest[Quantity::Energy as usize];
+        let energy = &mut largest[ErrorQuantity::Energy as usize];
         *energy = energy.max(sample.gross_energy);
     }
     Values(largest)
@@ -271,7 +271,7 @@ pub(super) fn extrapolate(a: &[Sample], b: &[Sample], order: Values<usize>) -> V
     let samples = a.iter().zip(b).map(|(a, b)| Sample {
         t: b.t,
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: b.energy + (b.energy - a.energy) / parts[Quantity::Energy as usize],
+        energy: b.energy + (b.energy - a.energy) / parts[ErrorQuantity::Energy as usize],
         gross_energy: b.gross_energy,
         defect: b.defect,
         momenta: [0, 1].map(|k| towards(2, &a.momenta[k], &b.momenta[k])),
@@ -295,7 +295,7 @@ pub(super) fn choose(first: &[Sample], second: &[Sample], pick: [bool; QUANTITIE
     };
     let samples = first.iter().zip(second).map(|(a, b)| Sample {
         nodes: a.nodes.iter().zip(&b.nodes).map(node).collect(),
-        energy: match pick[Quantity::Energy as usize] {
+        energy: match pick[ErrorQuantity::Energy as usize] {
             true => a.energy,
             false => b.energy,
         },

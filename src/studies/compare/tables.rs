@@ -1,7 +1,7 @@
 //! `compare.csv`, and the tables of the page.
 
 use super::ABOVE_REFERENCE;
-use super::{Comparison, NEAR, Order, Quantity, Row, SchemeOrders, Slope, Values};
+use super::{Comparison, ErrorQuantity, NEAR, Order, Row, SchemeOrders, Slope, Values};
 use std::fmt::Write;
 
 /// Columns of `compare.csv` before and after the errors.
@@ -32,7 +32,7 @@ const AFTER: [&str; 20] = [
 /// The content of `compare.csv`: a row per run, first those compared, then those with charts kept longer and the
 /// long ones; unknown values are empty.
 pub(super) fn csv(comparison: &Comparison) -> String {
-    let errors = Quantity::ALL.map(|q| format!("error_{}", q.key()));
+    let errors = ErrorQuantity::ALL.map(|q| format!("error_{}", q.key()));
     let head: Vec<&str> = (BEFORE.into_iter())
         .chain(errors.iter().map(String::as_str))
         .chain(AFTER)
@@ -52,7 +52,7 @@ pub(super) fn csv(comparison: &Comparison) -> String {
             row.step.to_string(),
             status(row).to_owned(),
         ];
-        cells.extend(Quantity::ALL.map(|q| optional(row.error.map(|e| e.of(q)))));
+        cells.extend(ErrorQuantity::ALL.map(|q| optional(row.error.map(|e| e.of(q)))));
         let drifts = [
             d.energy,
             d.momentum,
@@ -123,7 +123,7 @@ pub fn summary(comparison: &Comparison) -> String {
     let width = comparison.orders.iter().map(|o| o.scheme.chars().count());
     let width = width.max().unwrap_or(0).max("scheme".len());
     let mut out = format!("{:width$}  theory", "scheme");
-    for quantity in Quantity::ALL {
+    for quantity in ErrorQuantity::ALL {
         let _ = write!(out, "  {:>18}", quantity.name());
     }
     for scheme in &comparison.orders {
@@ -133,7 +133,7 @@ pub fn summary(comparison: &Comparison) -> String {
             scheme.scheme,
             theory(scheme.theory)
         );
-        for quantity in Quantity::ALL {
+        for quantity in ErrorQuantity::ALL {
             let mark = match scheme.slope(quantity) {
                 Some(Slope::Doubtful) => "?",
                 Some(Slope::Above) => "+",
@@ -144,9 +144,9 @@ pub fn summary(comparison: &Comparison) -> String {
             let _ = write!(out, "  {text:>18}");
         }
     }
-    let any = |found: &dyn Fn(&SchemeOrders, Quantity) -> bool| {
+    let any = |found: &dyn Fn(&SchemeOrders, ErrorQuantity) -> bool| {
         let mut all = comparison.orders.iter();
-        all.any(|o| Quantity::ALL.into_iter().any(|q| found(o, q)))
+        all.any(|o| ErrorQuantity::ALL.into_iter().any(|q| found(o, q)))
     };
     if any(&|o, q| o.slope(q) == Some(Slope::Doubtful)) {
         let _ = write!(
@@ -193,13 +193,13 @@ pub fn summary(comparison: &Comparison) -> String {
 /// Quantities without a reference and the reason, in a line, if there are any.
 pub fn unknown(comparison: &Comparison) -> Option<String> {
     let reference = comparison.reference.as_ref()?;
-    let all = Quantity::ALL.into_iter();
-    let missing: Vec<Quantity> = all.filter(|q| !reference.knows(*q)).collect();
+    let all = ErrorQuantity::ALL.into_iter();
+    let missing: Vec<ErrorQuantity> = all.filter(|q| !reference.knows(*q)).collect();
     if missing.is_empty() {
         return None;
     }
     let of = match missing.len() {
-        n if n == Quantity::ALL.len() => "any quantity".to_owned(),
+        n if n == ErrorQuantity::ALL.len() => "any quantity".to_owned(),
         _ => {
             let names: Vec<&str> = missing.iter().map(|q| q.name()).collect();
             names.join(", ")
@@ -242,7 +242,7 @@ pub(super) fn short(x: f64) -> String {
 
 /// An order in theory, if there is one: 3/2/1 if those of velocities and accelerations differ.
 pub(super) fn theory(orders: Option<Values<usize>>) -> String {
-    use Quantity::{Acceleration, Position, Velocity};
+    use ErrorQuantity::{Acceleration, Position, Velocity};
     let Some(orders) = orders else {
         return "-".to_owned();
     };

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use pullback::input;
-use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, Row, compare};
+use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, Row, compare};
 
 /// A rod of two elements on a ball joint, on its way round: `{spin}` is its angular velocity,
 /// `{interpolation}` that of its rotations.
@@ -79,7 +79,7 @@ fn rod(spin: &str, interpolation: &str) -> String {
 /// Errors of rotations of a scheme, from large to small steps.
 fn errors(rows: &[Row], scheme: &str) -> Vec<f64> {
     let own = rows.iter().filter(|row| row.scheme == scheme);
-    own.map(|row| row.error.unwrap().of(Quantity::Rotation))
+    own.map(|row| row.error.unwrap().of(ErrorQuantity::Rotation))
         .collect()
 }
 

@@ -5,7 +5,7 @@
 use crate::support::laboratory::{bob, compared, model, options, pendulum, until};
 use pullback::input::{self, Analysis};
 use pullback::method::Method;
-use pullback::studies::compare::{Candidate, Exact, Options, Quantity, looked_at, read_exact};
+use pullback::studies::compare::{Candidate, ErrorQuantity, Exact, Options, looked_at, read_exact};
 use std::path::Path;
 
 #[test]
@@ -23,16 +23,16 @@ fn an_exact_solution_takes_the_place_of_the_reference() {
     assert_eq!((reference.evaluations, reference.steps), (0, [0.0; 3]));
     for (word, order) in [("newmark", 2.0), ("projected-newmark", 2.0), ("radau", 3.0)] {
         let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
-        let found = orders.of(Quantity::Position).unwrap().order;
+        let found = orders.of(ErrorQuantity::Position).unwrap().order;
         assert!((found - order).abs() < 0.1, "{word}: {found}");
         // Nothing is said of what is not known.
-        assert!(orders.of(Quantity::Rotation).is_none());
+        assert!(orders.of(ErrorQuantity::Rotation).is_none());
         let rows = by_reference.of(word).zip(comparison.of(word));
         for (estimated, exact) in rows {
             let error = |row: &pullback::studies::compare::Row, q| row.error.unwrap().of(q);
-            assert!(error(exact, Quantity::Rotation).is_nan());
+            assert!(error(exact, ErrorQuantity::Rotation).is_nan());
             // Of the energy there is one value in a model, for both.
-            let [a, b] = [estimated, exact].map(|row| error(row, Quantity::Energy));
+            let [a, b] = [estimated, exact].map(|row| error(row, ErrorQuantity::Energy));
             assert!((a - b).abs() <= 1e-8 + 0.01 * a, "{word}: {a:e} {b:e}");
         }
     }
@@ -78,7 +78,7 @@ fn an_exact_solution_comes_from_a_file() {
     let comparison = compared(&file, &asked).unwrap();
     for (word, order) in [("newmark", 2.0), ("radau", 3.0)] {
         let orders = comparison.orders.iter().find(|o| o.scheme == word).unwrap();
-        let found = orders.of(Quantity::Position).unwrap().order;
+        let found = orders.of(ErrorQuantity::Position).unwrap().order;
         assert!((found - order).abs() < 0.2, "{word}: {found}");
     }
     for (head, rows, said) in [

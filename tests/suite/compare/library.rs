@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::input;
 use pullback::studies::compare::{
-    CompareError, Comparison, Hooks, Options, Quantity, Row, Sample, Values, compare, run,
+    CompareError, Comparison, ErrorQuantity, Hooks, Options, Row, Sample, Values, compare, run,
 };
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -113,7 +113,7 @@ fn a_reference_has_a_formulation_of_its_own() {
     let off = |s: &Sample| angle(&s.nodes[0].R, &precession(s.t)).powi(2);
     let own: f64 = reference.samples[1..].iter().map(off).sum();
     let own = (own / comparison.times as f64).sqrt();
-    let estimate = reference.error.of(Quantity::Rotation);
+    let estimate = reference.error.of(ErrorQuantity::Rotation);
     assert!(own <= estimate && estimate < 1e-5, "{own} {estimate}");
 }
 
@@ -129,14 +129,14 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
     ];
     let comparison = compared(BODY, &options(&all, &[0.02, 0.01, 0.005, 0.0025]));
     let reference = comparison.reference.as_ref().unwrap();
-    let k = Quantity::Rotation as usize;
+    let k = ErrorQuantity::Rotation as usize;
     assert!(reference.extrapolated.0[k]);
     let own = reference.samples[1..]
         .iter()
         .map(|s| angle(&s.nodes[0].R, &precession(s.t)).powi(2));
     let own = (own.sum::<f64>() / comparison.times as f64).sqrt();
     // The estimate is an upper bound.
-    let estimate = reference.error.of(Quantity::Rotation);
+    let estimate = reference.error.of(ErrorQuantity::Rotation);
     assert!(own <= estimate, "{own} {estimate}");
     assert!(estimate < 1e-6, "{estimate}");
     for row in &comparison.rows {
@@ -144,7 +144,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
         // The start is exact, and belongs to the mean.
         let share = comparison.times as f64 / (comparison.times + 1) as f64;
         let found = rms(row, |s| angle(&s.nodes[0].R, &precession(s.t))) * share.sqrt();
-        let said = row.error.unwrap().of(Quantity::Rotation);
+        let said = row.error.unwrap().of(ErrorQuantity::Rotation);
         assert!(
             (found - said).abs() <= estimate + 1e-13,
             "{}: {found} {said}",
@@ -159,7 +159,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
             _ => 2,
         };
         assert_eq!(scheme.theory, Some(Values([theory; 7])));
-        for quantity in [Quantity::Rotation, Quantity::AngularVelocity] {
+        for quantity in [ErrorQuantity::Rotation, ErrorQuantity::AngularVelocity] {
             let order = scheme.of(quantity).unwrap();
             let off = (order.order - theory as f64).abs();
             assert!(
@@ -170,7 +170,7 @@ fn rotations_of_a_free_body_converge_to_its_exact_precession() {
             );
         }
         // It rests at its place.
-        assert_eq!(scheme.of(Quantity::Position), None);
+        assert_eq!(scheme.of(ErrorQuantity::Position), None);
     }
     // A free body keeps everything.
     let kept = reference.conserved;
@@ -194,9 +194,9 @@ fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
         let share = (0.5 * 80.0 / 81.0_f64).sqrt();
         let error = row.error.unwrap();
         for (quantity, exact) in [
-            (Quantity::Position, rms(row, x)),
-            (Quantity::Velocity, rms(row, v)),
-            (Quantity::Acceleration, 4.0 * rms(row, x)),
+            (ErrorQuantity::Position, rms(row, x)),
+            (ErrorQuantity::Velocity, rms(row, v)),
+            (ErrorQuantity::Acceleration, 4.0 * rms(row, x)),
         ] {
             let off = (error.of(quantity) - share * exact).abs();
             let allowed = 2.0 * estimate.of(quantity) + 1e-9;
@@ -216,7 +216,7 @@ fn errors_of_the_trapezoidal_rule_on_an_oscillator_are_those_in_closed_form() {
             .all(|row| row.drift.energy.unwrap() > 1e-7)
     );
     for scheme in &comparison.orders {
-        let order = scheme.of(Quantity::Position).unwrap();
+        let order = scheme.of(ErrorQuantity::Position).unwrap();
         assert!(
             (order.order - 2.0).abs() < 0.02 && order.points == 3,
             "{order:?}"
@@ -272,7 +272,7 @@ fn a_scheme_that_fails_at_a_step_is_a_row_with_the_reason() {
     assert!(row.error.is_none() && !row.is_regular());
     assert!(comparison.complete && comparison.reference.is_some());
     // The others are there, and make an order.
-    let order = comparison.orders[0].of(Quantity::Position).unwrap();
+    let order = comparison.orders[0].of(ErrorQuantity::Position).unwrap();
     assert!(
         (order.order - 2.0).abs() < 0.1 && order.points == 2,
         "{order:?}"

@@ -5,7 +5,7 @@
 use crate::support::program::{directory, write};
 use pullback::input;
 use pullback::studies::compare::{
-    Comparison, Hooks, Options, Quantity, Sample, Slope, Values, compare,
+    Comparison, ErrorQuantity, Hooks, Options, Sample, Slope, Values, compare,
 };
 use std::process::Command;
 
@@ -55,10 +55,10 @@ fn orders_with_multipliers_are_those_of_index_three() {
     for (scheme, levels) in comparison.orders.iter().zip(theory) {
         assert_eq!(scheme.theory, Some(Values::of_levels(levels)));
         for (quantity, order) in [
-            (Quantity::Velocity, levels[1]),
-            (Quantity::AngularVelocity, levels[1]),
-            (Quantity::Acceleration, levels[2]),
-            (Quantity::AngularAcceleration, levels[2]),
+            (ErrorQuantity::Velocity, levels[1]),
+            (ErrorQuantity::AngularVelocity, levels[1]),
+            (ErrorQuantity::Acceleration, levels[2]),
+            (ErrorQuantity::AngularAcceleration, levels[2]),
         ] {
             let found = scheme.of(quantity).unwrap();
             let what = format!("{}, {}: {found:?}", scheme.scheme, quantity.name());
@@ -78,7 +78,7 @@ fn orders_with_multipliers_are_those_of_index_three() {
     assert!(!mapped.multipliers);
     let other = mapped.reference.as_ref().unwrap();
     let gap = apart(&reference.samples, &other.samples);
-    let allowed = [reference, other].map(|r| r.error.of(Quantity::Acceleration));
+    let allowed = [reference, other].map(|r| r.error.of(ErrorQuantity::Acceleration));
     assert!(gap <= allowed[0] + allowed[1], "{gap:e} {allowed:?}");
 }
 

@@ -9,7 +9,7 @@ use pullback::elements::model::Formulation;
 use pullback::input;
 use pullback::integrators::dynamics::Scheme;
 use pullback::method::Method;
-use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, compare};
+use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, compare};
 
 /// A free symmetrical body: moments of inertia 2, 2 and 1.
 const BODY: &str = r#"
@@ -90,7 +90,7 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
         }
         // The reference knows it as well.
         for (row, exact) in comparison.of(method).zip(errors) {
-            let found = row.error.unwrap().of(Quantity::AngularAcceleration);
+            let found = row.error.unwrap().of(ErrorQuantity::AngularAcceleration);
             let part = ((row.samples.len() - 1) as f64 / row.samples.len() as f64).sqrt();
             assert!(
                 (found / (exact * part) - 1.0).abs() < 0.01,
@@ -99,7 +99,7 @@ fn a_free_body_precesses_in_every_formulation_with_order_two() {
         }
     }
     for orders in &comparison.orders {
-        for quantity in [Quantity::Rotation, Quantity::AngularAcceleration] {
+        for quantity in [ErrorQuantity::Rotation, ErrorQuantity::AngularAcceleration] {
             if let Some(order) = orders.of(quantity) {
                 let name = &orders.scheme;
                 assert!((order.order - 2.0).abs() < 0.1, "{name}: {order:?}");
@@ -151,7 +151,11 @@ fn a_flexible_rod_moves_alike_in_every_formulation() {
     let methods = ["newmark", "ul-newmark", "lie-ga:0.8", "spin-newmark"];
     let comparison = compared(ROD, &methods, &[0.008, 0.004, 0.002, 0.001]);
     for orders in &comparison.orders {
-        for quantity in [Quantity::Position, Quantity::Rotation, Quantity::Velocity] {
+        for quantity in [
+            ErrorQuantity::Position,
+            ErrorQuantity::Rotation,
+            ErrorQuantity::Velocity,
+        ] {
             let order = orders.of(quantity).unwrap();
             let name = &orders.scheme;
             assert!((order.order - 2.0).abs() < 0.1, "{name}: {order:?}");
@@ -160,7 +164,7 @@ fn a_flexible_rod_moves_alike_in_every_formulation() {
     // They are different methods.
     let error = |m: &str| comparison.of(m).last().unwrap().error.unwrap();
     let [total, updated, lie] =
-        ["newmark", "ul-newmark", "spin-newmark"].map(|m| error(m).of(Quantity::Rotation));
+        ["newmark", "ul-newmark", "spin-newmark"].map(|m| error(m).of(ErrorQuantity::Rotation));
     for (a, b) in [(total, updated), (total, lie), (updated, lie)] {
         assert!(
             (a - b).abs() > 1e-3 * a.max(b),

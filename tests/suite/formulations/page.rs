@@ -7,7 +7,7 @@ use crate::support::formulations::{PAGE, commands, results, table};
 use crate::support::included;
 use crate::support::program::{directory, files, read};
 use pullback::input;
-use pullback::studies::compare::{Comparison, Hooks, Options, Quantity, Subject, run_several};
+use pullback::studies::compare::{Comparison, ErrorQuantity, Hooks, Options, Subject, run_several};
 
 const METHODS: [&str; 4] = ["newmark", "ul-newmark", "lie-newmark", "spin-newmark"];
 
@@ -80,10 +80,10 @@ fn all_keep_their_order_and_sums_of_spins_keep_the_energy_of_the_top() {
     for comparison in &all {
         let model = &comparison.model;
         for scheme in &comparison.orders {
-            let order = scheme.of(Quantity::Rotation);
+            let order = scheme.of(ErrorQuantity::Rotation);
             // No sum of these loses the order of Newmark's scheme: the local errors are of third order.
             assert!(
-                scheme.is_asymptotic(Quantity::Rotation),
+                scheme.is_asymptotic(ErrorQuantity::Rotation),
                 "{model}, {}: {order:?}",
                 scheme.scheme
             );
@@ -104,7 +104,7 @@ fn all_keep_their_order_and_sums_of_spins_keep_the_energy_of_the_top() {
     // for sums of spins (tests/suite/formulations/spin_vectors.rs).
     let error = |method: &str| {
         let row = top.of(method).last().unwrap();
-        row.error.unwrap().of(Quantity::Rotation)
+        row.error.unwrap().of(ErrorQuantity::Rotation)
     };
     for method in ["lie-newmark", "spin-newmark"] {
         assert!(error(method) > 2.0 * error("ul-newmark"), "{method}");

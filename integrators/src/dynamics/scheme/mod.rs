@@ -11,8 +11,7 @@
 //! The last stage is the new state. Stages that depend on each other's accelerations are solved
 //! together, all others one after the other; a stage whose coordinates do not depend on its own
 //! acceleration is explicit. So Newmark's scheme, composite schemes, Runge-Kutta methods and the
-//! central difference are tables ([`Stage`]), and runs, retries, statistics, checkpoints and
-//! changes of chart are independent of them.
+//! central difference are tables ([`Stage`]); runs, checkpoints and changes of chart are independent of them.
 
 #![allow(non_snake_case)]
 

@@ -2,14 +2,14 @@
 
 use super::{Page, begun, escaped, first, step};
 use crate::studies::compare::tables::short;
-use crate::studies::compare::{Comparison, Quantity, Row};
+use crate::studies::compare::{Comparison, ErrorQuantity, Row};
 
 /// Errors beside those of runs with charts that are kept longer.
-const SHOWN: [Quantity; 4] = [
-    Quantity::Position,
-    Quantity::Rotation,
-    Quantity::AngularVelocity,
-    Quantity::Energy,
+const SHOWN: [ErrorQuantity; 4] = [
+    ErrorQuantity::Position,
+    ErrorQuantity::Rotation,
+    ErrorQuantity::AngularVelocity,
+    ErrorQuantity::Energy,
 ];
 
 pub(super) fn charts(out: &mut Page, c: &Comparison) {

@@ -9,7 +9,7 @@ mod writer;
 
 use super::figures::Figure;
 use super::tables::short;
-use super::{Comparison, Quantity, Row};
+use super::{Comparison, ErrorQuantity, Row};
 use writer::Page;
 
 pub(super) use writer::Format;
@@ -130,7 +130,7 @@ fn head(out: &mut Page, c: &Comparison, command: Option<&str>) {
 }
 
 fn names() -> impl Iterator<Item = String> {
-    Quantity::ALL.into_iter().map(|q| q.name().to_owned())
+    ErrorQuantity::ALL.into_iter().map(|q| q.name().to_owned())
 }
 
 /// The rows of runs that started; the others are among the failures.

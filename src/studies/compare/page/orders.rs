@@ -3,7 +3,7 @@
 use super::{Page, escaped, exact, names};
 use crate::studies::compare::order::{ABOVE_REFERENCE, NEAR, STRAIGHT};
 use crate::studies::compare::tables::{order, short, theory};
-use crate::studies::compare::{Comparison, Quantity, Reference, SchemeOrders, Slope, unknown};
+use crate::studies::compare::{Comparison, ErrorQuantity, Reference, SchemeOrders, Slope, unknown};
 
 pub(super) fn orders(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "theory"].map(str::to_owned).into_iter())
@@ -28,7 +28,7 @@ pub(super) fn orders(out: &mut Page, c: &Comparison) {
             escaped(&scheme.scheme),
             theory(scheme.theory).replace('-', "–"),
         ];
-        row.extend(Quantity::ALL.map(|q| match scheme.of(q) {
+        row.extend(ErrorQuantity::ALL.map(|q| match scheme.of(q) {
             None => "–".to_owned(),
             Some(o) => {
                 let steps = format!("<br/><small>{} steps</small>", o.points);
@@ -106,8 +106,8 @@ pub(super) fn describe(out: &mut Page, comparison: &Comparison, r: &Reference) {
     );
     let columns: Vec<String> = std::iter::once(String::new()).chain(names()).collect();
     out.table("The reference's own error", &columns, 1);
-    let row = |name: &str, value: &dyn Fn(Quantity) -> String| {
-        let values = Quantity::ALL.into_iter().map(value);
+    let row = |name: &str, value: &dyn Fn(ErrorQuantity) -> String| {
+        let values = ErrorQuantity::ALL.into_iter().map(value);
         std::iter::once(name.to_owned())
             .chain(values)
             .collect::<Vec<_>>()

@@ -2,7 +2,7 @@
 
 use super::{Page, begun, escaped, exact, first, names, step};
 use crate::studies::compare::tables::{failures as failures_of, short, status};
-use crate::studies::compare::{Comparison, EqualCost, Quantity, Row};
+use crate::studies::compare::{Comparison, EqualCost, ErrorQuantity, Row};
 
 pub(super) fn errors(out: &mut Page, c: &Comparison) {
     let columns: Vec<String> = (["scheme", "h", ""].map(str::to_owned).into_iter())
@@ -27,7 +27,7 @@ pub(super) fn errors(out: &mut Page, c: &Comparison) {
             Some(error) if error < least(q) => format!("&lt; {}", short(least(q))),
             Some(error) => short(error),
         };
-        line.extend(Quantity::ALL.map(error));
+        line.extend(ErrorQuantity::ALL.map(error));
         out.row(first(&rows, k), 1, &line);
     }
     out.end_table();
@@ -92,7 +92,7 @@ pub(super) fn equal_cost(out: &mut Page, equal: &EqualCost) {
     for (name, errors, beyond) in &equal.schemes {
         let about = if *beyond { "≈ " } else { "" };
         let mut line = vec![escaped(name)];
-        line.extend(Quantity::ALL.map(|q| {
+        line.extend(ErrorQuantity::ALL.map(|q| {
             let over = errors.of(q) / equal.schemes[0].1.of(q);
             match (errors.of(q), over) {
                 (e, _) if !e.is_finite() => "–".to_owned(),
