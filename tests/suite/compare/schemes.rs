@@ -50,6 +50,11 @@ fn what_is_no_scheme_is_refused_at_its_place() {
     for (scheme, text) in [
         ("\"bath\"", "scheme `bath`: no scheme is called so"),
         ("{ bath = 1 }", "scheme `bath`: no scheme is called so"),
+        ("\"em\"", "scheme `em`: it is now called projected-newmark"),
+        (
+            "\"svq-newmark\"",
+            "scheme `svq-newmark`: it is now called lie-newmark",
+        ),
         (
             "{ hht = 0.3 }",
             "rho of HHT (or alpha, which is not positive) = 0.3 is outside its range",

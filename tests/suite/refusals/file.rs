@@ -56,6 +56,16 @@ fn words_of_earlier_versions_are_refused_with_those_of_today() {
             "place",
             "position",
         ),
+        (
+            MODEL.replace("[analysis.static]", "[analysis.arc-length]"),
+            "arc-length",
+            "arc_length",
+        ),
+        (
+            joint("type = \"on-curve\"\nparent = \"A\""),
+            "on-curve",
+            "on_curve",
+        ),
     ] {
         let error = assemble_text("model.toml", &text).err().unwrap();
         let said = error.report(false);
