@@ -55,10 +55,11 @@ pub(crate) fn laws_behind_slices(
     q: &[f64],
     random: &mut Random,
 ) {
-    let (d, n) = map.dims();
+    let d = map.dims().0;
     let mut one_piece = map.duplicate();
     one_piece.freeze_piece(Some((TIME, q)));
-    if one_piece.margin(TIME, q) <= CLEARANCE {
+    let margin = one_piece.margin(TIME, q);
+    if margin.is_nan() || margin <= CLEARANCE {
         return;
     }
     let mut vector = || {
@@ -72,14 +73,29 @@ pub(crate) fn laws_behind_slices(
         v: vector(),
         a: vector(),
     };
+    slopes(report, "", &*one_piece, at, &state, random);
+}
+
+/// The laws at one state that need no closed form to compare with; whether all values are finite.
+fn slopes(
+    report: &mut Report,
+    prefix: &str,
+    map: &dyn Parametrization,
+    at: &str,
+    state: &State,
+    random: &mut Random,
+) -> bool {
+    let (d, n) = map.dims();
     let of = Mapped {
-        map: &*one_piece,
+        map,
         rows: &Layout::plain(n),
         columns: &Layout::plain(d),
     };
-    if kinematics(report, "", of, at, &state, random) {
-        pieces(report, of, at, &state, random);
+    let finite = kinematics(report, prefix, of, at, state, random);
+    if finite {
+        pieces(report, of, at, state, random);
     }
+    finite
 }
 
 /// The positions within a domain, given its margin; notes that there is none.
@@ -103,7 +119,7 @@ pub(crate) fn short_name<M>() -> String {
     shortened(std::any::type_name::<M>())
 }
 
-/// A type's full name without the paths of its crates: `JointMap<Revolute>`.
+/// A type's full name without the paths of its crates: `OnCurve<Helix>`.
 pub fn shortened(full: &str) -> String {
     let mut out = String::new();
     let mut word = String::new();
@@ -122,11 +138,10 @@ pub fn shortened(full: &str) -> String {
 }
 
 /// What a type is called by people: the words of its name without what is generic, `on curve` of
-/// `pullback::joint::JointMap<pullback::joint::OnCurve<Helix>>`.
+/// `pullback::joint::OnCurve<Helix>`.
 pub fn plain(full: &str) -> String {
     let short = shortened(full);
-    let bare = short.strip_prefix("JointMap<").unwrap_or(&short);
-    let name = bare.split(['<', '>']).next().unwrap_or(bare);
+    let name = short.split('<').next().unwrap_or(&short);
     let mut out = String::new();
     for c in name.chars() {
         if c.is_uppercase() && !out.is_empty() {
@@ -163,15 +178,9 @@ pub(crate) fn laws<M, const D: usize, const N: usize>(
         v: vector(&v),
         a: vector(&a),
     };
-    let of = Mapped {
-        map: &*map.clone().boxed(),
-        rows: &Layout::plain(N),
-        columns: &Layout::plain(D),
-    };
-    if !kinematics(report, prefix, of, at, &state, random) {
+    if !slopes(report, prefix, &*map.clone().boxed(), at, &state, random) {
         return;
     }
-    pieces(report, of, at, &state, random);
 
     // Overridden closed forms against what φ gives by itself.
     let exact = derived::kinematics(map, t, q, &v, &a);

@@ -4,10 +4,10 @@
 
 use super::view::parent_state;
 use crate::elements::{Carrier, EXACT, Frame, carry};
-use crate::{Compared, Layout, Random, Report, State};
+use crate::{Compared, Layout, Mapped, Random, Report, State};
 use nalgebra::{DVector, Vector3};
 use pullback_elements::model::{Model, Node};
-use pullback_manifold::map::{KinematicsMut, Parametrization};
+use pullback_manifold::map::Parametrization;
 
 /// What is attached to a map.
 pub(super) struct Child<'a> {
@@ -108,21 +108,15 @@ pub(super) fn laws(
 /// The motion of what is attached to a map, and B.
 fn motion(side: &Side) -> (State, Vec<f64>) {
     let (d, n) = side.map.dims();
-    let [mut x, mut x_dot, mut x_ddot] = [0; 3].map(|_| vec![0.0; n]);
-    let [mut B, mut B_dot, mut B_ddot] = [0; 3].map(|_| vec![0.0; n * d]);
-    let out = KinematicsMut {
-        x: &mut x,
-        x_dot: &mut x_dot,
-        x_ddot: &mut x_ddot,
-        B: &mut B,
-        B_dot: &mut B_dot,
-        B_ddot: &mut B_ddot,
+    let of = Mapped {
+        map: &*side.map,
+        rows: &Layout::plain(n),
+        columns: &Layout::plain(d),
     };
-    let s = &side.state;
-    let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-    side.map.kinematics(s.t, q, v, a, out);
+    let [x, x_dot, x_ddot, B, ..] = of.kinematics(&side.state);
     let [x, v, a] = [x, x_dot, x_ddot].map(DVector::from_vec);
-    (State { t: s.t, x, v, a }, B)
+    let t = side.state.t;
+    (State { t, x, v, a }, B)
 }
 
 /// A map on one side of a change of segment, and the motion of the parents that it has there.

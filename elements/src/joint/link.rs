@@ -89,13 +89,21 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         quaternion(&rotation(q)).product(&self.pose(t, q).rotation)
     }
 
-    /// The margin of the joint; not a number where its pose is none.
-    pub(super) fn margin(&self, t: f64, q: &[f64]) -> f64 {
+    /// The least of the margin of the joint and another one; not a number where one of them or the pose is
+    /// none.
+    pub(super) fn margin(&self, t: f64, q: &[f64], other: impl FnOnce() -> f64) -> f64 {
         let margin = self.joint.margin(t, &own(q));
-        if is_unit(&self.pose(t, q).rotation) {
-            margin
+        if margin.is_nan() || margin <= 0.0 {
+            return margin;
+        }
+        if !is_unit(&self.pose(t, q).rotation) {
+            return f64::NAN;
+        }
+        let other = other();
+        if other.is_nan() {
+            other
         } else {
-            f64::NAN
+            margin.min(other)
         }
     }
 

@@ -93,17 +93,15 @@ where
     }
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        let margin = self.link.margin(t, q);
-        if margin.is_nan() || margin <= 0.0 {
-            return margin;
-        }
-        let turn = self.link.rotation(t, q);
-        let w = match self.branch {
-            LogBranch::Same => turn.w,
-            LogBranch::Opposite => -turn.w,
-        };
-        // ψ = 2 atan2(|v|, w).
-        margin.min(TAU - 2.0 * turn.v.norm().atan2(w))
+        self.link.margin(t, q, || {
+            let turn = self.link.rotation(t, q);
+            let w = match self.branch {
+                LogBranch::Same => turn.w,
+                LogBranch::Opposite => -turn.w,
+            };
+            // ψ = 2 atan2(|v|, w).
+            TAU - 2.0 * turn.v.norm().atan2(w)
+        })
     }
 
     fn edge(&self) -> &'static str {
@@ -175,7 +173,7 @@ where
     }
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        self.0.margin(t, q).min(TAU - vector(q, 6 + D).norm())
+        self.0.margin(t, q, || TAU - vector(q, 6 + D).norm())
     }
 
     fn edge(&self) -> &'static str {

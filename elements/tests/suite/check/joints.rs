@@ -8,7 +8,7 @@ use pullback_elements::joint::{Joint, JointCoordinate, Pose};
 use pullback_elements::model::{Dof, ModelBuilder};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
-use pullback_manifold::system::{Point, Quantity};
+use pullback_manifold::system::{Point, Quantity, System};
 use std::f64::consts::FRAC_PI_2;
 
 type Posed<S> = (Vector3<S>, Quaternion<S>);
@@ -122,30 +122,36 @@ fn a_quaternion_that_is_not_of_unit_length() {
 
 #[test]
 fn a_model_with_one_is_refused_at_its_evaluation() {
-    let mut builder = ModelBuilder::new();
-    let ground = builder.node("ground", [0.0; 3]).unwrap();
-    builder.support(ground, &Dof::ALL);
-    let child = builder.attach("child", ground, Long).unwrap();
-    let body = PointMass::new(1.0).unwrap();
-    builder.element("body", body, &[child.frame]).unwrap();
-    let mut model = builder.build().unwrap();
-    let (v, a) = (&[][..], &[][..]);
-    let mut at = |q: f64| {
-        model.configure(Point {
-            t: 0.0,
-            q: &[q],
-            v,
-            a,
-        })
-    };
-    at(0.0).unwrap();
-    // cos² + 4 sin² of half the angle is 5/2 at a right angle.
-    let length = 2.5_f64.sqrt();
-    let error = at(FRAC_PI_2).unwrap_err().to_string();
-    let expected = format!(
-        "joint at node child: the quaternion of its pose has length {length:.6}: make it a unit quaternion"
-    );
-    assert_eq!(error, expected);
+    for turns_freely in [false, true] {
+        let mut builder = ModelBuilder::new();
+        let ground = builder.node("ground", [0.0; 3]).unwrap();
+        builder.support(ground, &Dof::ALL);
+        let child = match turns_freely {
+            true => builder.attach_free("child", ground, Long).unwrap(),
+            false => builder.attach("child", ground, Long).unwrap(),
+        };
+        let body = PointMass::new(1.0).unwrap();
+        builder.element("body", body, &[child.frame]).unwrap();
+        let mut model = builder.build().unwrap();
+        let (v, a) = (&[][..], &[][..]);
+        let dim = model.pattern().dim();
+        let mut at = |q: f64| {
+            model.configure(Point {
+                t: 0.0,
+                q: &[q, 0.0, 0.0, 0.0][..dim],
+                v,
+                a,
+            })
+        };
+        at(0.0).unwrap();
+        // cos² + 4 sin² of half the angle is 5/2 at a right angle.
+        let length = 2.5_f64.sqrt();
+        let error = at(FRAC_PI_2).unwrap_err().to_string();
+        let expected = format!(
+            "joint at node child: the quaternion of its pose has length {length:.6}: make it a unit quaternion"
+        );
+        assert_eq!(error, expected);
+    }
 }
 
 #[test]
