@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use std::time::Instant;
 
 /// A cantilever of unit length with an end moment that rolls it up twice.
-fn rollup(elements: usize) -> Model {
+fn rollup(elements: usize) -> Context {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).expect("a new name");
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).expect("a new name");
@@ -38,13 +38,13 @@ fn rollup(elements: usize) -> Model {
         Proportional(1.0),
     );
     builder.element("moment", moment, &[tip]).expect("one node");
-    builder.build().expect("a valid model")
+    Context::new(builder.build().expect("a valid model"))
 }
 
 /// Seconds and iterations of the whole analysis in equal steps.
-fn analyse(model: &mut Model) -> (f64, usize) {
+fn analyse(model: &mut Context) -> (f64, usize) {
     let start = Instant::now();
-    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     let options = StaticOptions::equal_steps(8);
     let summary = solve_statics(model, &mut vec![], &options, proceed).expect("converges");
     (start.elapsed().as_secs_f64(), summary.iterations)

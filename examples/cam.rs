@@ -57,7 +57,7 @@ fn lift(phi: f64) -> [f64; 2] {
 }
 
 /// The model, the angle of the cam and the way of the follower.
-fn model() -> Result<(Model, [NodeId; 2]), Box<dyn Error>> {
+fn model() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -78,7 +78,10 @@ fn model() -> Result<(Model, [NodeId; 2]), Box<dyn Error>> {
 
     builder.prefer(cam.angle);
     builder.close(roller.frame, follower.frame)?;
-    Ok((builder.build()?, [cam.angle, follower.coordinates[0]]))
+    Ok((
+        Context::new(builder.build()?),
+        [cam.angle, follower.coordinates[0]],
+    ))
 }
 
 /// Time until the cam has turned by an angle: energy tells how fast it turns,

@@ -16,17 +16,17 @@ fn main() -> Result<(), pullback::Failure> {
         order: 1,
         section: Section::diagonal(1e7, [5e6; 2], 7.05e5, [1e7 / 12.0; 2])?,
     };
-    let mut model = ModelBuilder::new();
-    let root = model.node("root", [0.0; 3])?;
-    let tip = model.node("tip", arc.at(1.0).0.into())?;
-    model.line("arc", &arc, [root, tip], &line)?;
-    model.support(root, &Dof::ALL);
+    let mut builder = ModelBuilder::new();
+    let root = builder.node("root", [0.0; 3])?;
+    let tip = builder.node("tip", arc.at(1.0).0.into())?;
+    builder.line("arc", &arc, [root, tip], &line)?;
+    builder.support(root, &Dof::ALL);
     let force = NodalLoad::new(LoadKind::DeadForce, [0.0, 0.0, 600.0], Proportional(1.0));
-    model.element("tip force", force, &[tip])?;
-    let mut model = model.build()?;
+    builder.element("tip force", force, &[tip])?;
+    let mut context = Context::new(builder.build()?);
 
-    equilibrium(&mut model, &StaticOptions::default())?;
-    let moved = model.node_state(tip).d;
+    equilibrium(&mut context, &StaticOptions::default())?;
+    let moved = context.node_state(tip).d;
     println!("the tip moved by {:.3?}", moved.as_slice());
 
     // Published: Mäkinen 2004, section 4.2.

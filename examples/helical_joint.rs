@@ -39,7 +39,7 @@ const A: f64 = 1.2;
 
 /// A nut with a weight on an arm runs on a horizontal screw and is pushed along it by a force that
 /// grows with the load parameter.
-fn model(push: f64) -> Result<Model, Box<dyn Error>> {
+fn model(push: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -55,7 +55,7 @@ fn model(push: f64) -> Result<Model, Box<dyn Error>> {
     builder.element("weight", weight, &[bob])?;
     let push = NodalLoad::new(LoadKind::DeadForce, [push, 0.0, 0.0], Proportional(1.0));
     builder.element("push", push, &[nut])?;
-    Ok(builder.build()?)
+    Ok(Context::new(builder.build()?))
 }
 
 /// The pushed nut stops where F p/2π = m g l sin φ.

@@ -29,7 +29,7 @@ const MASS: f64 = 2.0;
 const E: f64 = 0.3;
 
 /// A mass on a rail, held by the spring and pulled by a force that grows with time.
-fn model(force: f64) -> Result<Model, Box<dyn std::error::Error>> {
+fn model(force: f64) -> Result<Context, Box<dyn std::error::Error>> {
     let mut builder = ModelBuilder::new();
     let wall = builder.node("wall", [0.0; 3])?;
     let slider = builder.node("slider", [1.5, 0.0, 0.0])?;
@@ -44,7 +44,7 @@ fn model(force: f64) -> Result<Model, Box<dyn std::error::Error>> {
     builder.element("mass", PointMass::new(MASS)?, &[slider])?;
     let pull = NodalLoad::new(LoadKind::DeadForce, [force, 0.0, 0.0], Proportional(1.0));
     builder.element("pull", pull, &[slider])?;
-    Ok(builder.build()?)
+    Ok(Context::new(builder.build()?))
 }
 
 /// The period of m ẍ + k x + k₃ x³ = 0 at the amplitude A: 4 K(m)/ω with ω² = (k + k₃A²)/m and the

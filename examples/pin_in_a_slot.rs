@@ -47,7 +47,7 @@ const SPRING: f64 = 30.0;
 
 /// A pendulum swings from a pin in a horizontal slot. A spring may hold the pin, a force pulls it
 /// and a moment turns it, the latter two in proportion to the load parameter.
-fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Model, Box<dyn Error>> {
+fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -79,7 +79,7 @@ fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Model, Box<dyn
         CoordinateForce::new(Proportional(moment)),
         &[angle],
     )?;
-    Ok(builder.build()?)
+    Ok(Context::new(builder.build()?))
 }
 
 /// Way and angle at rest follow from k u = F and m g l sin φ = M.

@@ -36,7 +36,7 @@ const MASS: f64 = 1.5;
 const G: f64 = 9.81;
 
 /// A bead on the curve, with weight and a force on the parameter that grows with the load parameter.
-fn model(force: f64) -> Result<Model, Box<dyn Error>> {
+fn model(force: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -51,7 +51,7 @@ fn model(force: f64) -> Result<Model, Box<dyn Error>> {
     builder.element("weight", weight, &[frame])?;
     let force = CoordinateForce::new(Proportional(force));
     builder.element("force", force, &coordinates)?;
-    Ok(builder.build()?)
+    Ok(Context::new(builder.build()?))
 }
 
 /// The bead stops where F = m g a sin s.

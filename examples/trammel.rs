@@ -74,7 +74,7 @@ enum By {
 }
 
 /// The model, and the node of x.
-fn model(by: By) -> Result<(Model, NodeId), Box<dyn Error>> {
+fn model(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ways = [Quantity::Length; 2];
     let x = match by {
@@ -98,7 +98,7 @@ fn model(by: By) -> Result<(Model, NodeId), Box<dyn Error>> {
             builder.element("rod", Penalty::<_, 2, 1>::new(rod, stiffness)?, &[x])?;
         }
     }
-    Ok((builder.build()?, x))
+    Ok((Context::new(builder.build()?), x))
 }
 
 /// Time until the rod hangs: with equal sliders it swings like a pendulum of its length, a complete

@@ -1,6 +1,6 @@
 //! Checks of components and models: the library's side of `pullback check MODEL.toml`.
 //!
-//! [`model`] checks an assembled [`Model`](crate::prelude::Model), [`file()`] and [`job`] that of a file;
+//! [`model`] checks an assembled [`Context`](crate::prelude::Context), [`file()`] and [`job`] that of a file;
 //! [`element`], [`same`], [`joint`], [`map`], [`implicit`] and [`scheme`] are the [`conformance`](crate::conformance) kit
 //! for components of your own. All hand back one [`Report`]: [`summary`], [`table`] and [`entries`] make
 //! it readable.

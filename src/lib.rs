@@ -38,14 +38,14 @@
 //! builder.support(root, &Dof::ALL);
 //! let load = NodalLoad::new(LoadKind::SpatialMoment, [0.0, 0.0, moment], Proportional(1.0));
 //! builder.element("tip moment", load, &[tip])?;
-//! let mut model = builder.build()?;
+//! let mut context = Context::new(builder.build()?);
 //!
 //! let mut q = Vec::new();
 //! let options = StaticOptions::default();
-//! solve_statics(&mut model, &mut q, &options, &mut |_, _| ControlFlow::Continue(()))?;
+//! solve_statics(&mut context, &mut q, &options, &mut |_, _| ControlFlow::Continue(()))?;
 //!
 //! // A pure moment bends a straight beam into an arc of angle M L / EI.
-//! let angle = model.node_state(tip).psi.z;
+//! let angle = context.node_state(tip).psi.z;
 //! assert!((angle - moment * length / EI).abs() < 1e-9);
 //! # Ok(())
 //! # }
@@ -67,13 +67,13 @@
 //! let bob = PointMass::new(2.0)?;
 //! builder.element("bob", bob, &[end])?;
 //! builder.element("weight", bob.weight([0.0, 0.0, -g], Box::new(Constant(1.0))), &[end])?;
-//! let mut model = builder.build()?;
+//! let mut context = Context::new(builder.build()?);
 //!
 //! // A small swing returns after 2π √(l/g).
 //! let period = std::f64::consts::TAU * (length / g).sqrt();
-//! let mut progress = Progress::new(start(&model, 0.0, &[0.01], &[0.0])?);
+//! let mut progress = Progress::new(start(&context, 0.0, &[0.01], &[0.0])?);
 //! let options = DynamicOptions::new(period, period / 500.0);
-//! integrate(&mut model, &mut progress, &options, &mut |_, _| ControlFlow::Continue(()))?;
+//! integrate(&mut context, &mut progress, &options, &mut |_, _| ControlFlow::Continue(()))?;
 //! let angle = progress.state.q[0];
 //! assert!((angle - 0.01).abs() < 1e-6);
 //! # Ok(())
@@ -130,7 +130,7 @@ pub mod prelude {
     pub use pullback_elements::body::{PointMass, RigidBody};
     pub use pullback_elements::joint::{Joint, JointCoordinate, Pose};
     pub use pullback_elements::load::{LoadKind, NodalLoad};
-    pub use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+    pub use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
     pub use pullback_elements::time::{Constant, Proportional};
     pub use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
     pub use pullback_integrators::statics::{StaticOptions, equilibrium, solve_statics};

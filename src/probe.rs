@@ -5,7 +5,7 @@
 use crate::input::ProbeQuantity;
 use nalgebra::Vector3;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::{ElementId, EnergiesAndMomentum, Model, NodeId, Reaction};
+use pullback_elements::model::{Context, ElementId, EnergiesAndMomentum, NodeId, Reaction};
 use std::f64::consts::TAU;
 
 /// The object of a probe.
@@ -58,7 +58,7 @@ pub struct Answers {
 
 impl Answers {
     /// Evaluates a model in its present configuration.
-    pub fn of(model: &Model, t: f64) -> Self {
+    pub fn of(model: &Context, t: f64) -> Self {
         let mut reactions = model.reactions();
         reactions.sort_unstable_by(|a, b| a.node.cmp(&b.node));
         Self {
@@ -181,7 +181,7 @@ impl Probe {
     }
 
     /// Appends its values at a converged step.
-    pub fn record(&mut self, model: &Model, answers: &Answers, out: &mut Vec<f64>) {
+    pub fn record(&mut self, model: &Context, answers: &Answers, out: &mut Vec<f64>) {
         let v = self.vector(model, answers);
         match self.component {
             Component::All(_) => out.extend(v.iter()),
@@ -201,7 +201,7 @@ impl Probe {
         }
     }
 
-    fn vector(&mut self, model: &Model, answers: &Answers) -> Vector3<f64> {
+    fn vector(&mut self, model: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
             Target::Joint(_) => Vector3::zeros(),
             Target::Whole => {

@@ -7,7 +7,7 @@ use crate::output::{
 };
 use crate::solve::{Advance, Counts, Ended, SolveError, begin, solve};
 use crate::warnings;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{DynamicsError, Progress, start};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -246,7 +246,7 @@ fn execute(
 /// Records a step, and a checkpoint when it is due.
 fn take(
     recorder: &mut Recorder<'_>,
-    model: &mut Model,
+    model: &mut Context,
     step: &Advance<'_>,
     every: usize,
 ) -> Result<(), RecordError> {

@@ -1,7 +1,7 @@
 //! Runs the analysis of a job; the only caller of the solvers.
 
 use crate::input::Plan;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::{
     self, DynamicOptions, DynamicsError, EnergyBalance, Progress, StepReport,
 };
@@ -182,7 +182,7 @@ pub struct Ended {
 /// # Errors
 /// [`DynamicsError`].
 pub fn begin(
-    model: &mut Model,
+    model: &mut Context,
     options: &DynamicOptions,
     progress: &mut Progress,
 ) -> Result<(), DynamicsError> {
@@ -209,15 +209,15 @@ pub fn point(progress: &Progress) -> Point<'_> {
 /// Runs the analysis of the plan, a motion from the state of `progress`; `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
-    model: &mut Model,
+    model: &mut Context,
     plan: &Plan,
     progress: &mut Progress,
-    observer: &mut dyn FnMut(&mut Model, &Advance<'_>) -> ControlFlow<()>,
+    observer: &mut dyn FnMut(&mut Context, &Advance<'_>) -> ControlFlow<()>,
 ) -> Ended {
     let mut q = model.initial().to_vec();
     let mut counts = Counts::default();
     let mut step_limit = None;
-    let mut seen = |model: &mut Model, step: &Step<'_>| {
+    let mut seen = |model: &mut Context, step: &Step<'_>| {
         let advance = Advance::from(step);
         counts.iterations += advance.iterations;
         if advance.event.is_none() {

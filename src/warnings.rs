@@ -11,7 +11,7 @@ pub(crate) use turns::{Turn, Turns};
 use crate::input::{Joint, ModelFile, Time};
 use crate::solve::Counts;
 use pullback_elements::element::SectionState;
-use pullback_elements::model::{BEFORE_START, Model};
+use pullback_elements::model::{BEFORE_START, Context};
 use pullback_integrators::dynamics::{Progress, State};
 use pullback_manifold::system::{Evaluation, Point, System};
 
@@ -44,7 +44,7 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
 }
 
 /// Why the stability of static equilibria is unknown.
-pub(crate) fn stability_unknown(model: &Model) -> Option<String> {
+pub(crate) fn stability_unknown(model: &Context) -> Option<String> {
     let names: Vec<String> = model.asymmetric().map(str::to_owned).collect();
     (!names.is_empty()).then(|| {
         format!(
@@ -57,7 +57,7 @@ pub(crate) fn stability_unknown(model: &Model) -> Option<String> {
 
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
-fn has(own: bool, model: &Model, joint: &Joint) -> bool {
+fn has(own: bool, model: &Context, joint: &Joint) -> bool {
     (model.released()).any(|(node, name, _)| model.is_own(node) == own && is_of(joint, name))
 }
 
@@ -98,7 +98,7 @@ fn are(names: &[String]) -> String {
 }
 
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
-pub(crate) fn carried(model: &Model, file: &ModelFile) -> Option<String> {
+pub(crate) fn carried(model: &Context, file: &ModelFile) -> Option<String> {
     let prescribed: Vec<String> = prescribed(file, 1).map(|(name, _)| name).collect();
     if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
@@ -152,7 +152,7 @@ pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
 
 /// A warning about energy stored at the start of a motion because prescribed coordinates or
 /// initial values differ from the reference configuration.
-pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> Vec<String> {
+pub(crate) fn strained(model: &Context, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
     let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
@@ -176,7 +176,7 @@ pub(crate) fn strained(model: &Model, file: &ModelFile, progress: &Progress) -> 
 }
 
 /// Warnings about loops that cannot move.
-pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
+pub(crate) fn immobile(model: &Context) -> impl Iterator<Item = String> {
     model.locked().into_iter().map(|(joint, x, equations)| {
         format!(
             "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
@@ -190,7 +190,11 @@ pub(crate) fn immobile(model: &Model) -> impl Iterator<Item = String> {
 const ROUGH: f64 = 1e-3;
 
 /// A warning about penalties for which rounding errors of the gap are large forces.
-pub(crate) fn drowned(model: &mut Model, file: &ModelFile, progress: &Progress) -> Option<String> {
+pub(crate) fn drowned(
+    model: &mut Context,
+    file: &ModelFile,
+    progress: &Progress,
+) -> Option<String> {
     let State { t, q, v, .. } = &progress.state;
     let a = vec![0.0; q.len()];
     let (at, mut r) = (Point { t: *t, q, v, a: &a }, a.clone());
@@ -210,7 +214,7 @@ pub(crate) fn drowned(model: &mut Model, file: &ModelFile, progress: &Progress) 
 }
 
 /// A warning about coordinates on which no mass acts.
-pub(crate) fn massless(model: &mut Model, progress: &Progress) -> Option<String> {
+pub(crate) fn massless(model: &mut Context, progress: &Progress) -> Option<String> {
     let state = &progress.state;
     // A state outside of a domain is reported by the first step.
     let names = model.massless(state.t, &state.q, &state.v).ok()?;

@@ -45,7 +45,7 @@ fn load(b: &mut ModelBuilder, name: &str, which: LoadKind, value: [f64; 3], node
 
 /// The free beam of Simo & Vu-Quoc 1986 while a force and a moment at its
 /// lower end throw it.
-pub fn flying(elements: usize) -> Model {
+pub fn flying(elements: usize) -> Context {
     let section = Section::diagonal(1e4, [1e4, 1e4], 100.0, [100.0, 100.0]).expect("positive");
     let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(20.0, 10.0, 10.0)));
     let ends = [[6.0, 0.0, 0.0], [0.0, 0.0, 8.0]];
@@ -59,11 +59,11 @@ pub fn flying(elements: usize) -> Model {
         [0.0, 80.0, 0.0],
         lower,
     );
-    b.build().expect("a valid model")
+    Context::new(b.build().expect("a valid model"))
 }
 
 /// A cantilever let go in the horizontal: steel, ten metres of a rod two centimetres thick.
-pub fn falling(elements: usize) -> Model {
+pub fn falling(elements: usize) -> Context {
     let steel = Material {
         E: 2.1e11,
         nu: 0.3,
@@ -80,11 +80,11 @@ pub fn falling(elements: usize) -> Model {
         b.element(format!("weight {k}"), load, nodes)
             .expect("two nodes");
     }
-    b.build().expect("a valid model")
+    Context::new(b.build().expect("a valid model"))
 }
 
 /// The robot arm of \[M04\] 4.2, case 6: driven base, two arms, a spherical joint between them.
-pub fn robot_arm(elements: usize) -> Model {
+pub fn robot_arm(elements: usize) -> Context {
     let section = Section::diagonal(1e6, [1e6, 1e6], 1e5, [1e5, 1e5]).expect("positive");
     let section = section.with_mass(1.0, Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, 1.0)));
     let ends = [[0.0; 3], [5.0, 0.0, 0.0]];
@@ -97,11 +97,11 @@ pub fn robot_arm(elements: usize) -> Model {
     let ramp = |end: f64| Table::ramp(0.0, 0.5, end).expect("increasing");
     b.prescribe(base, Dof::RZ, ramp(1.5));
     b.prescribe(base, Dof::Z, ramp(3.0));
-    b.build().expect("a valid model")
+    Context::new(b.build().expect("a valid model"))
 }
 
 /// The right-angle cantilever of \[M04\] 4.2, case 5, with 20 elements.
-pub fn struck() -> Model {
+pub fn struck() -> Context {
     let text = include_str!("../../examples/models/elbow.toml");
     let job = pullback::input::assemble_text("elbow", text);
     job.expect("a valid model").model

@@ -15,10 +15,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Seconds of a whole run, everything included, and what it did.
-fn run(model: &mut Model, options: &DynamicOptions) -> (f64, Progress) {
+fn run(model: &mut Context, options: &DynamicOptions) -> (f64, Progress) {
     let start_time = Instant::now();
     let mut progress = Progress::new(start(model, 0.0, &[], &[]).expect("a valid start"));
-    let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(model, &mut progress, options, onward).expect("converges");
     (start_time.elapsed().as_secs_f64(), progress)
 }
@@ -40,7 +40,7 @@ struct Costs {
     summary: Summary,
 }
 
-fn costs(make: &dyn Fn(usize) -> Model, elements: usize, options: &DynamicOptions) -> Costs {
+fn costs(make: &dyn Fn(usize) -> Context, elements: usize, options: &DynamicOptions) -> Costs {
     let unit = 1e-6 * elements as f64;
     let repeats = (20_000 / elements).clamp(2, 7);
     let mut best = (f64::INFINITY, Progress::default());
@@ -131,7 +131,7 @@ pub fn whole_runs(c: &mut Criterion) {
          solve | per step: energies  charts | seconds per step and element"
     );
     let mut growth = Vec::new();
-    type Make<'a> = &'a dyn Fn(usize) -> Model;
+    type Make<'a> = &'a dyn Fn(usize) -> Context;
     let rows: [(&str, Make<'_>, usize, &DynamicOptions); 5] = [
         ("robot arm", &robot_arm, 40, &arm),
         ("flying beam", &flying, 100, &flight),
@@ -176,7 +176,7 @@ pub fn newton(_: &mut Criterion) {
         "                elements     h                    iterations  factorisations  rejected  \
          time over the first"
     );
-    type Make<'a> = &'a dyn Fn() -> Model;
+    type Make<'a> = &'a dyn Fn() -> Context;
     let arm = || robot_arm(40);
     let rod = || falling(1_000);
     let rows: [(&str, usize, Make<'_>, DynamicOptions); 4] = [

@@ -27,7 +27,7 @@
 //! | [`element`] | an [`Element`](pullback_elements::element::Element) | its tangents, energies, powers, requests |
 //! | [`same`] | two elements that should be one | all that they answer |
 //! | [`joint`] | a [`Joint`](pullback_elements::joint::Joint) | those of its map; its coordinates and its rotation |
-//! | [`model`] | a [`Model`](pullback_elements::model::Model) | those of every element and joint where the model uses them, with objectivity and changes of chart; those of the assembled system, with transport and the balance of power |
+//! | [`model`] | a [`Context`](pullback_elements::model::Context) | those of every element and joint where the model uses them, with objectivity and changes of chart; those of the assembled system, with transport and the balance of power |
 //! | [`scheme`] | a [`Scheme`](pullback_integrators::dynamics::Scheme) | orders, stability, exactness, time reversal |
 //!
 //! Derivatives are checked by **slope**, not by tolerance: if B is the derivative of φ, the defect

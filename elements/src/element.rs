@@ -213,11 +213,6 @@ pub trait Element: Send + Sync {
         None
     }
 
-    /// As [`Element::enforced`], mutable.
-    fn enforced_mut(&mut self) -> Option<&mut dyn Enforced> {
-        None
-    }
-
     /// Appends the states of its cross-sections for output; nothing by default.
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         let _ = (at, out);

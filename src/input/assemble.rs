@@ -10,7 +10,7 @@ use super::{
 use crate::probe::Probe;
 use nalgebra::{Matrix3, Vector3};
 use pullback_elements::beam::Interpolation;
-use pullback_elements::model::{ElementId, Formulation, Model, ModelBuilder, ModelError, NodeId};
+use pullback_elements::model::{Context, ElementId, Formulation, ModelBuilder, ModelError, NodeId};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a model file describes, ready to run.
@@ -18,7 +18,7 @@ pub struct Job {
     /// Title, if the file has one.
     pub title: Option<String>,
     /// The model.
-    pub model: Model,
+    pub model: Context,
     /// Initial state of a dynamic analysis.
     pub start: Start,
     /// What to compute.
@@ -238,7 +238,7 @@ pub(super) fn assemble(
     };
     loads::apply(source, &mut builder, &nodes, &loaded, &file)?;
     let dynamic = matches!(file.analysis, Analysis::Dynamic(_));
-    let mut model = builder
+    let model = builder
         .build()
         .and_then(|model| {
             // A structure without supports is allowed in dynamics.
@@ -277,6 +277,7 @@ pub(super) fn assemble(
         let path = ["joints", &k.to_string(), "name"];
         return Err(source.value(&path, Problem::InitialStatics));
     }
+    let mut model = Context::new(model);
     let start = initial::start(
         source,
         &mut model,

@@ -6,7 +6,7 @@ use super::requests::{self, Rate, VelocityRequest};
 use super::values::{self, geared, given};
 use super::{InputError, Problem, Text};
 use nalgebra::Vector3;
-use pullback_elements::model::{Model, NodeId, RigidMotion};
+use pullback_elements::model::{Context, NodeId, RigidMotion};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, System};
 use std::f64::consts::TAU;
@@ -25,7 +25,7 @@ pub struct Start {
 
 pub(super) fn start(
     source: &Text<'_>,
-    model: &mut Model,
+    model: &mut Context,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
@@ -242,7 +242,7 @@ fn check<'a>(
 fn check_attached<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Model,
+    model: &Context,
     node: NodeId,
     initial: &Initial,
 ) -> Result<(), InputError> {
@@ -269,7 +269,7 @@ fn check_attached<'a>(
 }
 
 /// Position and rotation vector of a node at coordinates.
-fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
+fn at(model: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
     let free = model.free_rotation_of(node);
     let first = if free == node { 3 } else { 0 };
     let three = |node: NodeId, first: usize| {
@@ -282,7 +282,7 @@ fn at(model: &Model, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
 fn movable<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Model,
+    model: &Context,
     node: NodeId,
     initial: &Initial,
     q: &[f64],
@@ -328,7 +328,7 @@ fn folded(psi: [f64; 3]) -> [f64; 3] {
 fn position<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Model,
+    model: &Context,
     node: NodeId,
     initial: &Initial,
     q: &mut [f64],

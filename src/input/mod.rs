@@ -35,7 +35,7 @@ pub use settings::{DynamicPlan, Plan};
 pub(crate) use suggest::closest;
 
 use locate::Locator;
-use pullback_elements::model::{Formulation, Model};
+use pullback_elements::model::{Context, Formulation};
 use std::ops::Range;
 use std::path::Path;
 
@@ -141,7 +141,7 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
 ///
 /// # Errors
 /// As [`load`], without positions.
-pub fn build(name: &str, file: &ModelFile) -> Result<Model, InputError> {
+pub fn build(name: &str, file: &ModelFile) -> Result<Context, InputError> {
     job(name, file).map(|job| job.model)
 }
 

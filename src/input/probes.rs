@@ -5,12 +5,12 @@ use super::file::{Probe as Described, ProbeQuantity};
 use super::{InputError, Problem, Text};
 use crate::output::{COLUMNS, DYNAMIC_COLUMNS, STATIC_COLUMNS};
 use crate::probe::{Component, Probe, Target};
-use pullback_elements::model::{ElementId, Model, NodeId};
+use pullback_elements::model::{Context, ElementId, NodeId};
 use std::collections::HashSet;
 
 pub(super) fn resolve(
     source: &Text<'_>,
-    model: &Model,
+    model: &Context,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     geometry: &Geometry,
@@ -64,7 +64,7 @@ struct Known<'a> {
 
 fn one(
     source: &Text<'_>,
-    model: &Model,
+    model: &Context,
     names: &Known<'_>,
     k: usize,
     probe: &Described,

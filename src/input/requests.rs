@@ -5,7 +5,7 @@ use super::assemble::locate;
 use super::file::ModelFile;
 use super::initial::{LEFT, Start};
 use super::{InputError, Problem, Text};
-use pullback_elements::model::{BEFORE_START, Model, ModelError, NodeId};
+use pullback_elements::model::{BEFORE_START, Context, ModelError, NodeId};
 use pullback_manifold::system::System;
 
 /// The unknowns whose velocities an entry of `[[initial]]` prescribes.
@@ -20,7 +20,7 @@ pub(super) struct VelocityRequest {
 
 impl VelocityRequest {
     /// For a node: its velocity (first), the rate of its rotation (second), or both.
-    pub(super) fn of_node(entry: usize, model: &Model, node: NodeId, of: [bool; 2]) -> Self {
+    pub(super) fn of_node(entry: usize, model: &Context, node: NodeId, of: [bool; 2]) -> Self {
         Self {
             entry,
             unknowns: unknowns(model, node, of).collect(),
@@ -29,7 +29,7 @@ impl VelocityRequest {
     }
 
     /// For nodes in rigid motion; for the whole model if there is no list.
-    pub(super) fn of_nodes(entry: usize, model: &Model, nodes: Option<&[NodeId]>) -> Self {
+    pub(super) fn of_nodes(entry: usize, model: &Context, nodes: Option<&[NodeId]>) -> Self {
         let all = 0..model.initial().len();
         Self {
             entry,
@@ -44,7 +44,7 @@ impl VelocityRequest {
 
 /// The unknowns of a node's position (first), of its rotation (second), or both.
 pub(super) fn unknowns(
-    model: &Model,
+    model: &Context,
     node: NodeId,
     of: [bool; 2],
 ) -> impl Iterator<Item = usize> + '_ {
@@ -74,7 +74,7 @@ pub(super) struct Rate {
 /// order of the file.
 pub(super) fn satisfy(
     source: &Text<'_>,
-    model: &mut Model,
+    model: &mut Context,
     file: &ModelFile,
     mut start: Start,
     rates: &[Rate],
@@ -123,7 +123,7 @@ pub(super) fn satisfy(
 }
 
 /// The remaining error of velocities with the unknowns `held`, and the joint where it is largest.
-fn tried(model: &mut Model, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
+fn tried(model: &mut Context, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
     model.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
 }

@@ -3,13 +3,13 @@
 use super::assemble::{LineGeometry, Names};
 use super::file::{Acts, Analysis, ModelFile};
 use super::{InputError, Problem, Text};
-use pullback_elements::model::{Model, NodeId};
+use pullback_elements::model::{Context, NodeId};
 
 /// Sets the initial coordinates of joints, and rotates the frames above them with them, those of spherical
 /// joints included; unknowns that are `placed` stay.
 pub(super) fn start(
     source: &Text<'_>,
-    model: &mut Model,
+    model: &mut Context,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
     file: &ModelFile,
@@ -71,7 +71,7 @@ pub(super) fn geared(
 /// Refuses lines between nodes moved along with a spherical joint and nodes that stay.
 fn drawn_apart(
     source: &Text<'_>,
-    model: &Model,
+    model: &Context,
     lines: &[LineGeometry],
     [carried, placed]: [&[usize]; 2],
 ) -> Result<(), InputError> {

@@ -7,7 +7,7 @@ use super::log::{self, Extent};
 use super::plot::Shapes;
 use super::vtu::Frame;
 use crate::warnings::Turn;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::System;
 use serde::{Deserialize, Serialize};
@@ -161,7 +161,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`ResumeError`].
-    pub fn read(directory: &Path, settings: &Value, model: &Model) -> Result<Self, ResumeError> {
+    pub fn read(directory: &Path, settings: &Value, model: &Context) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
         let none = |path: &Path| {
             let path = path.to_owned();
@@ -211,7 +211,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`ResumeError::Damaged`] if they do not belong to this model.
-    pub(crate) fn restore(&self, model: &mut Model, directory: &Path) -> Result<(), ResumeError> {
+    pub(crate) fn restore(&self, model: &mut Context, directory: &Path) -> Result<(), ResumeError> {
         model.set_element_charts(&self.element_charts);
         if model.restore_maps(&self.maps) {
             return Ok(());
@@ -229,7 +229,7 @@ impl Checkpoint {
 }
 
 /// Names of the unknowns of a model.
-pub(super) fn names(model: &Model) -> Vec<String> {
+pub(super) fn names(model: &Context) -> Vec<String> {
     (0..model.pattern().dim()).map(|i| model.name(i)).collect()
 }
 

@@ -14,7 +14,7 @@ use crate::input::{DynamicPlan, Geometry, ModelFile, Output, Plan};
 use crate::probe::{Answers, Probe};
 use crate::solve::{Advance, Counts, point};
 use crate::warnings::{Diagnostics, Turn, Turns};
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::Progress;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
 use std::time::{Duration, Instant};
@@ -70,7 +70,7 @@ impl<'a> Recorder<'a> {
         setting: Setting<'a>,
         directory: Directory,
         probes: Vec<Probe>,
-        model: &Model,
+        model: &Context,
         warnings: Vec<String>,
     ) -> Result<Self, OutputError> {
         let lines = setting.geometry.lines.iter();
@@ -134,7 +134,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn start(&mut self, model: &mut Model) -> Result<(), OutputError> {
+    pub fn start(&mut self, model: &mut Context) -> Result<(), OutputError> {
         let n = model.pattern().dim();
         let (q, t) = (vec![0.0; n], self.setting.plan.start());
         let mut r = vec![0.0; n];
@@ -161,7 +161,7 @@ impl<'a> Recorder<'a> {
     /// [`RecordError`].
     pub fn start_motion(
         &mut self,
-        model: &mut Model,
+        model: &mut Context,
         progress: &Progress,
     ) -> Result<(), RecordError> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
@@ -180,7 +180,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`RecordError`].
-    pub fn look(&mut self, model: &mut Model, progress: &Progress) -> Result<(), RecordError> {
+    pub fn look(&mut self, model: &mut Context, progress: &Progress) -> Result<(), RecordError> {
         self.turns = Turns::new(model, &progress.state);
         let answers = moving(model, progress)?;
         let row = Row {
@@ -195,7 +195,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`RecordError`].
-    pub fn record(&mut self, model: &mut Model, step: &Advance<'_>) -> Result<(), RecordError> {
+    pub fn record(&mut self, model: &mut Context, step: &Advance<'_>) -> Result<(), RecordError> {
         let rotation = model.largest_rotation();
         self.record.largest_rotation = self.record.largest_rotation.max(rotation);
         let counts = &mut self.statistics.counts;
@@ -278,7 +278,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn add(&mut self, model: &Model, mut row: Row, answers: Answers) -> Result<(), OutputError> {
+    fn add(&mut self, model: &Context, mut row: Row, answers: Answers) -> Result<(), OutputError> {
         row.largest_rotation = model.largest_rotation();
         row.strain_energy = answers.strain_energy();
         if answers.is_moving() {
@@ -372,7 +372,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn checkpoint(&mut self, model: &Model, progress: &Progress) -> Result<(), OutputError> {
+    pub fn checkpoint(&mut self, model: &Context, progress: &Progress) -> Result<(), OutputError> {
         let fail = |name: &str| {
             let name = name.to_owned();
             |source| OutputError::Encode { name, source }
@@ -406,7 +406,7 @@ impl<'a> Recorder<'a> {
 }
 
 /// The answers of a model at the present state of a motion.
-fn moving(model: &mut Model, progress: &Progress) -> Result<Answers, RecordError> {
+fn moving(model: &mut Context, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
     let balance = model
         .energies_and_momentum(point(progress))

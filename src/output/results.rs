@@ -4,7 +4,7 @@ use super::history::Row;
 use crate::input::ModelFile;
 use crate::probe::Answers;
 use crate::solve::Counts;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashSet};
@@ -166,7 +166,7 @@ pub(crate) fn is_complete(directory: &Path) -> bool {
 
 /// The present state of a model.
 pub(super) fn final_state(
-    model: &Model,
+    model: &Context,
     answers: &Answers,
     row: &Row,
     file: &ModelFile,

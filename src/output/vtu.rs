@@ -8,7 +8,7 @@
 use crate::input::Geometry;
 use crate::probe::Answers;
 use nalgebra::{Matrix3, Vector3};
-use pullback_elements::model::{Model, NodeState};
+use pullback_elements::model::{Context, NodeState};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -43,7 +43,7 @@ pub fn collection(frames: &[Frame]) -> String {
 }
 
 /// The grid (`.vtu`) of a model in its present configuration, in statics with the load parameter.
-pub fn grid(model: &Model, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
+pub fn grid(model: &Context, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
     let mut points = Points::default();
     let mut connectivity = Vec::new();
     let mut offsets = Vec::new();

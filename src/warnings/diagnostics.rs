@@ -3,7 +3,7 @@
 use super::LISTED;
 use crate::output::Row;
 use crate::probe::Answers;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::significant;
 use pullback_manifold::system::{Scales, System};
 use std::fmt::Write;
@@ -74,7 +74,13 @@ impl Diagnostics {
     /// Records a converged row, with the model in its configuration; `force` is the residual before the first
     /// correction at the start: the scale of forces where springs in equilibrium with each other leave neither
     /// loads nor reactions.
-    pub(crate) fn record(&mut self, model: &Model, answers: &Answers, row: &Row, force: [f64; 3]) {
+    pub(crate) fn record(
+        &mut self,
+        model: &Context,
+        answers: &Answers,
+        row: &Row,
+        force: [f64; 3],
+    ) {
         let t = row.t;
         self.rows += 1;
         let measures = Scales {
@@ -215,7 +221,7 @@ impl Diagnostics {
 }
 
 /// Whether any node has moved from its reference configuration.
-fn moved(model: &Model) -> bool {
+fn moved(model: &Context) -> bool {
     model.frames().any(|(id, _)| {
         let state = model.node_state(id);
         state.d.norm() + state.psi.norm() > 0.0

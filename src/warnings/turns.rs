@@ -1,6 +1,6 @@
 //! Angles of joints whose rates change too much in a step.
 
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_integrators::dynamics::State;
 use pullback_integrators::significant;
 use pullback_manifold::system::{Quantity, System};
@@ -29,7 +29,7 @@ pub(crate) struct Turns {
 
 impl Turns {
     /// Starts at a state.
-    pub(crate) fn new(model: &Model, state: &State) -> Self {
+    pub(crate) fn new(model: &Context, state: &State) -> Self {
         let mut angles = model.single_unknowns();
         angles.retain(|&i| model.quantity(i) == Quantity::Angle);
         let last = angles.iter().map(|&i| state.v[i]).collect();
@@ -39,7 +39,7 @@ impl Turns {
     /// Records a converged step of size `h`; `furthest` is replaced by a larger change.
     pub(crate) fn record(
         &mut self,
-        model: &Model,
+        model: &Context,
         state: &State,
         h: f64,
         furthest: &mut Option<Turn>,

@@ -1,7 +1,7 @@
 //! States in the middle of domains.
 
 use super::view::{maps, parent_state};
-use pullback_elements::model::{Model, NodeForm};
+use pullback_elements::model::{Context, NodeForm};
 use pullback_manifold::system::Point;
 
 /// A joint with less room than this is at the edge of its domain, and how far from there it is taken,
@@ -11,7 +11,7 @@ const STEP: f64 = 0.1;
 
 /// Takes coordinates of joints that are at the edges of their domains, a slide at the end of its
 /// chain, a little inside: nothing can be said about derivatives where a step leads outside.
-pub(super) fn step_inside(model: &mut Model, t: f64, q: &mut [f64], units: &[f64]) {
+pub(super) fn step_inside(model: &mut Context, t: f64, q: &mut [f64], units: &[f64]) {
     for k in 0..model.mapped_nodes().len() {
         let Some(margin) = room(model, k, t, q).filter(|&room| room < NARROW) else {
             continue;
@@ -43,7 +43,7 @@ pub(super) fn step_inside(model: &mut Model, t: f64, q: &mut [f64], units: &[f64
 }
 
 /// The margin of map number `k` at a state at rest; none outside of its domain.
-fn room(model: &mut Model, k: usize, t: f64, q: &[f64]) -> Option<f64> {
+fn room(model: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
     let (v, a) = (&[][..], &[][..]);
     model.configure(Point { t, q, v, a }).ok()?;
     let (_, map, parents) = maps(model).nth(k)?;

@@ -7,7 +7,7 @@ use super::view::{self, maps, parent_state};
 use crate::elements::{Carrier, EXACT, Frame, carry, vector};
 use crate::{Mapped, Random, Report, State, kinematics, pieces};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::so3::{log_quaternion, quaternion};
 
@@ -17,7 +17,7 @@ const FIRST: f64 = 0.1;
 /// Notes the laws of all joints, in the configuration last set, which is that of a state.
 pub(super) fn laws(
     report: &mut Report,
-    model: &mut Model,
+    model: &mut Context,
     units: &[f64],
     (at, state): &(String, State),
     random: &mut Random,

@@ -12,7 +12,7 @@ mod view;
 use crate::elements::{Placed, Request, element_at, evaluate, invariance};
 use crate::{Forces, Layout, Random, Report, State, system_at};
 use nalgebra::DVector;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_manifold::system::{Evaluation, Point, System, Weights};
 use states::{Size, beside, moving};
 
@@ -69,7 +69,7 @@ impl Default for Options {
 ///
 /// [`Map::freeze_piece`]: pullback_manifold::map::Map::freeze_piece
 /// [`Map::reparametrizes`]: pullback_manifold::map::Map::reparametrizes
-pub fn model(model: &mut Model, options: &Options) -> Report {
+pub fn model(model: &mut Context, options: &Options) -> Report {
     // Random states satisfy nothing that multipliers hold.
     model.watch_equations(false);
     let report = all(model, options);
@@ -77,7 +77,7 @@ pub fn model(model: &mut Model, options: &Options) -> Report {
     report
 }
 
-fn all(model: &mut Model, options: &Options) -> Report {
+fn all(model: &mut Context, options: &Options) -> Report {
     let mut report = Report::new("model");
     let n = model.pattern().dim();
     let mut q = options.q.clone();
@@ -140,7 +140,7 @@ fn all(model: &mut Model, options: &Options) -> Report {
 
 /// The laws of one element or load at its states in the model.
 fn component<'a>(
-    model: &Model,
+    model: &Context,
     k: usize,
     units: &[f64],
     rate: f64,
@@ -208,7 +208,7 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
 const NONE: f64 = 1e-12;
 
 /// The model's rate at a state.
-fn own_rate(model: &mut Model, s: &State, units: &[f64]) -> Option<f64> {
+fn own_rate(model: &mut Context, s: &State, units: &[f64]) -> Option<f64> {
     let n = s.x.len();
     let zero = vec![0.0; n];
     let mut diagonal = |K, C, M| -> Option<Vec<f64>> {

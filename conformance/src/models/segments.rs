@@ -6,7 +6,7 @@ use super::view::parent_state;
 use crate::elements::{Carrier, EXACT, Frame, carry};
 use crate::{Compared, Layout, Mapped, Random, Report, State};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::model::{Model, Node};
+use pullback_elements::model::{Context, Node};
 use pullback_manifold::map::Parametrization;
 
 /// What is attached to a map.
@@ -134,9 +134,9 @@ const NUDGE: f64 = 1e-3;
 
 /// The positions of the next changes of segment of a node's map, along each of the coordinates that it
 /// reads, as the configuration last set has all others: the map before and after.
-pub(super) fn changes(model: &Model, n: u32, t: f64) -> Vec<[Side; 2]> {
+pub(super) fn changes(model: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
     let node = &model.nodes()[n as usize];
-    let Some(map) = node.map() else {
+    let Some(map) = model.map_of(node) else {
         return Vec::new();
     };
     let here = side(model, node, map.duplicate(), t, None);
@@ -167,7 +167,7 @@ pub(super) fn changes(model: &Model, n: u32, t: f64) -> Vec<[Side; 2]> {
 }
 
 fn side(
-    model: &Model,
+    model: &Context,
     node: &Node,
     mut map: Box<dyn Parametrization>,
     t: f64,

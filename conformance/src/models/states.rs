@@ -5,7 +5,7 @@
 use super::view::{Rotation, is_frame, unknowns};
 use crate::{Random, State};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3::{log_quaternion, quaternion};
@@ -88,7 +88,7 @@ impl Field {
 /// # Errors
 /// [`SystemError`] where `q` itself is outside of a domain.
 pub(super) fn beside(
-    model: &mut Model,
+    model: &mut Context,
     (t, q): (f64, &[f64]),
     memories: &[Vec<f64>],
     size: Size,
@@ -119,7 +119,7 @@ pub(super) fn beside(
     }
 }
 
-fn moved(model: &Model, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
+fn moved(model: &Context, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
     let length = model.length();
     let displacement = Field::new(random, size.displacement * length, length);
     let rotation = Field::new(random, size.rotation, length);
@@ -179,7 +179,7 @@ pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -
 /// Writes rotations of a state in their other charts, with everything that follows from that, as at
 /// the end of a step; how many. Those near 0 or 2π, where the other chart ends, stay.
 pub(super) fn switch(
-    model: &mut Model,
+    model: &mut Context,
     rotations: &[Rotation],
     s: &mut State,
 ) -> Result<usize, SystemError> {
@@ -202,7 +202,7 @@ pub(super) fn switch(
 }
 
 /// Charts as a run that starts at a state has them.
-fn settle(model: &mut Model, s: &mut State) -> Result<(), SystemError> {
+fn settle(model: &mut Context, s: &mut State) -> Result<(), SystemError> {
     for unknowns in model.free_rotations() {
         complement(&unknowns, s, &(PI..TAU));
     }

@@ -7,7 +7,7 @@ use super::view::{Rotation, Snapshot, prescribed_rate, reparametrizes, silent_po
 use crate::elements::EXACT;
 use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, system_sizes};
 use nalgebra::Vector3;
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use pullback_manifold::so3::B_s;
 use pullback_manifold::system::{Energies, Point, System, SystemError};
 
@@ -28,7 +28,7 @@ fn point(s: &State) -> Point<'_> {
 /// Notes transport through changes of chart and the balance of power, at a state in motion.
 pub(super) fn laws(
     report: &mut Report,
-    model: &mut Model,
+    model: &mut Context,
     layout: &Layout,
     (at, state): &(String, State),
     random: &mut Random,
@@ -51,7 +51,7 @@ pub(super) fn laws(
 }
 
 /// What does not depend on charts.
-fn spatial(model: &mut Model, s: &State) -> Result<(Snapshot, Energies), SystemError> {
+fn spatial(model: &mut Context, s: &State) -> Result<(Snapshot, Energies), SystemError> {
     let now = snapshot(model, s)?;
     let energies = model.energies(point(s))?;
     Ok((now, energies.unwrap_or_default()))
@@ -59,7 +59,7 @@ fn spatial(model: &mut Model, s: &State) -> Result<(Snapshot, Energies), SystemE
 
 fn transport(
     report: &mut Report,
-    model: &mut Model,
+    model: &mut Context,
     layout: &Layout,
     sizes: &[f64],
     at: &str,
@@ -195,13 +195,13 @@ fn left(snapshot: &Snapshot, s: &State) -> f64 {
 /// as these are not in balance: of the power supplied, what is not v·r stays.
 pub(super) fn rewriting(
     report: &mut Report,
-    model: &mut Model,
+    model: &mut Context,
     layout: &Layout,
     (at, s): &(String, State),
 ) {
     let law = "change of coordinates";
     let mut settled = s.clone();
-    let balanced = |model: &mut Model, s: &State| -> Result<(Snapshot, Energies), SystemError> {
+    let balanced = |model: &mut Context, s: &State| -> Result<(Snapshot, Energies), SystemError> {
         let (snapshot, mut energies) = spatial(model, s)?;
         energies.supplied -= left(&snapshot, s);
         Ok((snapshot, energies))
@@ -235,7 +235,7 @@ const BEND: f64 = 10.0;
 /// equations, and any motion will do to check the books.
 fn power(
     report: &mut Report,
-    model: &mut Model,
+    model: &mut Context,
     layout: &Layout,
     sizes: &[f64],
     at: &str,

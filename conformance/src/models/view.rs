@@ -3,8 +3,8 @@
 use crate::elements::Frame;
 use crate::{Group, Layout, State, plain};
 use nalgebra::{DVector, Vector3};
-use pullback_elements::element::{Element, Motion, Response};
-use pullback_elements::model::{Model, Node, NodeForm};
+use pullback_elements::element::{Element, Motion};
+use pullback_elements::model::{Context, Node, NodeForm};
 use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
 use std::ops::Range;
@@ -29,7 +29,11 @@ pub(super) fn is_frame(node: &Node) -> bool {
 }
 
 /// Element `k` with its layout; `units` are those of the nodes.
-pub(super) fn element<'a>(model: &'a Model, k: usize, units: &[f64]) -> Component<&'a dyn Element> {
+pub(super) fn element<'a>(
+    model: &'a Context,
+    k: usize,
+    units: &[f64],
+) -> Component<&'a dyn Element> {
     let e = &model.elements()[k];
     let element = e.element();
     let what = if element.is_load() { "load" } else { "element" };
@@ -40,23 +44,23 @@ pub(super) fn element<'a>(model: &'a Model, k: usize, units: &[f64]) -> Componen
 }
 
 /// The state of element `k`, in its chart, without motion.
-pub(super) fn element_state(model: &Model, k: usize, t: f64) -> State {
-    let [x, ..] = model.element_motion(&model.elements()[k]);
+pub(super) fn element_state(model: &Context, k: usize, t: f64) -> State {
+    let [x, ..] = model.element_motion(k);
     State::statics(t, DVector::from_vec(x))
 }
 
 /// The maps of a model: the node that follows, its map, the nodes that this reads.
-pub(super) fn maps(model: &Model) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
+pub(super) fn maps(model: &Context) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
     model.mapped_nodes().iter().filter_map(|&n| {
         let node = &model.nodes()[n as usize];
-        let map = node.map()?;
+        let map = model.map_of(node)?;
         Some((n, map, node.parents(map.segment())))
     })
 }
 
 /// The map of a node with the layout of what it takes.
 pub(super) fn joint<'a>(
-    model: &'a Model,
+    model: &'a Context,
     (n, map, parents): (u32, &'a dyn Parametrization, &[u32]),
     units: &[f64],
 ) -> Component<&'a dyn Parametrization> {
@@ -74,12 +78,12 @@ pub(super) fn joint<'a>(
 const LOOP: &str = "closed loop";
 
 /// The layout of what the map of a node gives.
-pub(super) fn rows(model: &Model, n: u32, units: &[f64]) -> Layout {
+pub(super) fn rows(model: &Context, n: u32, units: &[f64]) -> Layout {
     component(model, String::new(), (), &[n], &|n| units[n]).layout
 }
 
 /// The motion of the parents of a map, in the configuration last set.
-pub(super) fn parent_state(model: &Model, parents: &[u32], t: f64) -> State {
+pub(super) fn parent_state(model: &Context, parents: &[u32], t: f64) -> State {
     let [x, v, a] = model.configuration().map(|all| {
         let ranges = parents.iter().map(|&m| model.nodes()[m as usize].range());
         DVector::from_iterator(
@@ -91,7 +95,7 @@ pub(super) fn parent_state(model: &Model, parents: &[u32], t: f64) -> State {
 }
 
 fn component<T>(
-    model: &Model,
+    model: &Context,
     name: String,
     thing: T,
     nodes: &[u32],
@@ -125,7 +129,7 @@ fn component<T>(
 }
 
 /// The largest distance between frames among nodes; `None` where there are none.
-fn extent(model: &Model, nodes: &[u32]) -> Option<f64> {
+fn extent(model: &Context, nodes: &[u32]) -> Option<f64> {
     let positions = || {
         let nodes = nodes.iter().map(|&n| &model.nodes()[n as usize]);
         nodes.filter(|n| is_frame(n)).map(Node::position)
@@ -137,7 +141,7 @@ fn extent(model: &Model, nodes: &[u32]) -> Option<f64> {
 
 /// A typical length at each node: the size of the smallest element that it belongs to, and of the
 /// model where that has none.
-pub(super) fn node_units(model: &Model) -> Vec<f64> {
+pub(super) fn node_units(model: &Context) -> Vec<f64> {
     let mut units = vec![f64::INFINITY; model.nodes().len()];
     for e in model.elements() {
         if let Some(size) = extent(model, e.nodes()).filter(|&l| l > 0.0) {
@@ -150,8 +154,8 @@ pub(super) fn node_units(model: &Model) -> Vec<f64> {
     // The coordinates of a joint are of the size of what it joins.
     for &n in model.mapped_nodes().iter().rev() {
         let node = &model.nodes()[n as usize];
-        let parents = node
-            .map()
+        let parents = model
+            .map_of(node)
             .map_or(&[][..], |map| node.parents(map.segment()));
         let all = || parents.iter().chain([&n]).map(|&m| m as usize);
         let least = all().map(|m| units[m]).fold(f64::INFINITY, f64::min);
@@ -167,7 +171,7 @@ pub(super) fn node_units(model: &Model) -> Vec<f64> {
 }
 
 /// The layout of the unknowns.
-pub(super) fn layout(model: &Model, units: &[f64]) -> Layout {
+pub(super) fn layout(model: &Context, units: &[f64]) -> Layout {
     let mut groups: Vec<Group> = Vec::new();
     for (n, node) in model.nodes().iter().enumerate() {
         for (range, name, kind) in groups_of(node) {
@@ -184,9 +188,9 @@ pub(super) fn layout(model: &Model, units: &[f64]) -> Layout {
 
 /// Rate at which prescribed coordinates change, in radians and lengths of the model, in the
 /// configuration last set.
-pub(super) fn prescribed_rate(model: &Model) -> f64 {
+pub(super) fn prescribed_rate(model: &Context) -> f64 {
     let [_, v, a] = model.configuration();
-    let own = model.nodes().iter().filter(|n| n.map().is_none());
+    let own = (model.nodes().iter()).filter(|n| model.map_of(n).is_none());
     let coordinates = own.flat_map(|node| node.range().zip(node.quantities()));
     let rate = |(c, kind): (usize, &Quantity)| {
         let unit = if *kind == Quantity::Length {
@@ -201,7 +205,7 @@ pub(super) fn prescribed_rate(model: &Model) -> f64 {
 }
 
 /// For each unknown: its node, which coordinate of the node it is, and what it measures.
-pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Quantity)> {
+pub(super) fn unknowns(model: &Context) -> Vec<(usize, usize, Quantity)> {
     let nodes = model.nodes().iter().enumerate();
     let coordinates = nodes.flat_map(|(n, node)| {
         let own = node.range().zip(node.quantities()).enumerate();
@@ -212,7 +216,7 @@ pub(super) fn unknowns(model: &Model) -> Vec<(usize, usize, Quantity)> {
 }
 
 /// Whether a map may give coordinates another meaning.
-pub(super) fn reparametrizes(model: &Model) -> bool {
+pub(super) fn reparametrizes(model: &Context) -> bool {
     maps(model).any(|(_, map, _)| map.reparametrizes())
 }
 
@@ -226,7 +230,7 @@ pub(super) struct Snapshot {
 }
 
 /// Residual and configuration at a state in motion.
-pub(super) fn snapshot(model: &mut Model, s: &State) -> Result<Snapshot, SystemError> {
+pub(super) fn snapshot(model: &mut Context, s: &State) -> Result<Snapshot, SystemError> {
     let mut r = vec![0.0; s.x.len()];
     let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
     model.evaluate(Point { t: s.t, q, v, a }, Evaluation::residual(&mut r))?;
@@ -249,29 +253,22 @@ pub(super) fn snapshot(model: &mut Model, s: &State) -> Result<Snapshot, SystemE
 
 /// The power of elements that exert forces at rest but tell of no energy: control forces, say. They
 /// count as loads, in the configuration last evaluated in motion.
-pub(super) fn silent_power(model: &Model, t: f64) -> f64 {
+pub(super) fn silent_power(model: &mut Context, t: f64) -> f64 {
     let mut power = 0.0;
-    for e in model.elements().iter().filter(|e| !e.element().is_load()) {
-        let [x, v, _] = model.element_motion(e);
-        let mut r = vec![0.0; x.len()];
+    for k in 0..model.elements().len() {
+        let element = model.elements()[k].element();
+        let [x, v, _] = model.element_motion(k);
         let rest = Motion {
             t,
             x: &x,
             v: &[],
             a: &[],
         };
-        if e.element().energy(&rest) != 0.0 {
+        if element.is_load() || element.energy(&rest) != 0.0 {
             continue;
         }
-        let mut out = Response {
-            r: &mut r,
-            K: None,
-            C: None,
-            M: None,
-            r_t: None,
-        };
         // Outside of a domain the evaluation before has failed.
-        if e.element().evaluate(&rest, &mut out).is_ok() {
+        if let Ok(r) = model.element_forces(k) {
             power += r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
         }
     }

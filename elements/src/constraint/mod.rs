@@ -128,12 +128,6 @@ pub trait Enforced: Send + Sync {
 
     /// Stiffness of a penalty; `None` if the last M coordinates of the element are multipliers.
     fn penalty(&self) -> Option<f64>;
-
-    /// Omits equations that follow from others: bit i for equation i.
-    fn leave_out(&mut self, equations: u32);
-
-    /// The omitted equations.
-    fn left_out(&self) -> u32;
 }
 
 /// Name of an equation, or its number.

@@ -20,11 +20,10 @@ use pullback_manifold::map::Map;
 /// has the unit of a force times that of x over that of h.
 ///
 /// The energy balance does not include the power of equations that depend on time explicitly.
-/// Omitted equations ([`Enforced::leave_out`]) have zero multipliers.
+/// A model omits redundant equations, and sets their multipliers to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers<H, const N: usize, const M: usize> {
     h: H,
-    left_out: u32,
     names: &'static [&'static str],
 }
 
@@ -32,22 +31,13 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Multipliers<H, N, M> {
     /// Enforces the given equations; [`Scaled`](super::Scaled) gives them comparable sizes.
     pub fn new(h: H) -> Self {
         const { assert!(M <= MAX_EQUATIONS, "too many equations") };
-        Self {
-            h,
-            left_out: 0,
-            names: &[],
-        }
+        Self { h, names: &[] }
     }
 
     /// Names the equations, for messages.
     #[must_use]
     pub fn named(self, names: &'static [&'static str]) -> Self {
         Self { names, ..self }
-    }
-
-    /// Whether equation i is in use.
-    fn counts(&self, i: usize) -> bool {
-        self.left_out & (1 << i) == 0
     }
 }
 
@@ -58,15 +48,14 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
 
     fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
         let [x, ..] = vectors::<N>(at);
-        let given = &at.x[N..];
-        let lambda = SVector::<f64, M>::from_fn(|i, _| if self.counts(i) { given[i] } else { 0.0 });
+        let lambda = SVector::<f64, M>::from_column_slice(&at.x[N..]);
         let h = self.h.tangent(at.t, &x);
         let force = h.B.tr_mul(&lambda);
         for (r, f) in out.r.iter_mut().zip(force.iter()) {
             *r -= f;
         }
-        for (i, (r, given)) in out.r[N..].iter_mut().zip(given).enumerate() {
-            *r -= if self.counts(i) { h.x[i] } else { *given };
+        for (r, h) in out.r[N..].iter_mut().zip(h.x.iter()) {
+            *r -= h;
         }
         if let Some(K) = &mut out.K {
             let n = N + M;
@@ -77,10 +66,6 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
                 }
             }
             for i in 0..M {
-                if !self.counts(i) {
-                    K[(N + i) * (n + 1)] += 1.0;
-                    continue;
-                }
                 for j in 0..N {
                     K[N + i + j * n] += h.B[(i, j)];
                     K[j + (N + i) * n] += h.B[(i, j)];
@@ -95,8 +80,8 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
             for (r, f) in r_t.iter_mut().zip(force.iter()) {
                 *r -= f;
             }
-            for i in (0..M).filter(|&i| self.counts(i)) {
-                r_t[N + i] -= k.x_dot[i];
+            for (r, h_dot) in r_t[N..].iter_mut().zip(k.x_dot.iter()) {
+                *r -= h_dot;
             }
         }
         Ok(())
@@ -107,10 +92,6 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Multipl
     }
 
     fn enforced(&self) -> Option<&dyn Enforced> {
-        Some(self)
-    }
-
-    fn enforced_mut(&mut self) -> Option<&mut dyn Enforced> {
         Some(self)
     }
 }
@@ -139,13 +120,5 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Multipliers<H, N
 
     fn penalty(&self) -> Option<f64> {
         None
-    }
-
-    fn leave_out(&mut self, equations: u32) {
-        self.left_out = equations;
-    }
-
-    fn left_out(&self) -> u32 {
-        self.left_out
     }
 }

@@ -150,10 +150,6 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
     fn enforced(&self) -> Option<&dyn Enforced> {
         Some(self)
     }
-
-    fn enforced_mut(&mut self) -> Option<&mut dyn Enforced> {
-        Some(self)
-    }
 }
 
 impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M> {
@@ -180,12 +176,5 @@ impl<H: Map<N, M>, const N: usize, const M: usize> Enforced for Penalty<H, N, M>
 
     fn penalty(&self) -> Option<f64> {
         Some(self.stiffness.p)
-    }
-
-    /// Springs in parallel share the load: no equation is omitted.
-    fn leave_out(&mut self, _: u32) {}
-
-    fn left_out(&self) -> u32 {
-        0
     }
 }

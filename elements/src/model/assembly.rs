@@ -2,10 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::Model;
 use super::element_charts::TOO_FAR;
 use super::runs::check_length;
 use super::scatter::{Group, ScatterTarget};
+use super::state::ElementState;
+use super::{Context, ElementEntry};
 use crate::element::ElementError;
 use crate::time::Input;
 use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
@@ -14,15 +15,15 @@ use std::f64::consts::TAU;
 /// Largest number of nodes of an element.
 pub(super) const MAX_NODES: usize = 16;
 
-impl Model {
+impl Context {
     /// Writes coordinates (and velocities, accelerations if given) of all nodes at a point to the
     /// workspace: own nodes first, then mapped ones.
     pub(super) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         let statics = at.is_static();
         let w = &mut self.work;
         if !statics {
-            self.runs.scatter("velocities v", at.v, &mut w.v)?;
-            self.runs.scatter("accelerations a", at.a, &mut w.a)?;
+            self.model.runs.scatter("velocities v", at.v, &mut w.v)?;
+            self.model.runs.scatter("accelerations a", at.a, &mut w.a)?;
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
@@ -36,25 +37,25 @@ impl Model {
     pub(super) fn expand_positions(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         let w = &mut self.work;
         w.t = t;
-        self.runs.scatter("coordinates q", q, &mut w.x)?;
-        for p in &self.prescribed {
+        self.model.runs.scatter("coordinates q", q, &mut w.x)?;
+        for p in &self.model.prescribed {
             // In statics the velocity of a prescribed coordinate is its derivative by the load
             // parameter; that of free coordinates stays zero.
             let c = p.coordinate;
             [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
             w.moving |= w.v[c] != 0.0;
         }
-        for (node, turns) in &self.prescribed_rotations {
-            let first = self.nodes[*node].first + 3;
+        for (&node, &turns) in (self.model.prescribed_rotations.iter()).zip(&self.state.turns) {
+            let first = self.model.nodes[node].first + 3;
             super::slots::fold(
-                *turns,
+                turns,
                 &mut w.x[first..first + 3],
                 &mut w.v[first..first + 3],
                 &mut w.a[first..first + 3],
             );
         }
         // A map may depend on time: rates of mapped nodes are read in any case.
-        w.moving |= !self.dependent.is_empty();
+        w.moving |= !self.model.dependent.is_empty();
         if w.stirred {
             self.take_spins();
         }
@@ -63,23 +64,26 @@ impl Model {
 
     /// Sets residual and scales to those of the dead loads.
     fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
-        let w = &mut self.work;
-        let inputs = self.inputs.iter().map(Input::get);
+        let (w, model) = (&mut self.work, &*self.model);
+        let inputs = model.inputs.iter().map(Input::get);
         if w.dead_loads.t != Some(t) || inputs.clone().ne(w.dead_loads.inputs.iter().copied()) {
             w.dead_loads.forget();
             w.dead_loads.inputs.clear();
             w.dead_loads.inputs.extend(inputs);
             w.dead_loads.r.fill(0.0);
             w.scales.force = [0.0; 3];
-            for e in self.elements.iter().filter(|e| e.reads_only_time()) {
+            for (e, state) in model.elements.iter().zip(&self.state.elements) {
+                if !reads_only_time(e, state) {
+                    continue;
+                }
                 let local = &mut w.local;
                 local
-                    .evaluate(e, t, true, None, false, false)
+                    .evaluate(e, state, t, true, None, false, false)
                     .map_err(|error| named(error, &e.name))?;
                 if e.load {
-                    local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
+                    local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
                 }
-                local.add_residual(e, &self.spans, &mut w.dead_loads.r);
+                local.add_residual(e, &model.spans, &mut w.dead_loads.r);
             }
             w.dead_loads.force = w.scales.force;
             w.dead_loads.t = Some(t);
@@ -98,71 +102,72 @@ impl Model {
         mut S: Option<(Weights, &mut [f64])>,
         rates: bool,
     ) -> Result<(), SystemError> {
-        let w = &mut self.work;
-        let local = &mut w.local;
+        let (w, model) = (&mut self.work, &*self.model);
+        let (local, spans) = (&mut w.local, &model.spans);
         w.exerted.force = [0.0; 3];
-        let alone = self.prescribed.is_empty() && w.scales.force == [0.0; 3];
-        for e in &self.elements {
-            if e.overturned {
+        let alone = model.prescribed.is_empty() && w.scales.force == [0.0; 3];
+        for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
+            let switched = state.switched;
+            if state.overturned {
                 return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
             }
-            if !rates && e.reads_only_time() {
+            if !rates && reads_only_time(e, state) {
                 continue;
             }
             let n = e.element.dim();
-            if !e.reads_only_time() {
-                local.gather(e, &self.spans, &w.x);
-                local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
+            if !reads_only_time(e, state) {
+                local.gather(e, spans, &w.x);
+                local.gather_rates(e, switched, spans, w.moving.then_some([&w.v, &w.a]));
                 if w.has_previous {
-                    local.gather_previous(e, &self.spans, &w.previous);
+                    local.gather_previous(e, switched, spans, &w.previous);
                 }
             }
-            let switched = local.switch(e, &self.nodes);
+            local.switch(e, switched, &model.nodes);
             let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
-                .evaluate(e, t, statics, weights, rates, w.has_previous)
+                .evaluate(e, state, t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
             if let Some(h) = w.acceleration_step {
-                local.raise_to_accelerations(e, t, h);
+                local.raise_to_accelerations(e, state.left_out, t, h);
             }
             if e.load {
-                local.measure(e, &self.nodes, &self.unknowns, &mut w.scales);
+                local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
             } else if alone {
-                local.measure(e, &self.nodes, &self.unknowns, &mut w.exerted);
+                local.measure(e, &model.nodes, &model.unknowns, &mut w.exerted);
             }
             if rates && w.moving && !e.dead {
                 // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
-                for (k, &v) in local.v[..n].iter().enumerate() {
+                for (j, &v) in local.v[..n].iter().enumerate() {
                     if v != 0.0 {
-                        for (r, K) in local.r_t[..n].iter_mut().zip(&local.K[k * n..(k + 1) * n]) {
+                        for (r, K) in local.r_t[..n].iter_mut().zip(&local.K[j * n..(j + 1) * n]) {
                             *r -= K * v;
                         }
                     }
                 }
             }
-            if switched {
-                local.pull_back_switch(e, &self.nodes, weights, statics, rates);
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, weights, statics, rates);
             }
-            local.add_residual(e, &self.spans, &mut w.r);
+            local.add_residual(e, spans, &mut w.r);
             if e.load && e.held {
-                local.add_residual(e, &self.spans, &mut w.direct);
+                local.add_residual(e, spans, &mut w.direct);
             }
             if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
-                local.add_load_rate(e, &self.spans, &mut w.r_t);
+                local.add_load_rate(e, spans, &mut w.r_t);
             }
             let Some((weights, values)) = S else {
                 continue;
             };
             if !e.mapped {
-                local.combine(e, *weights, [statics, rates]);
-                self.scatter_map.scatter(e, &self.spans, &local.S, values);
+                local.combine(e, switched, *weights, [statics, rates]);
+                w.scatter_map.scatter(k, e, spans, &local.S, values);
                 continue;
             }
             let (tangents, work) = local.tangents(e, statics);
             let group = Group {
                 nodes: &e.nodes,
-                first_position: e.first_position,
+                first_position: w.scatter_map.first_position(k),
                 tangents,
                 weights: *weights,
             };
@@ -171,8 +176,8 @@ impl Model {
                 panels: &mut w.panels,
                 work,
             };
-            self.scatter_map
-                .scatter_group(&self.nodes, &w.operators, &group, &mut into);
+            w.scatter_map
+                .scatter_group(&model.nodes, &w.operators, &group, &mut into);
         }
         Ok(())
     }
@@ -180,8 +185,8 @@ impl Model {
     fn measure_reactions(&mut self) {
         let w = &mut self.work;
         let force = &mut w.scales.force;
-        for p in &self.prescribed {
-            let quantity = self.quantities[p.coordinate].index();
+        for p in &self.model.prescribed {
+            let quantity = self.model.quantities[p.coordinate].index();
             let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
             force[quantity] = force[quantity].max(passed_on.abs());
         }
@@ -205,7 +210,7 @@ impl Model {
         self.work.assemblies += 1;
         let Evaluation { r, mut S, r_t } = out;
         if let Some((weights, values)) = &S {
-            check_length("tangent S", self.pattern.len(), values.len())?;
+            check_length("tangent S", self.model.pattern.len(), values.len())?;
             if statics && !weights.is_static() {
                 return Err(SystemError::Request {
                     what: "tangent with C or M",
@@ -224,12 +229,12 @@ impl Model {
         } else {
             self.begin_with_dead_loads(at.t)?;
         }
-        for p in &self.prescribed {
+        for p in &self.model.prescribed {
             let (c, w) = (p.coordinate, &mut self.work);
             w.direct[c] = w.r[c];
         }
         if let Some((_, values)) = &mut S {
-            self.scatter_map.clear_unwritten(values);
+            self.work.scatter_map.clear_unwritten(values);
             self.work.panels.fill(0.0);
             self.chain_operators(!statics);
         }
@@ -237,15 +242,20 @@ impl Model {
         self.add_elements(at.t, statics, borrow, rates)?;
         self.pull_back_nodes(at.t, S, rates);
         self.measure_reactions();
-        self.runs.gather(&self.work.r, "residual r", r)?;
+        self.model.runs.gather(&self.work.r, "residual r", r)?;
         if let Some(u) = r.iter().position(|r| !r.is_finite()) {
             return Err(SystemError::NotFinite { what: self.name(u) });
         }
         if let Some(r_t) = r_t {
-            self.runs.gather(&self.work.r_t, "rate r_t", r_t)?;
+            self.model.runs.gather(&self.work.r_t, "rate r_t", r_t)?;
         }
         Ok(())
     }
+}
+
+/// Whether an element is a dead load on nodes that are not switched.
+fn reads_only_time(e: &ElementEntry, state: &ElementState) -> bool {
+    e.dead && state.switched == 0
 }
 
 pub(super) fn named(error: ElementError, name: &str) -> SystemError {

@@ -7,14 +7,17 @@ use super::formulation;
 use super::loops;
 use super::scatter_map::ScatterMap;
 use super::start;
+use super::state::State;
 use super::workspace::Workspace;
 use super::{
-    ElementEntry, Model, ModelError, NONE, Node, NodeForm, Prescribed, Runs, Source, Span, among,
+    Context, ElementEntry, Model, ModelError, NONE, Node, NodeForm, Prescribed, Runs, Source, Span,
+    among,
 };
 use crate::time::TimeFunction;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 impl ModelBuilder {
     /// Checks the model, numbers its unknowns and finds the pattern.
@@ -62,7 +65,8 @@ impl ModelBuilder {
         }
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let operators = dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
+        let (operators, dependencies) =
+            dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
@@ -78,7 +82,7 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut scatter_map = ScatterMap::new(nodes.len(), total);
+        let mut scatter_map = ScatterMap::new(nodes.len(), total, dependencies);
         for n in outward(&nodes, &elements, &prescribed) {
             let node = &nodes[n];
             let mut size = 0;
@@ -112,14 +116,18 @@ impl ModelBuilder {
         };
         let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
         let panels = scatter_map.arrange(&nodes, &dependent, &elements, &alternatives);
-        scatter_map.locate(&nodes, &dependent, &mut elements, &pattern);
+        for e in &mut elements {
+            let held = |&n: &u32| scatter_map.rows[nodes[n as usize].range()].contains(&NONE);
+            e.held = e.nodes.iter().any(held);
+            e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
+        }
 
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let turned = |n: &usize| {
             let first = nodes[*n].first;
             nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
         };
-        let prescribed_rotations = (0..nodes.len()).filter(turned).map(|n| (n, 0)).collect();
+        let prescribed_rotations = (0..nodes.len()).filter(turned).collect();
         let magnitude = |node: &Node, quantity: Quantity| match quantity {
             Quantity::Length if node.is_frame() => node.position.norm(),
             Quantity::Length => length,
@@ -132,7 +140,8 @@ impl ModelBuilder {
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let levers = levers(&nodes, &elements, extent);
-        let work = Workspace::new(&nodes, &elements, [operators, panels], length, levers);
+        let sizes = [operators, panels];
+        let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
         let span = |node: &Node| Span {
             first: node.first as u32,
             dim: node.dim as u32,
@@ -153,9 +162,7 @@ impl ModelBuilder {
             elements,
             enforced,
             initial: Vec::new(),
-            overdriven: Vec::new(),
-            chosen_at: Vec::new(),
-            unwatched: false,
+            start: State::default(),
             prescribed,
             inputs,
             prescribed_rotations,
@@ -167,17 +174,21 @@ impl ModelBuilder {
             magnitudes,
             length,
             pattern,
-            scatter_map,
             work,
         };
-        let zero = vec![0.0; model.coordinates.len()];
-        model.start_element_charts(0.0, &zero);
+        model.start = State::new(&model);
         let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
         starts.sort_unstable_by_key(|v| v.0);
         let values: Vec<(usize, f64)> = (starts.into_iter())
             .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
             .collect();
-        model.assemble_enforced(&values, &positions)?;
+        let mut context = Context::new(model);
+        context.locate_tangents();
+        context.start_element_charts(0.0, &vec![0.0; context.coordinates.len()]);
+        let initial = context.assemble_enforced(&values, &positions)?;
+        let Context { model, state, work } = context;
+        let mut model = Arc::unwrap_or_clone(model);
+        (model.initial, model.start, model.work) = (initial, state, work);
         Ok(model)
     }
 }
@@ -298,7 +309,7 @@ fn check_reparametrized(
             continue;
         };
         // Parents after the first are parameters, which are not reparametrized.
-        let first = d.parents().iter().take(1);
+        let first = d.initial_parents().iter().take(1);
         for &m in first.filter(|_| d.map.reparametrizes()) {
             let parent = &nodes[m as usize];
             // Created for the frame by the model itself.
@@ -337,7 +348,7 @@ fn check_reparametrized(
 
 fn resolve_prescribed(
     nodes: &[Node],
-    prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+    prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
 ) -> Result<Vec<Prescribed>, ModelError> {
     let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
     let mut taken = std::collections::HashSet::new();
@@ -381,7 +392,7 @@ fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelErr
                 return ModelError::PrescribedSolved { coordinate, solved };
             }
             // In the order of the parents.
-            Source::Mapped(d) => waiting.extend(d.parents().iter().rev()),
+            Source::Mapped(d) => waiting.extend(d.initial_parents().iter().rev()),
             Source::Own if own.contains(&node.name.as_str()) => {}
             Source::Own => own.push(&node.name),
         }

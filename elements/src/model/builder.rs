@@ -12,6 +12,7 @@ use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::Quantity;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// Coordinates of a frame node.
 pub(super) const FRAME: usize = 6;
@@ -77,7 +78,7 @@ pub struct ModelBuilder {
     pub(super) nodes: Vec<Node>,
     names: HashMap<String, NodeId>,
     pub(super) elements: Vec<ElementEntry>,
-    pub(super) prescribed: Vec<(NodeId, usize, Box<dyn TimeFunction>)>,
+    pub(super) prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
     pub(super) closings: Vec<Closing>,
     /// Desired initial values of coordinates in loops.
     pub(super) starts: HashMap<(NodeId, usize), f64>,
@@ -384,15 +385,10 @@ impl ModelBuilder {
             dead: element.is_dead(),
             load: element.is_load(),
             steady: element.is_load() && element.is_steady(),
-            element,
+            element: element.into(),
             nodes: NodeList::new(nodes),
-            switched: 0,
-            wanted: 0,
-            overturned: false,
-            loose: None,
             mapped: false,
             held: false,
-            first_position: 0,
         });
         Ok(ElementId(self.elements.len() as u32 - 1))
     }
@@ -429,6 +425,6 @@ impl ModelBuilder {
         k: usize,
         function: Box<dyn TimeFunction>,
     ) {
-        self.prescribed.push((node, k, function));
+        self.prescribed.push((node, k, function.into()));
     }
 }

@@ -3,7 +3,7 @@
 use super::gather::collect;
 use super::mapped_node::MappedNode;
 use super::slots::fold;
-use super::{Model, Node, NodeForm, Source, among};
+use super::{Context, Model, Node, NodeForm, Source, among};
 use nalgebra::Vector3;
 use pullback_manifold::chart::{Chart, Complement, RotationVector};
 use pullback_manifold::map::Map;
@@ -11,7 +11,7 @@ use pullback_manifold::system::{ChartChanges, Point};
 use std::f64::consts::TAU;
 
 /// Coordinates of a map that reparametrizes them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Reparametrization {
     node: u32,
     q: Vec<f64>,
@@ -20,31 +20,48 @@ pub(super) struct Reparametrization {
 }
 
 impl Model {
+    /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
+    /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
+    /// would be another constraint in the other chart.)
+    pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
+        let node = &self.nodes[node];
+        let first = node.rotation().filter(|_| node.is_own())?;
+        let unknowns = std::array::from_fn(|i| {
+            let u = self.unknowns[first + i];
+            (u != super::NONE).then_some(u as usize)
+        });
+        if unknowns.iter().all(Option::is_none) {
+            return None;
+        }
+        let held = among(&self.prescribed, first..first + 3);
+        let still = held.iter().all(|p| p.function.constant() == Some(0.0));
+        still.then_some(unknowns)
+    }
+}
+
+impl Context {
     /// State of the maps between nodes, map by map: the independent coordinates of a closed loop and the
     /// point from which it is solved. Last, the multiplier equations that are left out, if any.
     pub fn save_maps(&self) -> Vec<Vec<f64>> {
-        let state = |&n: &u32| match &self.nodes[n as usize].source {
-            Source::Mapped(d) => d.map.save(),
-            Source::Own => Vec::new(),
-        };
-        let choice = (!self.chosen_at.is_empty()).then(|| self.save_choice());
-        self.dependent.iter().map(state).chain(choice).collect()
+        let choice = (!self.state.chosen_at.is_empty()).then(|| self.save_choice());
+        let maps = self.state.maps.iter().map(|map| map.save());
+        maps.chain(choice).collect()
     }
 
-    /// Restores the state from [`Model::save_maps`] of the same model; false if it belongs to another
+    /// Restores the state from [`Context::save_maps`] of the same model; false if it belongs to another
     /// model.
     #[must_use]
     pub fn restore_maps(&mut self, saved: &[Vec<f64>]) -> bool {
-        let (maps, choice) = saved.split_at(saved.len().min(self.dependent.len()));
-        let same = maps.len() == self.dependent.len()
-            && choice.len() == usize::from(!self.chosen_at.is_empty())
+        let (maps, choice) = saved.split_at(saved.len().min(self.model.dependent.len()));
+        let same = maps.len() == self.model.dependent.len()
+            && choice.len() == usize::from(!self.state.chosen_at.is_empty())
             && choice.iter().all(|choice| self.restore_choice(choice));
-        same && (self.dependent.iter().zip(maps)).all(|(&n, saved)| {
-            match &mut self.nodes[n as usize].source {
-                Source::Mapped(d) => d.map.restore(saved),
-                Source::Own => false,
-            }
-        })
+        let restored = same && {
+            let mut pairs = self.state.maps.iter_mut().zip(maps);
+            pairs.all(|(map, saved)| map.restore(saved))
+        };
+        self.forget();
+        restored
     }
 
     /// Changes the charts of nodes where needed ([`RotationVector`]: ψ > π), then those of the
@@ -61,7 +78,7 @@ impl Model {
             return ChartChanges::default();
         }
         let mut changed = self.fold_prescribed_rotations(t);
-        for node in 0..self.nodes.len() {
+        for node in 0..self.model.nodes.len() {
             let Some(unknowns) = self.free_rotation(node) else {
                 continue;
             };
@@ -132,9 +149,10 @@ impl Model {
         let mut changed = self.reparametrize_increments(t, q, v, accelerations);
         let mut next = 0;
         if !self
+            .model
             .dependent
             .iter()
-            .any(|&n| reparametrizing(&self.nodes, n).is_some())
+            .any(|&n| reparametrizing(&self.model.nodes, n).is_some())
         {
             return changed;
         }
@@ -142,11 +160,12 @@ impl Model {
             let mut all = std::mem::take(&mut self.work.reparametrizations);
             let later = all[next..].iter_mut().enumerate();
             let reparametrized = later.into_iter().find_map(|(k, c)| {
-                let Source::Mapped(d) = &mut self.nodes[c.node as usize].source else {
+                let Source::Mapped(d) = &self.model.nodes[c.node as usize].source else {
                     return None;
                 };
                 let a = &mut c.a[..accelerations.len()];
-                d.map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
+                let map = &mut self.state.maps[d.index];
+                map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
             });
             if let Some(k) = reparametrized {
                 self.write_back(&all[next + k], q, v, accelerations);
@@ -171,26 +190,26 @@ impl Model {
         accelerations: &mut [&mut [f64]],
     ) -> usize {
         let mut changed = 0;
-        for k in 0..self.dependent.len() {
-            let n = self.dependent[k] as usize;
-            if !by_increments(&self.nodes, &self.nodes[n]) {
+        for k in 0..self.model.dependent.len() {
+            let n = self.model.dependent[k] as usize;
+            if !by_increments(&self.model.nodes, &self.model.nodes[n]) {
                 continue;
             }
             self.collect_increments(n, t, q, v, accelerations);
-            let Source::Mapped(d) = &mut self.nodes[n].source else {
+            let Source::Mapped(d) = &self.model.nodes[n].source else {
                 continue;
             };
             let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
             let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
             let x_ddot = &mut buffers[..accelerations.len()];
-            if !d.map.reparametrize(t, x, x_dot, x_ddot) {
+            if !self.state.maps[d.index].reparametrize(t, x, x_dot, x_ddot) {
                 continue;
             }
             changed += 1;
-            let range = self.spans[d.parents()[0] as usize].range();
+            let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
             for (i, c) in range.enumerate() {
                 // A held displacement does not change.
-                let u = self.unknowns[c];
+                let u = self.model.unknowns[c];
                 if u == super::NONE {
                     continue;
                 }
@@ -215,12 +234,12 @@ impl Model {
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
     ) {
-        let Source::Mapped(d) = &self.nodes[new.node as usize].source else {
+        let Source::Mapped(d) = &self.model.nodes[new.node as usize].source else {
             return;
         };
-        let range = self.spans[d.parents()[0] as usize].range();
+        let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
         for (i, c) in range.enumerate() {
-            let u = self.unknowns[c] as usize;
+            let u = self.model.unknowns[c] as usize;
             q[u] = new.q[i];
             if !v.is_empty() {
                 v[u] = new.v[i];
@@ -252,8 +271,8 @@ impl Model {
             }
             let w = &mut self.work;
             let mut count = 0;
-            for &node in &self.dependent {
-                let Some(d) = reparametrizing(&self.nodes, node) else {
+            for &node in &self.model.dependent {
+                let Some(d) = reparametrizing(&self.model.nodes, node) else {
                     continue;
                 };
                 if w.reparametrizations.len() <= count {
@@ -265,43 +284,26 @@ impl Model {
                     to.a.push(Vec::new());
                 }
                 to.node = node;
+                let parents = d.parents(&self.state.maps);
                 for to in [&mut to.q, &mut to.v, &mut to.a[k]] {
                     to.resize(d.direct, 0.0);
                 }
-                collect(d.parents(), &self.spans, &w.x, &mut to.q);
-                collect(d.parents(), &self.spans, &w.v, &mut to.v);
-                collect(d.parents(), &self.spans, &w.a, &mut to.a[k]);
+                collect(parents, &self.model.spans, &w.x, &mut to.q);
+                collect(parents, &self.model.spans, &w.v, &mut to.v);
+                collect(parents, &self.model.spans, &w.a, &mut to.a[k]);
             }
         }
         true
-    }
-
-    /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
-    /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
-    /// would be another constraint in the other chart.)
-    pub(super) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
-        let node = &self.nodes[node];
-        let first = node.rotation().filter(|_| node.is_own())?;
-        let unknowns = std::array::from_fn(|i| {
-            let u = self.unknowns[first + i];
-            (u != super::NONE).then_some(u as usize)
-        });
-        if unknowns.iter().all(Option::is_none) {
-            return None;
-        }
-        let held = among(&self.prescribed, first..first + 3);
-        let still = held.iter().all(|p| p.function.constant() == Some(0.0));
-        still.then_some(unknowns)
     }
 
     /// Subtracts whole turns from prescribed rotations, as a function of time alone; returns the
     /// number of changes.
     pub(super) fn fold_prescribed_rotations(&mut self, t: f64) -> usize {
         let mut changed = 0;
-        for (node, turns) in &mut self.prescribed_rotations {
-            let first = self.nodes[*node].first + 3;
+        for (&node, turns) in (self.model.prescribed_rotations.iter()).zip(&mut self.state.turns) {
+            let first = self.model.nodes[node].first + 3;
             let mut psi = Vector3::zeros();
-            for p in among(&self.prescribed, first..first + 3) {
+            for p in among(&self.model.prescribed, first..first + 3) {
                 psi[p.coordinate - first] = p.function.at(t)[0];
             }
             // Nearest whole number of turns, with the same switch at ψ > π as for free nodes.
@@ -339,7 +341,7 @@ fn settled(
 fn by_increments(nodes: &[Node], node: &Node) -> bool {
     match &node.source {
         Source::Mapped(d) => {
-            let first = d.parents().first();
+            let first = d.initial_parents().first();
             first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
         }
         Source::Own => false,

@@ -28,7 +28,7 @@ impl ModelBuilder {
     /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
     /// child's axes over the size of the model, and twice the vector part of the quaternion between the
     /// frames. An analysis of such a model starts from [`Model::initial`](super::Model::initial), or
-    /// from another start after [`Model::satisfy`](super::Model::satisfy).
+    /// from another start after [`Context::satisfy`](super::Context::satisfy).
     ///
     /// # Errors
     /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].

@@ -1,5 +1,6 @@
 //! Dependencies of mapped nodes on own nodes, and the order of evaluation.
 
+use super::mapped_node::Maps;
 use super::{ModelError, Node, Source};
 use crate::memory;
 
@@ -99,9 +100,70 @@ pub(super) fn order(nodes: &[Node]) -> Vec<u32> {
     out
 }
 
-/// Finds ancestors and assigns space for operators; returns the number of values.
-pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternatives) -> usize {
+/// Own nodes behind a mapped node with its present parents.
+#[derive(Clone, Default)]
+pub(super) struct Ancestors {
+    /// Each once.
+    pub nodes: Vec<u32>,
+    /// For each parent and each own node behind it, its first column in the operators.
+    pub columns: Vec<u32>,
+    /// Number of their coordinates.
+    pub coordinates: usize,
+}
+
+/// The present ancestors of all mapped nodes, parents first.
+#[derive(Clone, Default)]
+pub(super) struct Dependencies(pub(super) Vec<Ancestors>);
+
+impl Dependencies {
+    /// The present own nodes behind a node.
+    pub(super) fn behind<'a>(&'a self, nodes: &[Node], n: &'a u32) -> &'a [u32] {
+        match &nodes[*n as usize].source {
+            Source::Own => std::slice::from_ref(n),
+            Source::Mapped(d) => &self.0[d.index].nodes,
+        }
+    }
+
+    /// Finds the ancestors for the present parents.
+    pub(super) fn find(&mut self, nodes: &[Node], order: &[u32], maps: &Maps) {
+        let dim = |m: u32| nodes[m as usize].dim;
+        for &n in order {
+            let Source::Mapped(d) = &nodes[n as usize].source else {
+                continue;
+            };
+            let mut own = std::mem::take(&mut self.0[d.index]);
+            own.nodes.clear();
+            own.columns.clear();
+            own.coordinates = 0;
+            for m in d.parents(maps) {
+                // The ancestors of one parent are all different.
+                let before = own.nodes.len();
+                for &a in self.behind(nodes, m) {
+                    let known = own.nodes[..before].iter().position(|&x| x == a);
+                    if let Some(k) = known {
+                        let first: usize = own.nodes[..k].iter().map(|&x| dim(x)).sum();
+                        own.columns.push(first as u32);
+                    } else {
+                        own.columns.push(own.coordinates as u32);
+                        own.nodes.push(a);
+                        own.coordinates += dim(a);
+                    }
+                }
+            }
+            self.0[d.index] = own;
+        }
+    }
+}
+
+/// Assigns space for operators, and for all ancestors that a node may have; returns the number of
+/// values of the operators.
+pub(super) fn arrange(
+    nodes: &mut [Node],
+    order: &[u32],
+    alternatives: &Alternatives,
+) -> (usize, Dependencies) {
     let mut len = 0;
+    let mut dependencies = Dependencies::default();
     for n in order.iter().map(|&n| n as usize) {
         let Source::Mapped(d) = &nodes[n].source else {
             continue;
@@ -119,9 +181,7 @@ pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternat
         });
         let (longest, dim) = (longest(n), nodes[n].dim);
         if let Source::Mapped(d) = &mut nodes[n].source {
-            (d.chained, d.local) = (chained, len);
-            d.ancestors = Vec::with_capacity(longest);
-            d.columns = Vec::with_capacity(entries);
+            (d.index, d.chained, d.local) = (dependencies.0.len(), chained, len);
             len += dim * d.direct;
             d.total = d.local;
             if chained {
@@ -129,48 +189,11 @@ pub(super) fn arrange(nodes: &mut [Node], order: &[u32], alternatives: &Alternat
                 len += dim * most;
             }
         }
+        dependencies.0.push(Ancestors {
+            nodes: Vec::with_capacity(longest),
+            columns: Vec::with_capacity(entries),
+            coordinates: 0,
+        });
     }
-    for &n in order {
-        find_ancestors(nodes, n as usize);
-    }
-    len
-}
-
-/// Own nodes behind the parents in use, each once, and the columns of every parent's own nodes in
-/// the operators. Parents come before the nodes mapped from them.
-pub(super) fn find_ancestors(nodes: &mut [Node], n: usize) {
-    let Source::Mapped(d) = &mut nodes[n].source else {
-        return;
-    };
-    let mut ancestors = std::mem::take(&mut d.ancestors);
-    let mut columns = std::mem::take(&mut d.columns);
-    ancestors.clear();
-    columns.clear();
-    let Source::Mapped(d) = &nodes[n].source else {
-        return;
-    };
-    let dim = |m: u32| nodes[m as usize].dim;
-    let mut pulled = 0;
-    for m in d.parents() {
-        let behind = match &nodes[*m as usize].source {
-            Source::Own => std::slice::from_ref(m),
-            Source::Mapped(above) => &above.ancestors[..],
-        };
-        // The ancestors of one parent are all different.
-        let before = ancestors.len();
-        for &a in behind {
-            let known = ancestors[..before].iter().position(|&x| x == a);
-            if let Some(k) = known {
-                let first: usize = ancestors[..k].iter().map(|&x| dim(x)).sum();
-                columns.push(first as u32);
-            } else {
-                columns.push(pulled as u32);
-                ancestors.push(a);
-                pulled += dim(a);
-            }
-        }
-    }
-    if let Source::Mapped(d) = &mut nodes[n].source {
-        (d.ancestors, d.columns, d.pulled) = (ancestors, columns, pulled);
-    }
+    (len, dependencies)
 }

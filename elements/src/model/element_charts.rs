@@ -6,7 +6,8 @@
 //! move continuously, and a change of chart at its end keeps the rotation and may change the sign
 //! of the quaternion.
 
-use super::{ElementEntry, Model, NodeForm};
+use super::state::ElementState;
+use super::{Context, ElementEntry, NodeForm};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
 use pullback_manifold::system::Point;
@@ -40,14 +41,14 @@ impl Accepted {
         !self.switched.is_empty() && pairs.all(|(a, b)| (a - b).amax() < SAME)
     }
 
-    fn switched(&mut self, elements: &[ElementEntry]) {
+    fn switched(&mut self, elements: &[ElementState]) {
         self.switched.clear();
         self.switched.extend(elements.iter().map(|e| e.wanted));
     }
 }
 
 /// State for the choice of the elements' charts.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ElementCharts {
     /// Rotation vectors of all nodes at the end of a step, before and after changes of chart.
     before: Vec<Vector3<f64>>,
@@ -63,33 +64,33 @@ pub(super) struct ElementCharts {
     late: f64,
 }
 
-impl Model {
+impl Context {
     /// Keeps the charts of free rotations, and those of elements, until a rotation vector is
     /// `angle` long (radians; limited to the range from π, the default, to 7π/4: charts end at 2π).
     /// A comparison shows the effect of changes of chart on a motion.
     pub fn keep_charts_until(&mut self, angle: f64) {
-        self.work.element_charts.late = angle.clamp(PI, 1.75 * PI) - PI;
+        self.state.element_charts.late = angle.clamp(PI, 1.75 * PI) - PI;
     }
 
     /// Whether the chart of a rotation vector must change.
     pub(super) fn is_beyond(&self, psi: &Vector3<f64>) -> bool {
-        psi.norm() > PI + self.work.element_charts.late
+        psi.norm() > PI + self.state.element_charts.late
     }
 
     /// Nodes that each element evaluates through the complement map (bit k for node k): state of a
     /// model besides the coordinates.
     pub fn element_charts(&self) -> Vec<u32> {
-        self.elements.iter().map(|e| e.wanted).collect()
+        self.state.elements.iter().map(|e| e.wanted).collect()
     }
 
-    /// Restores the state from [`Model::element_charts`] of the same model; surplus entries are
+    /// Restores the state from [`Context::element_charts`] of the same model; surplus entries are
     /// ignored.
     pub fn set_element_charts(&mut self, charts: &[u32]) {
-        for (e, &switched) in self.elements.iter_mut().zip(charts) {
+        for (e, &switched) in self.state.elements.iter_mut().zip(charts) {
             (e.switched, e.wanted) = (switched, switched);
         }
         self.work.dead_loads.forget();
-        self.work.element_charts.given = true;
+        self.state.element_charts.given = true;
     }
 
     /// Starts a run, or restarts after a failed step. The elements' charts are those that were set,
@@ -114,25 +115,26 @@ impl Model {
             previous,
             given,
             ..
-        } = &mut self.work.element_charts;
+        } = &mut self.state.element_charts;
         if !*given && !now.is(after) && previous.is(after) {
             std::mem::swap(now, previous);
         }
         let known = now.is(after);
         self.work.dead_loads.forget();
-        for (k, e) in self.elements.iter_mut().enumerate() {
-            e.overturned = false;
+        let elements = self.model.elements.iter().zip(&mut self.state.elements);
+        for (k, (e, state)) in elements.enumerate() {
+            state.overturned = false;
             match (*given, known) {
                 (true, _) => {}
-                (false, true) => e.switched = now.switched[k],
-                (false, false) => e.switched = agreement(e, after),
+                (false, true) => state.switched = now.switched[k],
+                (false, false) => state.switched = agreement(e, after),
             }
-            e.wanted = e.switched;
+            state.wanted = state.switched;
         }
         *given = false;
         now.t = t;
         now.psi.clone_from(after);
-        now.switched(&self.elements);
+        now.switched(&self.state.elements);
     }
 
     /// Records all rotation vectors at the end of a step, before charts change; false if that is
@@ -158,7 +160,7 @@ impl Model {
     ///
     /// An element whose interpolation depends on its chart is out of balance in another one: forces
     /// at the accepted state are evaluated in the charts in which it was balanced, and the new
-    /// charts are entered at the next state ([`Model::enter_element_charts`]).
+    /// charts are entered at the next state ([`Context::enter_element_charts`]).
     ///
     /// The configuration is the last one expanded.
     pub(super) fn follow_element_charts(&mut self, t: f64) -> bool {
@@ -171,33 +173,35 @@ impl Model {
             previous,
             late,
             ..
-        } = &mut self.work.element_charts;
+        } = &mut self.state.element_charts;
         // If one angle is beyond π by this much, the other is below by as much.
         let gain = 2.0 * *late + HYSTERESIS;
         let (mut changed, mut stored) = (false, false);
         // A single frame has no neighbours.
-        let several = |e: &&mut ElementEntry| e.frames.count_ones() > 1;
-        for e in self.elements.iter_mut().filter(several) {
+        for (e, state) in self.model.elements.iter().zip(&mut self.state.elements) {
+            if e.frames.count_ones() < 2 {
+                continue;
+            }
             let mut nodes = e.nodes.iter().map(|&n| n as usize);
             // Below a right angle all quaternions are within 45° of (1, 0): they agree.
             let small = |n: usize| {
                 let limit = FRAC_PI_2 * FRAC_PI_2;
                 before[n].norm_squared() < limit && after[n].norm_squared() < limit
             };
-            if e.switched == 0 && nodes.all(small) {
+            if state.switched == 0 && nodes.all(small) {
                 continue;
             }
-            let possible = possible(e, &now.psi, before);
+            let possible = possible(e, state.switched, &now.psi, before);
             if possible == [false; 2] {
-                e.overturned = true;
+                state.overturned = true;
                 changed = true;
                 continue;
             }
-            let seen = e.switched ^ flipped(e, before, after);
+            let seen = state.switched ^ flipped(e, before, after);
             let wanted = best(e, seen, after, possible, gain);
             changed |= wanted != seen;
-            stored |= seen != e.switched;
-            (e.switched, e.wanted) = (seen, wanted);
+            stored |= seen != state.switched;
+            (state.switched, state.wanted) = (seen, wanted);
         }
         if stored {
             self.work.dead_loads.forget();
@@ -207,24 +211,25 @@ impl Model {
             now.t = t;
         }
         now.psi.clone_from(after);
-        now.switched(&self.elements);
-        self.work.element_charts.chosen = changed;
+        now.switched(&self.state.elements);
+        self.state.element_charts.chosen = changed;
         changed
     }
 
     /// Makes the elements enter their new charts.
     pub(super) fn enter_element_charts(&mut self) {
-        if std::mem::take(&mut self.work.element_charts.chosen) {
-            self.elements.iter_mut().for_each(|e| e.switched = e.wanted);
+        if std::mem::take(&mut self.state.element_charts.chosen) {
+            let elements = self.state.elements.iter_mut();
+            elements.for_each(|e| e.switched = e.wanted);
             self.work.dead_loads.forget();
         }
     }
 
     fn gather_rotations(&mut self, to: impl Fn(&mut ElementCharts) -> &mut Vec<Vector3<f64>>) {
-        let w = &mut self.work;
-        let to = to(&mut w.element_charts);
+        let w = &self.work;
+        let to = to(&mut self.state.element_charts);
         to.clear();
-        to.extend(self.nodes.iter().map(|n| match n.form {
+        to.extend(self.model.nodes.iter().map(|n| match n.form {
             NodeForm::Frame => Vector3::from_column_slice(&w.x[n.first + 3..n.first + 6]),
             _ => Vector3::zeros(),
         }));
@@ -291,14 +296,19 @@ fn best(
 ///
 /// Vectors a turn or more apart are too far from each other. A chart subtracts the same number of
 /// whole turns from all of them, m, even or odd, and leaves each within one: |ψ − 2πm| < 2π.
-fn possible(e: &ElementEntry, last: &[Vector3<f64>], before: &[Vector3<f64>]) -> [bool; 2] {
-    let seen = |bit: u32, psi: &Vector3<f64>| match e.switched & bit {
+fn possible(
+    e: &ElementEntry,
+    switched: u32,
+    last: &[Vector3<f64>],
+    before: &[Vector3<f64>],
+) -> [bool; 2] {
+    let seen = |bit: u32, psi: &Vector3<f64>| match switched & bit {
         0 => *psi,
         _ => so3::complement(psi),
     };
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for ((bit, a), (_, b)) in frames(e, last).zip(frames(e, before)) {
-        let through = e.switched & bit != 0 && a.dot(b) <= 0.0;
+        let through = switched & bit != 0 && a.dot(b) <= 0.0;
         let psi = seen(bit, b);
         let apart = |(bit, b): (u32, &Vector3<f64>)| (seen(bit, b) - psi).norm() >= TAU;
         if through || frames(e, before).any(apart) {

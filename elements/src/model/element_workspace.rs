@@ -5,13 +5,15 @@
 use super::assembly::MAX_NODES;
 use super::gather::{collect, distribute};
 use super::slots::Complement;
+use super::state::ElementState;
 use super::{ElementEntry, NONE, Node, Span};
+use crate::constraint::MAX_EQUATIONS;
 use crate::element::{Combined, ElementError, Motion, Response};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{Scales, Weights};
 
 /// Buffers of one element.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct ElementWorkspace {
     pub x: Vec<f64>,
     previous: Vec<f64>,
@@ -70,6 +72,7 @@ impl ElementWorkspace {
     pub(super) fn gather_rates(
         &mut self,
         e: &ElementEntry,
+        switched: u32,
         spans: &[Span],
         rates: Option<[&[f64]; 2]>,
     ) {
@@ -79,7 +82,7 @@ impl ElementWorkspace {
                 collect(&e.nodes, spans, a, &mut self.a);
             }
             // Not read otherwise at rest.
-            None if e.switched != 0 => {
+            None if switched != 0 => {
                 self.v.fill(0.0);
                 self.a.fill(0.0);
             }
@@ -88,14 +91,20 @@ impl ElementWorkspace {
     }
 
     /// The previous iterate in the element's chart.
-    pub(super) fn gather_previous(&mut self, e: &ElementEntry, spans: &[Span], x: &[f64]) {
+    pub(super) fn gather_previous(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        spans: &[Span],
+        x: &[f64],
+    ) {
         collect(&e.nodes, spans, x, &mut self.previous);
-        if e.switched == 0 {
+        if switched == 0 {
             return;
         }
         let mut k = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
-            if e.switched & (1 << i) != 0 {
+            if switched & (1 << i) != 0 {
                 let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
                 self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
             }
@@ -104,14 +113,14 @@ impl ElementWorkspace {
     }
 
     /// Switches nodes to the other chart by the complement map, as the element requires.
-    pub(super) fn switch(&mut self, e: &ElementEntry, nodes: &[Node]) -> bool {
-        if e.switched == 0 {
+    pub(super) fn switch(&mut self, e: &ElementEntry, switched: u32, nodes: &[Node]) -> bool {
+        if switched == 0 {
             return false;
         }
         let mut k = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
             let dim = nodes[node as usize].dim;
-            if e.switched & (1 << i) != 0 {
+            if switched & (1 << i) != 0 {
                 let psi = k + 3..k + 6;
                 self.complements[i].apply(
                     &mut self.x[psi.clone()],
@@ -139,6 +148,7 @@ impl ElementWorkspace {
     pub(super) fn evaluate(
         &mut self,
         e: &ElementEntry,
+        state: &ElementState,
         t: f64,
         statics: bool,
         weights: Option<Weights>,
@@ -152,6 +162,7 @@ impl ElementWorkspace {
         if rates {
             self.r_t[..n].fill(0.0);
         }
+        let omitted = Omitted::of(e, state.left_out, &mut self.x);
         let end = if statics { 0 } else { n };
         let at = Motion {
             t,
@@ -161,7 +172,9 @@ impl ElementWorkspace {
         };
         let r = &mut self.r[..n];
         let previous = previous.then_some(&self.previous[..n]);
-        if let (Some(weights), Some(combined)) = (weights, combined(e, statics, rates)) {
+        if let (Some(weights), Some(combined)) =
+            (weights, combined(e, state.switched, statics, rates))
+        {
             let S = &mut self.S[..n * n];
             S.fill(0.0);
             return combined.evaluate_combined(previous, &at, weights, r, S);
@@ -181,9 +194,13 @@ impl ElementWorkspace {
             r_t: rates.then_some(&mut self.r_t[..n]),
         };
         match previous {
-            Some(previous) => e.element.evaluate_from(previous, &at, &mut out),
-            None => e.element.evaluate(&at, &mut out),
+            Some(previous) => e.element.evaluate_from(previous, &at, &mut out)?,
+            None => e.element.evaluate(&at, &mut out)?,
         }
+        if let Some(omitted) = omitted {
+            omitted.replace(&mut self.x, &mut out);
+        }
+        Ok(())
     }
 
     /// Writes the residual to `r` and, in motion, the generalised momenta p = M ẋ to `work`.
@@ -263,6 +280,7 @@ impl ElementWorkspace {
     pub(super) fn pull_back_switch(
         &mut self,
         e: &ElementEntry,
+        switched: u32,
         nodes: &[Node],
         weights: Option<Weights>,
         statics: bool,
@@ -271,7 +289,7 @@ impl ElementWorkspace {
         let n = e.element.dim();
         let mut k = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
-            if e.switched & (1 << i) != 0 {
+            if switched & (1 << i) != 0 {
                 self.complements[i].load(&self.r[k + 3..k + 6]);
             }
             k += nodes[node as usize].dim;
@@ -280,7 +298,7 @@ impl ElementWorkspace {
         let mut count = 0;
         for (i, &node) in e.nodes.iter().enumerate() {
             let dim = nodes[node as usize].dim;
-            if e.switched & (1 << i) != 0 {
+            if switched & (1 << i) != 0 {
                 // The translation has no other chart.
                 slots[count] = Slot {
                     n: 3,
@@ -340,7 +358,7 @@ impl ElementWorkspace {
             self.r_t[..n].copy_from_slice(&self.work[..n]);
             let mut k = 0;
             for (i, &node) in e.nodes.iter().enumerate() {
-                if e.switched & (1 << i) != 0 {
+                if switched & (1 << i) != 0 {
                     self.complements[i]
                         .add_rate(&self.r[k + 3..k + 6], &mut self.r_t[k + 3..k + 6]);
                 }
@@ -355,11 +373,12 @@ impl ElementWorkspace {
     pub(super) fn combine(
         &mut self,
         e: &ElementEntry,
+        switched: u32,
         weights: Weights,
         [statics, rates]: [bool; 2],
     ) {
         let n = e.element.dim();
-        if combined(e, statics, rates).is_some() {
+        if combined(e, switched, statics, rates).is_some() {
             return;
         }
         if statics {
@@ -391,9 +410,56 @@ impl ElementWorkspace {
     }
 }
 
+/// The omitted equations of an element: their multipliers λ are zero, with the rows −λ.
+struct Omitted {
+    equations: u32,
+    /// Number of coordinates before the multipliers.
+    first: usize,
+    lambda: [f64; MAX_EQUATIONS],
+}
+
+impl Omitted {
+    /// Removes the multipliers of the omitted equations from the coordinates.
+    fn of(e: &ElementEntry, equations: u32, x: &mut [f64]) -> Option<Self> {
+        if equations == 0 {
+            return None;
+        }
+        let (first, count) = e.element.enforced()?.dims();
+        let mut lambda = [0.0; MAX_EQUATIONS];
+        for i in (0..count).filter(|i| equations & (1 << i) != 0) {
+            lambda[i] = std::mem::take(&mut x[first + i]);
+        }
+        Some(Self {
+            equations,
+            first,
+            lambda,
+        })
+    }
+
+    /// Restores them, and replaces the equations.
+    fn replace(&self, x: &mut [f64], out: &mut Response<'_>) {
+        let n = out.r.len();
+        for i in (0..MAX_EQUATIONS).filter(|i| self.equations & (1 << i) != 0) {
+            let row = self.first + i;
+            x[row] = self.lambda[i];
+            out.r[row] = -self.lambda[i];
+            if let Some(r_t) = &mut out.r_t {
+                r_t[row] = 0.0;
+            }
+            if let Some(K) = &mut out.K {
+                for k in 0..n {
+                    K[row + k * n] = 0.0;
+                    K[k + row * n] = 0.0;
+                }
+                K[row + row * n] = 1.0;
+            }
+        }
+    }
+}
+
 /// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not
 /// switched and not mapped.
-fn combined(e: &ElementEntry, statics: bool, rates: bool) -> Option<&dyn Combined> {
-    let parts = statics || rates || e.mapped || e.switched != 0;
+fn combined(e: &ElementEntry, switched: u32, statics: bool, rates: bool) -> Option<&dyn Combined> {
+    let parts = statics || rates || e.mapped || switched != 0;
     if parts { None } else { e.element.combined() }
 }

@@ -4,7 +4,7 @@
 
 use super::assembly::named;
 use super::element_workspace::ElementWorkspace;
-use super::{ElementEntry, Model, Node, Source};
+use super::{Context, ElementEntry, Node, Source};
 use crate::constraint::MAX_EQUATIONS;
 use nalgebra::Vector3;
 use pullback_manifold::so3;
@@ -49,7 +49,7 @@ impl Momentum {
     }
 }
 
-impl Model {
+impl Context {
     /// Energies, powers and momenta at a point in motion.
     ///
     /// They follow from the elements' forces and mass matrices: the generalised momentum is p = M
@@ -82,14 +82,14 @@ impl Model {
             potential,
             drawn,
         } = &mut out.energies;
-        let w = &mut self.work;
+        let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
-        for e in &self.elements {
-            let local = &mut w.local;
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            let (local, switched) = (&mut w.local, state.switched);
             let n = e.element.dim();
-            local.gather(e, &self.spans, &w.x);
-            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
-            let switched = local.switch(e, &self.nodes);
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, switched, &model.nodes);
             let motion = local.motion(e, at.t, statics);
             let energy = e.element.energy(&motion);
             if e.load {
@@ -124,26 +124,28 @@ impl Model {
                 }
                 *kinetic += 0.5 * dot(&work[..n], v);
                 if momenta {
-                    out.momentum.add(e, &self.nodes, x, work);
+                    out.momentum.add(e, &model.nodes, x, work);
                 }
             }
-            if switched {
-                local.pull_back_switch(e, &self.nodes, None, statics, false);
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, None, statics, false);
             }
-            local.add_residual(e, &self.spans, &mut w.r);
+            local.add_residual(e, &model.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, false);
         let w = &self.work;
         if !statics {
-            for p in &self.prescribed {
+            for p in &self.model.prescribed {
                 *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
             }
-            for &n in &self.dependent {
-                let node = &self.nodes[n as usize];
+            for &n in &self.model.dependent {
+                let node = &self.model.nodes[n as usize];
                 let own = node.range();
                 if let Source::Mapped(d) = &node.source {
                     let r = &w.r[own.clone()];
-                    let through = d.carried_power(r, &self.spans, &w.v, &w.operators);
+                    let parents = d.parents(&self.state.maps);
+                    let through =
+                        d.carried_power(parents, r, &self.model.spans, &w.v, &w.operators);
                     *supplied -= dot(r, &w.v[own]) - through;
                 }
             }
@@ -158,25 +160,28 @@ impl Model {
         at: Point<'_>,
         p: &mut [f64],
     ) -> Result<bool, SystemError> {
-        if self.prescribed.is_empty() && self.dependent.is_empty() {
+        if self.model.prescribed.is_empty() && self.model.dependent.is_empty() {
             return Ok(false);
         }
         self.node_momenta(at)?;
         self.pull_back_nodes(at.t, None, false);
-        self.runs.gather(&self.work.r, "momentum p", p)?;
+        self.model.runs.gather(&self.work.r, "momentum p", p)?;
         Ok(true)
     }
 
     /// Writes the momenta M ẋ of all nodes to the residuals.
     pub(super) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
         self.expand(at)?;
-        let w = &mut self.work;
+        let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
-        for e in self.elements.iter().filter(|e| !e.load) {
-            let local = &mut w.local;
-            local.gather(e, &self.spans, &w.x);
-            local.gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
-            let switched = local.switch(e, &self.nodes);
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            if e.load {
+                continue;
+            }
+            let (local, switched) = (&mut w.local, state.switched);
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, switched, &model.nodes);
             local
                 .momenta(e, at.t, false)
                 .map_err(|error| named(error, &e.name))?;
@@ -187,14 +192,14 @@ impl Model {
                 let (N, M) = enforced.dims();
                 let mut rates = [0.0; MAX_EQUATIONS];
                 enforced.rates(&local.motion(e, at.t, false), &mut rates[..M]);
-                for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+                for i in (0..M).filter(|i| state.left_out & (1 << i) == 0) {
                     local.r[N + i] = rates[i];
                 }
             }
-            if switched {
-                local.pull_back_switch(e, &self.nodes, None, false, false);
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, None, false, false);
             }
-            local.add_residual(e, &self.spans, &mut w.r);
+            local.add_residual(e, &model.spans, &mut w.r);
         }
         Ok(())
     }

@@ -4,10 +4,11 @@
 
 use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
-use super::{ElementEntry, Model, NodeForm, Source};
+use super::{Context, ElementEntry, Model, NodeForm, Source};
 use crate::constraint::{Levels, MAX_EQUATIONS};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Point, Quantity, SystemError};
+use std::sync::Arc;
 
 /// Residual of an omitted equation beyond which it does not follow from the others.
 const LOOSE: f64 = 1e-8;
@@ -49,39 +50,6 @@ impl Model {
         &self.initial
     }
 
-    /// Largest residual |h| of the loop equations relative to their sizes, in the configuration
-    /// last set: of implicit maps, multipliers and penalties. `None` for a model without them.
-    pub fn violation(&mut self) -> Option<f64> {
-        let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
-        let mut worst = None;
-        for &n in &self.dependent {
-            if let Source::Mapped(d) = &self.nodes[n as usize].source {
-                let mut q = vec![0.0; d.direct];
-                collect(d.parents(), &self.spans, &self.work.x, &mut q);
-                worst = d
-                    .map
-                    .violation(self.work.t, &q)
-                    .map_or(worst, |h| worse(worst, h));
-            }
-        }
-        let w = &mut self.work;
-        for e in self.enforced.iter().map(|&k| &self.elements[k]) {
-            let Some(enforced) = e.element.enforced() else {
-                continue;
-            };
-            w.local.gather(e, &self.spans, &w.x);
-            w.local.gather_rates(e, &self.spans, None);
-            w.local.switch(e, &self.nodes);
-            let mut h = [0.0_f64; MAX_EQUATIONS];
-            let (_, M) = enforced.dims();
-            enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
-            for h in &h[..M] {
-                worst = worse(worst, h.abs());
-            }
-        }
-        worst
-    }
-
     /// Typical size of an unknown.
     pub(super) fn unit(&self, u: usize) -> f64 {
         self.size(self.coordinates[u])
@@ -103,6 +71,42 @@ impl Model {
             .filter(|p| p.function.constant() != Some(0.0));
         driven.map(|p| p.coordinate)
     }
+}
+
+impl Context {
+    /// Largest residual |h| of the loop equations relative to their sizes, in the configuration
+    /// last set: of implicit maps, multipliers and penalties. `None` for a model without them.
+    pub fn violation(&mut self) -> Option<f64> {
+        let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
+        let mut worst = None;
+        for &n in &self.model.dependent {
+            if let Source::Mapped(d) = &self.model.nodes[n as usize].source {
+                let mut q = vec![0.0; d.direct];
+                let parents = d.parents(&self.state.maps);
+                collect(parents, &self.model.spans, &self.work.x, &mut q);
+                worst = self.state.maps[d.index]
+                    .violation(self.work.t, &q)
+                    .map_or(worst, |h| worse(worst, h));
+            }
+        }
+        let w = &mut self.work;
+        for &k in &self.model.enforced {
+            let (e, switched) = (&self.model.elements[k], self.state.elements[k].switched);
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            w.local.gather(e, &self.model.spans, &w.x);
+            w.local.gather_rates(e, switched, &self.model.spans, None);
+            w.local.switch(e, switched, &self.model.nodes);
+            let mut h = [0.0_f64; MAX_EQUATIONS];
+            let (_, M) = enforced.dims();
+            enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
+            for h in &h[..M] {
+                worst = worse(worst, h.abs());
+            }
+        }
+        worst
+    }
 
     /// All equations at a state; without velocities at rest.
     pub(super) fn equations(
@@ -116,13 +120,14 @@ impl Model {
         let n = q.len();
         let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
         let (mut rows, mut driven) = (vec![], vec![]);
-        for k in self.enforced.clone() {
-            let e = &self.elements[k];
+        let model = Arc::clone(&self.model);
+        for &k in &model.enforced {
+            let (e, switched) = (&model.elements[k], self.state.elements[k].switched);
             let w = &mut self.work;
-            w.local.gather(e, &self.spans, &w.x);
+            w.local.gather(e, &self.model.spans, &w.x);
             w.local
-                .gather_rates(e, &self.spans, w.moving.then_some([&w.v, &w.a]));
-            let switched = w.local.switch(e, &self.nodes);
+                .gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            w.local.switch(e, switched, &model.nodes);
             let motion = w.local.motion(e, t, !w.moving);
             let Some(enforced) = e.element.enforced() else {
                 continue;
@@ -133,18 +138,19 @@ impl Model {
             h_dot.extend(levels.h_dot);
             for i in 0..M {
                 of.push((k, i));
-                let (e, w) = (&self.elements[k], &mut self.work);
+                let w = &mut self.work;
                 w.r.fill(0.0);
                 w.local.r[..e.element.dim()].fill(0.0);
                 for j in 0..N {
                     w.local.r[j] = levels.J[i + j * M];
                 }
-                if switched {
-                    w.local.pull_back_switch(e, &self.nodes, None, true, false);
+                if switched != 0 {
+                    w.local
+                        .pull_back_switch(e, switched, &model.nodes, None, true, false);
                 }
-                w.local.add_residual(e, &self.spans, &mut w.r);
+                w.local.add_residual(e, &self.model.spans, &mut w.r);
                 self.pull_back_nodes(t, None, false);
-                let row = self.coordinates.iter().enumerate();
+                let row = self.model.coordinates.iter().enumerate();
                 rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
                 driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));
             }
@@ -160,38 +166,37 @@ impl Model {
 
     /// Checks at a converged state whether the omitted equations still follow from the others.
     pub(super) fn watch_left_out(&mut self, t: f64) {
-        if self.unwatched {
+        if self.state.unwatched {
             return;
         }
         let w = &mut self.work;
-        for &k in &self.enforced {
-            let e = &self.elements[k];
+        for &k in &self.model.enforced {
+            let (e, state) = (&self.model.elements[k], &mut self.state.elements[k]);
+            let (switched, left_out) = (state.switched, state.left_out);
             let Some(enforced) = e.element.enforced() else {
                 continue;
             };
-            let left_out = enforced.left_out();
             if left_out == 0 {
                 continue;
             }
-            w.local.gather(e, &self.spans, &w.x);
-            w.local.gather_rates(e, &self.spans, None);
-            w.local.switch(e, &self.nodes);
+            w.local.gather(e, &self.model.spans, &w.x);
+            w.local.gather_rates(e, switched, &self.model.spans, None);
+            w.local.switch(e, switched, &self.model.nodes);
             let mut h = [0.0; MAX_EQUATIONS];
             let (_, M) = enforced.dims();
             enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);
             let off = |i: &usize| left_out & (1 << i) != 0 && h[*i].abs() > LOOSE;
-            let loose = (0..M).find(off).map(|i| (i, h[i]));
-            self.elements[k].loose = loose;
+            state.violated = (0..M).find(off).map(|i| (i, h[i]));
         }
     }
 
     /// Fails if an omitted equation is violated.
     pub(super) fn check_left_out(&self) -> Result<(), SystemError> {
-        for &k in &self.enforced {
-            let e = &self.elements[k];
-            if let Some((i, h)) = e.loose {
+        for &k in &self.model.enforced {
+            let e = &self.model.elements[k];
+            if let Some((i, h)) = self.state.elements[k].violated {
                 let what = format!("{} of element {}", e.equation(i), e.name);
-                let driven = self.overdriven.iter().find(|(of, _)| *of == (k, i));
+                let driven = self.state.overdriven.iter().find(|(of, _)| *of == (k, i));
                 let (edge, what) = match driven {
                     None => (FOLLOWED, what),
                     Some((_, names)) => (OVERDRIVEN, format!("{what} (driven: {names})")),
@@ -205,8 +210,8 @@ impl Model {
 
     /// Report on the equations that an element enforces.
     pub(super) fn describe_left_out(&self, k: u32) -> String {
-        let e = &self.elements[k as usize];
-        let left_out = e.element.enforced().map_or(0, |e| e.left_out());
+        let e = &self.model.elements[k as usize];
+        let left_out = self.state.elements[k as usize].left_out;
         let bits = (0..MAX_EQUATIONS).filter(|i| left_out & (1 << i) != 0);
         let names: Vec<String> = bits.map(|i| e.equation(i)).collect();
         if names.is_empty() {
@@ -220,7 +225,13 @@ impl Model {
 impl ElementWorkspace {
     /// Converts the equations of an element to the level of accelerations, after an evaluation in
     /// motion: for multipliers rows −ḧ, with h_x as mass; for a penalty p an inertia p h².
-    pub(super) fn raise_to_accelerations(&mut self, e: &ElementEntry, t: f64, h: f64) {
+    pub(super) fn raise_to_accelerations(
+        &mut self,
+        e: &ElementEntry,
+        left_out: u32,
+        t: f64,
+        h: f64,
+    ) {
         let Some(enforced) = e.element.enforced() else {
             return;
         };
@@ -239,7 +250,7 @@ impl ElementWorkspace {
             }
             return;
         }
-        for i in (0..M).filter(|i| enforced.left_out() & (1 << i) == 0) {
+        for i in (0..M).filter(|i| left_out & (1 << i) == 0) {
             self.r[N + i] = -h_ddot[i];
         }
         for j in 0..n {

@@ -5,7 +5,7 @@
 use super::builder::{ModelBuilder, NodeId};
 use super::mapped_node::MappedNode;
 use super::workspace::Workspace;
-use super::{Model, NONE, Node, NodeForm, Source, among};
+use super::{Context, Model, NONE, Node, NodeForm, Source, among};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::map::{Increment, Map};
@@ -13,6 +13,7 @@ use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
 use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Rotational unknowns of frames in a motion.
 ///
@@ -71,7 +72,7 @@ impl ModelBuilder {
 pub(super) fn apply(
     formulation: Formulation,
     nodes: &mut Vec<Node>,
-    prescribed: &mut [(NodeId, usize, Box<dyn TimeFunction>)],
+    prescribed: &mut [(NodeId, usize, Arc<dyn TimeFunction>)],
 ) {
     if formulation == Formulation::Total {
         return;
@@ -118,7 +119,7 @@ fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
     let Source::Mapped(d) = &node.source else {
         return None;
     };
-    let first = *d.parents().first()? as usize;
+    let first = *d.initial_parents().first()? as usize;
     (nodes[first].form == NodeForm::Increment).then_some(first)
 }
 
@@ -133,10 +134,17 @@ impl Model {
         behind(&self.nodes, node).map_or(node, |own| &self.nodes[own])
     }
 
+    /// Number of rotations that are unknowns by increments ([`Formulation`]).
+    pub fn increments(&self) -> usize {
+        turning(&self.nodes).count()
+    }
+}
+
+impl Context {
     /// Rₙ of a frame by increments, the identity for all others.
     pub(super) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
-        match (&node.source, behind(&self.nodes, node)) {
-            (Source::Mapped(d), Some(_)) => match d.map.save()[..] {
+        match (&node.source, behind(&self.model.nodes, node)) {
+            (Source::Mapped(d), Some(_)) => match self.state.maps[d.index].save()[..] {
                 [w, x, y, z, ..] => {
                     let v = Vector3::new(x, y, z);
                     Quaternion { w, v }.rotation()
@@ -147,11 +155,6 @@ impl Model {
         }
     }
 
-    /// Number of rotations that are unknowns by increments ([`Formulation`]).
-    pub fn increments(&self) -> usize {
-        turning(&self.nodes).count()
-    }
-
     /// Number of assemblies of residual or tangent so far: one per evaluation, three for a tangent
     /// if rates are angular velocities.
     pub fn assemblies(&self) -> usize {
@@ -160,7 +163,8 @@ impl Model {
 
     /// Whether any rates are angular velocities at present.
     pub(super) fn has_spins(&self) -> bool {
-        self.spin_frames
+        self.model
+            .spin_frames
             .iter()
             .any(|&n| self.spin_coordinates(n).is_some())
     }
@@ -168,18 +172,18 @@ impl Model {
     /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
     /// increments, and the kind of velocity.
     fn spin_coordinates(&self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
-        let Source::Mapped(d) = &self.nodes[n as usize].source else {
+        let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
             return None;
         };
-        let own = d.parents()[0];
-        let end = self.spans[own as usize].range().end;
-        Some((end - 3..end, own, d.map.velocity_kind()?))
+        let own = d.parents(&self.state.maps)[0];
+        let end = self.model.spans[own as usize].range().end;
+        Some((end - 3..end, own, self.state.maps[d.index].velocity_kind()?))
     }
 
     /// Converts angular velocities to the rates of their rotation vectors, in the workspace.
     pub(super) fn take_spins(&mut self) {
-        for k in 0..self.spin_frames.len() {
-            let Some((range, _, kind)) = self.spin_coordinates(self.spin_frames[k]) else {
+        for k in 0..self.model.spin_frames.len() {
+            let Some((range, _, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
                 continue;
             };
             let w = &mut self.work;
@@ -199,7 +203,7 @@ impl Model {
         v: &[f64],
         accelerations: &[&mut [f64]],
     ) {
-        let Some(own) = behind(&self.nodes, &self.nodes[n]) else {
+        let Some(own) = behind(&self.model.nodes, &self.model.nodes[n]) else {
             return;
         };
         let Workspace {
@@ -211,14 +215,14 @@ impl Model {
         if kept.len() < count {
             kept.resize_with(count, Vec::new);
         }
-        let range = self.spans[own].range();
+        let range = self.model.spans[own].range();
         for a in &mut kept[..count] {
             a.resize(range.len(), 0.0);
         }
         for (i, c) in range.enumerate() {
-            let u = self.unknowns[c] as usize;
-            if self.unknowns[c] == NONE {
-                let p = among(&self.prescribed, c..c + 1).first();
+            let u = self.model.unknowns[c] as usize;
+            if self.model.unknowns[c] == NONE {
+                let p = among(&self.model.prescribed, c..c + 1).first();
                 let [x, x_dot, x_ddot] = p.map_or([0.0; 3], |p| p.function.at(t));
                 (local.q[i], local.qv[i]) = (x, x_dot);
                 kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);
@@ -269,7 +273,7 @@ impl Model {
     }
 
     fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
-        for &n in &self.spin_frames {
+        for &n in &self.model.spin_frames {
             let Some((range, own, kind)) = self.spin_coordinates(n) else {
                 continue;
             };
@@ -286,10 +290,10 @@ impl Model {
                 first[(k, k)] -= weights.C;
                 second[(k, k)] -= weights.M;
             }
-            let block = self.scatter_map.blocks[own as usize] as usize;
-            let offset = self.scatter_map.rows[range.start] as usize;
-            for (i, values) in self.pattern.column(block) {
-                let height = self.pattern.size(i);
+            let block = self.work.scatter_map.blocks[own as usize] as usize;
+            let offset = self.work.scatter_map.rows[range.start] as usize;
+            for (i, values) in self.model.pattern.column(block) {
+                let height = self.model.pattern.size(i);
                 for c in 0..3 {
                     let to = values.start + (offset + c) * height;
                     for k in 0..3 {

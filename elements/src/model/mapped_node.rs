@@ -3,37 +3,39 @@
 
 #![allow(non_snake_case)]
 
-use super::dependency_graph::find_ancestors;
+use super::dependency_graph::{Ancestors, Dependencies};
 use super::element_workspace::ElementWorkspace;
 use super::gather::collect;
 use super::scatter::{Group, ScatterTarget};
 use super::workspace::Workspace;
-use super::{Model, Node, Source, Span};
+use super::{Context, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
-/// A map, its parents, and the own nodes behind them.
+/// The maps of a [`State`](super::State), by [`MappedNode::index`].
+pub(super) type Maps = [Box<dyn Parametrization>];
+
+/// A map and its parents.
+#[derive(Clone)]
 pub(super) struct MappedNode {
+    /// The map in its initial chart.
     pub map: Box<dyn Parametrization>,
     /// Parents for each segment of the map; most maps have one.
     pub segments: Vec<Vec<u32>>,
-    /// Own nodes behind the present parents, each once.
-    pub ancestors: Vec<u32>,
-    /// For each parent and each own node behind it, its first column in the operators.
-    pub columns: Vec<u32>,
-    /// Number of coordinates of the parents, and of the ancestors.
+    /// Number of coordinates of the parents.
     pub direct: usize,
-    pub pulled: usize,
     /// Whether a parent is mapped itself, or occurs twice: the operators are then multiplied.
     pub chained: bool,
+    /// Index among the mapped nodes, parents first.
+    pub index: usize,
     /// Offsets of the operators with respect to the parents and to the ancestors.
     pub local: usize,
     pub total: usize,
 }
 
 /// B, Ḃ and B̈ of all mapped nodes, one after the other.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Operators {
     pub B: Vec<f64>,
     pub B_dot: Vec<f64>,
@@ -70,31 +72,35 @@ impl MappedNode {
         Self {
             map,
             segments,
-            ancestors: Vec::new(),
-            columns: Vec::new(),
             direct,
-            pulled: 0,
             chained: false,
+            index: 0,
             local: 0,
             total: 0,
         }
     }
 
-    /// The present parents.
-    pub(super) fn parents(&self) -> &[u32] {
+    /// The parents in the initial segment.
+    pub(super) fn initial_parents(&self) -> &[u32] {
         &self.segments[self.map.segment()]
+    }
+
+    /// The present parents.
+    pub(super) fn parents(&self, maps: &Maps) -> &[u32] {
+        &self.segments[maps[self.index].segment()]
     }
 
     /// r·B v of the parents: the part of the power of a force `r` at a mapped node that belongs to
     /// its parents (the rest, r·∂φ/∂t, belongs to the map).
     pub(super) fn carried_power(
         &self,
+        parents: &[u32],
         r: &[f64],
         spans: &[Span],
         v: &[f64],
         operators: &Operators,
     ) -> f64 {
-        let parents = self.parents().iter();
+        let parents = parents.iter();
         let columns = parents.flat_map(|&m| spans[m as usize].range());
         let forces = pullback::transposed(&operators.B[self.local..], r);
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
@@ -102,8 +108,21 @@ impl MappedNode {
 
     /// Computes operators with respect to the ancestors from those with respect to the parents: B,
     /// and Ḃ and B̈ if `moving`.
-    fn multiply(&self, n: usize, nodes: &[Node], operators: &mut Operators, moving: bool) {
-        let (len, total) = (n * self.direct, n * self.pulled);
+    fn multiply(
+        &self,
+        n: usize,
+        nodes: &[Node],
+        parents: &[u32],
+        dependencies: &Dependencies,
+        operators: &mut Operators,
+        moving: bool,
+    ) {
+        let Ancestors {
+            columns,
+            coordinates,
+            ..
+        } = &dependencies.0[self.index];
+        let (len, total) = (n * self.direct, n * coordinates);
         // All values of the parents are stored before those of this node.
         let parts = [
             &mut operators.B,
@@ -125,13 +144,13 @@ impl MappedNode {
             out_ddot.fill(0.0);
         }
         let (mut row, mut entry) = (0, 0);
-        for m in self.parents() {
+        for m in parents {
             let parent = &nodes[*m as usize];
             let dim = parent.dim;
             let local = row * n..(row + dim) * n;
             row += dim;
             let Source::Mapped(from) = &parent.source else {
-                let to = self.columns[entry] as usize * n;
+                let to = columns[entry] as usize * n;
                 entry += 1;
                 add(&mut out[to..], &own[local.clone()], 1.0);
                 if moving {
@@ -141,8 +160,8 @@ impl MappedNode {
                 continue;
             };
             let mut of = from.total;
-            for &a in &from.ancestors {
-                let first = self.columns[entry] as usize;
+            for &a in &dependencies.0[from.index].nodes {
+                let first = columns[entry] as usize;
                 entry += 1;
                 for c in first..first + nodes[a as usize].dim {
                     let to = c * n..(c + 1) * n;
@@ -178,28 +197,30 @@ fn add(out: &mut [f64], x: &[f64], factor: f64) {
     }
 }
 
-impl Model {
+impl Context {
     /// Evaluates coordinates, velocities, accelerations and operators of all mapped nodes.
     pub(super) fn expand_dependent(&mut self, t: f64) -> Result<(), SystemError> {
-        (0..self.dependent.len()).try_for_each(|k| self.expand_node(t, self.dependent[k]))
+        (0..self.model.dependent.len())
+            .try_for_each(|k| self.expand_node(t, self.model.dependent[k]))
     }
 
     /// The same for one node, if it is mapped.
     pub(super) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
-        let w = &mut self.work;
-        let node = &self.nodes[n as usize];
+        let (w, spans) = (&mut self.work, &self.model.spans);
+        let node = &self.model.nodes[n as usize];
         let Source::Mapped(d) = &node.source else {
             return Ok(());
         };
+        let (map, parents) = (&self.state.maps[d.index], d.parents(&self.state.maps));
         let local = &mut w.local;
-        let k = collect(d.parents(), &self.spans, &w.x, &mut local.q);
-        collect(d.parents(), &self.spans, &w.v, &mut local.qv);
-        collect(d.parents(), &self.spans, &w.a, &mut local.qa);
-        let margin = d.map.margin(t, &local.q[..k]);
+        let k = collect(parents, spans, &w.x, &mut local.q);
+        collect(parents, spans, &w.v, &mut local.qv);
+        collect(parents, spans, &w.a, &mut local.qa);
+        let margin = map.margin(t, &local.q[..k]);
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
-            let edge = d.map.edge();
-            return Err(match d.map.domain_error(t, &local.q[..k]) {
+            let edge = map.edge();
+            return Err(match map.domain_error(t, &local.q[..k]) {
                 Some(why) => SystemError::Unsolved { what, why },
                 None => SystemError::OutsideChart { edge, what, margin },
             });
@@ -215,18 +236,26 @@ impl Model {
             B_ddot: &mut w.operators.B_ddot[range],
         };
         let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
-        d.map.kinematics(t, q, v, a, out);
+        map.kinematics(t, q, v, a, out);
         Ok(())
     }
 
     /// Computes operators of all mapped nodes with respect to own nodes, for tangents.
     pub(super) fn chain_operators(&mut self, moving: bool) {
-        for &n in &self.dependent {
-            let node = &self.nodes[n as usize];
+        for &n in &self.model.dependent {
+            let node = &self.model.nodes[n as usize];
             if let Source::Mapped(d) = &node.source
                 && d.chained
             {
-                d.multiply(node.dim, &self.nodes, &mut self.work.operators, moving);
+                let Workspace {
+                    operators,
+                    scatter_map,
+                    ..
+                } = &mut self.work;
+                let parents = d.parents(&self.state.maps);
+                let nodes = &self.model.nodes;
+                let dependencies = &scatter_map.dependencies;
+                d.multiply(node.dim, nodes, parents, dependencies, operators, moving);
             }
         }
     }
@@ -240,12 +269,13 @@ impl Model {
         rates: bool,
     ) {
         let w = &mut self.work;
-        for &n in self.dependent.iter().rev() {
-            let node = &self.nodes[n as usize];
+        for &n in self.model.dependent.iter().rev() {
+            let node = &self.model.nodes[n as usize];
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            pull_back_forces(d, d.parents(), node, &self.spans, w, rates);
+            let (map, parents) = (&self.state.maps[d.index], d.parents(&self.state.maps));
+            pull_back_forces(d, parents, node, &self.model.spans, w, rates);
             let Some((weights, values)) = &mut S else {
                 continue;
             };
@@ -257,19 +287,18 @@ impl Model {
                 panels: &mut w.panels,
                 work,
             };
-            if let Some(first_position) = self
-                .scatter_map
+            let scatter_map = &w.scatter_map;
+            if let Some(first_position) = scatter_map
                 .geometric_stiffness(n)
-                .filter(|_| !d.map.is_linear())
+                .filter(|_| !map.is_linear())
             {
-                let k = collect(d.parents(), &self.spans, &w.x, q);
+                let k = collect(parents, &self.model.spans, &w.x, q);
                 let K_sigma = &mut K_sigma[..k * k];
-                d.map
-                    .geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
+                map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
                 if K_sigma.iter().any(|k| *k != 0.0) {
                     // K_mr contains −K_σ; its pull-back to the ancestors is that of any stiffness.
                     let group = Group {
-                        nodes: d.parents(),
+                        nodes: parents,
                         first_position,
                         tangents: Tangents {
                             K: Some(K_sigma),
@@ -281,12 +310,16 @@ impl Model {
                             M: 0.0,
                         },
                     };
-                    self.scatter_map
-                        .scatter_group(&self.nodes, &w.operators, &group, &mut into);
+                    scatter_map.scatter_group(&self.model.nodes, &w.operators, &group, &mut into);
                 }
             }
-            self.scatter_map
-                .pull_back_rows(n, &self.nodes, &w.operators, &mut into);
+            scatter_map.pull_back_rows(
+                n,
+                &self.model.nodes,
+                &self.state.maps,
+                &w.operators,
+                &mut into,
+            );
         }
     }
 
@@ -302,18 +335,18 @@ impl Model {
         self.expand(at)?;
         let mut all = ChartChanges::default();
         let (mut changed, mut moved) = (false, false);
-        for &n in &self.dependent {
-            let node = &mut self.nodes[n as usize];
+        for &n in &self.model.dependent {
+            let node = &self.model.nodes[n as usize];
             let own = node.range();
-            let Source::Mapped(d) = &mut node.source else {
+            let Source::Mapped(d) = &node.source else {
                 continue;
             };
-            let w = &mut self.work;
-            let before = d.map.segment();
+            let (w, maps) = (&mut self.work, &mut self.state.maps);
+            let before = maps[d.index].segment();
             // On a new segment the map has other parents, and may need other charts.
             for _ in 0..3 {
-                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
-                let changes = d.map.change_charts(t, &w.local.q[..len]);
+                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
+                let changes = maps[d.index].change_charts(t, &w.local.q[..len]);
                 if changes == ChartChanges::default() {
                     break;
                 }
@@ -322,28 +355,31 @@ impl Model {
                 all.residual |= changes.residual;
             }
             if changed {
-                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
+                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
                 let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
-                d.map.tangent(t, &w.local.q[..len], &mut w.x[own], B);
+                maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }
-            moved |= d.map.segment() != before;
+            moved |= maps[d.index].segment() != before;
         }
         if moved {
             self.work.segments_changed = true;
-            for &n in &self.dependent {
-                find_ancestors(&mut self.nodes, n as usize);
-            }
-            self.scatter_map.locate(
-                &self.nodes,
-                &self.dependent,
-                &mut self.elements,
-                &self.pattern,
-            );
+            self.locate_tangents();
         }
         if changed {
             self.expand(at)?;
         }
         Ok(all)
+    }
+
+    /// Finds the positions of all tangents for the present segments.
+    pub(super) fn locate_tangents(&mut self) {
+        self.work.scatter_map.locate(
+            &self.model.nodes,
+            &self.model.dependent,
+            &self.state.maps,
+            &self.model.elements,
+            &self.model.pattern,
+        );
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Model, NONE, Node, NodeForm, Source};
+use super::{Context, Model, NONE, Node, NodeForm, Source};
 use crate::constraint::Enforced;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError, Weights};
 use std::fmt;
@@ -54,6 +54,12 @@ struct Closed {
 }
 
 impl Model {
+    /// Element `k` if it enforces equations by multipliers.
+    fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
+        let enforced = self.elements[k].element.enforced();
+        enforced.filter(|e| e.penalty().is_none())
+    }
+
     /// The loops closed by maps, with the name of the first joint of each.
     fn closed(&self) -> impl Iterator<Item = (&str, Closed)> {
         self.reports.iter().filter_map(|report| {
@@ -62,7 +68,10 @@ impl Model {
                 return None;
             };
             let (all, x) = d.map.dims();
-            let own = d.parents().first().filter(|_| d.map.reparametrizes());
+            let own = d
+                .initial_parents()
+                .first()
+                .filter(|_| d.map.reparametrizes());
             let free = own.map_or(0, |&n| self.nodes[n as usize].dim);
             let name = &self.nodes[report.closures.first()?.0 as usize].name;
             let closed = Closed {
@@ -100,20 +109,18 @@ impl Model {
             out.equations += closed.equations;
             out.redundant += closed.equations - (closed.x - closed.free);
         }
-        for e in self.enforced.iter().filter_map(|&k| self.multiplied(k)) {
-            let (equations, redundant) = (e.dims().1, e.left_out().count_ones() as usize);
+        for &k in &self.enforced {
+            let Some(e) = self.multiplied(k) else {
+                continue;
+            };
+            let redundant = self.start.elements[k].left_out.count_ones() as usize;
+            let equations = e.dims().1;
             out.equations += equations;
             out.redundant += redundant;
             lost += equations - redundant;
         }
         out.freedoms = free.saturating_sub(lost);
         out
-    }
-
-    /// Element `k` if it enforces equations by multipliers.
-    fn multiplied(&self, k: usize) -> Option<&dyn Enforced> {
-        let enforced = self.elements[k].element.enforced();
-        enforced.filter(|e| e.penalty().is_none())
     }
 
     /// Loops in which nothing can move, though nothing is prescribed: name of a closing joint of
@@ -125,7 +132,9 @@ impl Model {
             .map(|(name, c)| (name.to_owned(), c.x, c.equations))
             .collect()
     }
+}
 
+impl Context {
     /// Names of the unknowns without mass at a state, alone or in a direction of their node, and
     /// without a multiplier: only forces determine their motion.
     ///
@@ -134,7 +143,7 @@ impl Model {
     pub fn massless(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<Vec<String>, SystemError> {
         let n = q.len();
         let (a, mut r) = (vec![0.0; n], vec![0.0; n]);
-        let mut M = vec![0.0; self.pattern.len()];
+        let mut M = vec![0.0; self.model.pattern.len()];
         let only_M = Weights {
             K: 0.0,
             C: 0.0,
@@ -144,10 +153,11 @@ impl Model {
         self.evaluate(Point { t, q, v, a: &a }, out)?;
         let mut mass = vec![0.0; n];
         let sizes: Vec<f64> = M.iter().map(|m| m.abs()).collect();
-        self.pattern
+        self.model
+            .pattern
             .multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
         let mut tied = vec![false; n];
-        let pattern = &self.pattern;
+        let pattern = &self.model.pattern;
         for j in
             (0..pattern.blocks()).filter(|&j| pattern.unknowns(j).any(|u| self.is_multiplier(u)))
         {

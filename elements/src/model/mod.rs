@@ -1,4 +1,13 @@
-//! The model: nodes, elements, loads and supports, numbered and assembled into a system.
+//! Models: nodes, elements, loads and supports, numbered and assembled into a system.
+//!
+//! | | holds | changes |
+//! |---|---|---|
+//! | [`Model`] | nodes, elements, numbering, pattern | never |
+//! | [`State`] | charts, segments, splits, omitted equations | at converged states |
+//! | [`Context`] | a model, one state of it, and buffers | in every evaluation |
+//!
+//! A [`Context`] is a [`System`](pullback_manifold::system::System) for integrators. Any number of
+//! contexts, in any threads, share one model.
 
 #![allow(non_snake_case)]
 
@@ -9,6 +18,7 @@ mod builder;
 mod charts;
 mod closures;
 mod connections;
+mod context;
 mod dependency_graph;
 mod dummy_dof;
 mod element_charts;
@@ -32,6 +42,7 @@ mod scatter_map;
 mod segments;
 mod slots;
 mod start;
+mod state;
 mod symmetry;
 mod system;
 mod view;
@@ -40,6 +51,7 @@ mod workspace;
 pub use axis::{Arc, Axis, Straight, frame_along};
 pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
 pub use closures::Closure;
+pub use context::Context;
 pub use energies::{EnergiesAndMomentum, Momentum};
 pub use error::ModelError;
 pub use formulation::Formulation;
@@ -48,6 +60,7 @@ pub use mobility::Mobility;
 pub use motion::{NodeState, RigidMotion};
 pub use query::Reaction;
 pub use rates::BEFORE_START;
+pub use state::State;
 
 use crate::element::Element;
 use crate::time::{Input, TimeFunction};
@@ -57,7 +70,6 @@ use nalgebra::Vector3;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
 use runs::Runs;
-use scatter_map::ScatterMap;
 use std::ops::{Deref, Range};
 use workspace::Workspace;
 
@@ -65,6 +77,7 @@ use workspace::Workspace;
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Source of a node's coordinates.
+#[derive(Clone)]
 enum Source {
     /// Coordinates of the model itself.
     Own,
@@ -105,6 +118,7 @@ impl Span {
 }
 
 /// A node: six coordinates (d, Ψ) of a frame, or the coordinates of a joint.
+#[derive(Clone)]
 pub struct Node {
     name: String,
     /// Reference position.
@@ -131,24 +145,6 @@ impl Node {
         }
     }
 
-    /// A copy of the node, with a copy of its map.
-    fn duplicate(&self) -> Self {
-        let source = match &self.source {
-            Source::Own => Source::Own,
-            Source::Mapped(d) => Source::Mapped(Box::new(MappedNode::new(
-                d.map.duplicate(),
-                d.segments.clone(),
-                d.direct,
-            ))),
-        };
-        Self {
-            name: self.name.clone(),
-            quantities: self.quantities.clone(),
-            source,
-            ..*self
-        }
-    }
-
     fn is_frame(&self) -> bool {
         self.form == NodeForm::Frame
     }
@@ -171,6 +167,7 @@ impl Node {
 }
 
 /// The nodes of an element, stored inline to avoid cache misses in an assembly.
+#[derive(Clone)]
 struct NodeList {
     len: u32,
     nodes: [u32; MAX_NODES],
@@ -199,20 +196,13 @@ impl Deref for NodeList {
 }
 
 /// An element or load of a model with its name and nodes.
+#[derive(Clone)]
 pub struct ElementEntry {
     name: String,
-    element: Box<dyn Element>,
+    element: std::sync::Arc<dyn Element>,
     nodes: NodeList,
     /// Bit k: node k is a frame whose rotation is used.
     frames: u32,
-    /// Bit k: node k is evaluated through the complement map.
-    switched: u32,
-    /// The same in its next chart.
-    wanted: u32,
-    /// Whether the nodes have rotated so far relative to each other that no chart contains them.
-    overturned: bool,
-    /// An omitted equation that does not follow from the others any more, and its residual.
-    loose: Option<(usize, f64)>,
     /// Whether any node is mapped.
     mapped: bool,
     /// Whether a coordinate of its nodes is prescribed or mapped.
@@ -223,20 +213,13 @@ pub struct ElementEntry {
     load: bool,
     /// Whether it is a load with a potential that does not depend on time.
     steady: bool,
-    first_position: usize,
-}
-
-impl ElementEntry {
-    /// A dead load on nodes that are not switched.
-    fn reads_only_time(&self) -> bool {
-        self.dead && self.switched == 0
-    }
 }
 
 /// A coordinate that is a prescribed function of time.
+#[derive(Clone)]
 struct Prescribed {
     coordinate: usize,
-    function: Box<dyn TimeFunction>,
+    function: std::sync::Arc<dyn TimeFunction>,
 }
 
 /// The prescribed ones among these coordinates, of all in ascending order.
@@ -245,10 +228,11 @@ fn among(prescribed: &[Prescribed], coordinates: Range<usize>) -> &[Prescribed] 
     &prescribed[before(coordinates.start)..before(coordinates.end)]
 }
 
-/// An assembled model: a [`System`](pullback_manifold::system::System) with names.
+/// An assembled model: immutable, shared by all its [`Context`]s.
 ///
 /// Created by [`ModelBuilder::build`]. The unknowns q are the coordinates of all nodes that are
 /// neither prescribed nor mapped.
+#[derive(Clone)]
 pub struct Model {
     nodes: Vec<Node>,
     spans: Vec<Span>,
@@ -261,21 +245,15 @@ pub struct Model {
     elements: Vec<ElementEntry>,
     /// Elements that enforce equations.
     enforced: Vec<usize>,
-    /// Default initial coordinates.
+    /// Default initial coordinates, and the state there.
     initial: Vec<f64>,
-    /// Omitted equations (element, number) that follow from the others only for some prescribed
-    /// motions, with the names of these.
-    overdriven: Vec<((usize, usize), String)>,
-    /// Unknowns at the last choice of omitted equations; empty if there is none.
-    chosen_at: Vec<f64>,
-    /// Whether the omitted equations are not checked.
-    unwatched: bool,
+    start: State,
     /// Ascending by coordinate.
     prescribed: Vec<Prescribed>,
     /// Values set from outside.
     inputs: Vec<Input>,
-    /// Frames with a fully prescribed rotation, with the number of subtracted turns.
-    prescribed_rotations: Vec<(usize, i32)>,
+    /// Frames with a fully prescribed rotation.
+    prescribed_rotations: Vec<usize>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
     /// The same as runs of free coordinates.
@@ -290,6 +268,6 @@ pub struct Model {
     /// Size of the model: the diagonal of the box around its nodes.
     length: f64,
     pattern: BlockPattern,
-    scatter_map: ScatterMap,
+    /// Buffers without values, and the positions of tangents in the initial segments.
     work: Workspace,
 }

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::builder::{ElementId, NodeId};
-use super::{Model, ModelError, NONE, Source};
+use super::{Context, Model, ModelError, NONE, Source};
 use crate::element::{Motion, SectionState};
 use nalgebra::Vector3;
 use pullback_manifold::so3;
@@ -42,32 +42,6 @@ impl Model {
             .map(|k| NodeId(k as u32))
     }
 
-    /// Describes the present state of the map of a node, such as its independent coordinates and
-    /// redundant equations.
-    pub fn describe(&self, node: NodeId) -> Option<String> {
-        match &self.nodes[node.0 as usize].source {
-            Source::Own => None,
-            Source::Mapped(d) => d.map.describe(),
-        }
-    }
-
-    /// Describes how the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed:
-    /// the joints of attached children, the joints that close loops, and their present independent
-    /// coordinates.
-    pub fn descriptions(&self) -> Vec<String> {
-        let note = |r: &super::loops::Report| {
-            let of_element = || {
-                r.element
-                    .map_or_else(String::new, |k| self.describe_left_out(k))
-            };
-            match r.map.and_then(|n| self.describe(NodeId(n))) {
-                Some(note) => format!("{}; {note}", r.words),
-                None => r.words.clone() + &of_element(),
-            }
-        };
-        self.reports.iter().map(note).collect()
-    }
-
     /// Name and nodes of an element.
     pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
         let e = &self.elements[id.0 as usize];
@@ -104,94 +78,6 @@ impl Model {
     pub(super) fn coordinate_name(&self, c: usize) -> String {
         let n = &self.nodes[self.node_of(c)];
         n.coordinate_name(c - n.first)
-    }
-
-    /// Sets the whole configuration, for later queries.
-    ///
-    /// # Errors
-    /// [`SystemError`] if a joint is outside its domain.
-    pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
-        self.expand(at)
-    }
-
-    /// Reactions of all supported frame nodes at the last evaluation of the residual.
-    pub fn reactions(&self) -> Vec<Reaction> {
-        let mut out: Vec<Reaction> = Vec::new();
-        let frames = self.nodes.iter().enumerate().filter(|(_, n)| n.is_frame());
-        for (id, n) in frames {
-            let own = self.carrier(n);
-            let prescribed =
-                std::array::from_fn(|k| self.unknowns[own.first + k] == NONE && own.is_own());
-            if !prescribed.contains(&true) {
-                continue;
-            }
-            let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
-            // Covector T m of a spatial moment m.
-            let [force, turn] = self.closing_force(NodeId(id as u32));
-            let turn = so3::tangent(&psi) * turn;
-            let mut f = [0.0; 6];
-            for k in (0..6).filter(|&k| prescribed[k]) {
-                let closing = if k < 3 { force[k] } else { turn[k - 3] };
-                f[k] = closing - self.work.r[n.first + k];
-            }
-            let mut moment = Vector3::new(f[3], f[4], f[5]);
-            if prescribed[3..].iter().all(|&p| p) {
-                moment = so3::tangent_inverse(&psi) * moment;
-            }
-            out.push(Reaction {
-                node: n.name.clone(),
-                prescribed,
-                force: Vector3::new(f[0], f[1], f[2]),
-                moment,
-            });
-        }
-        out
-    }
-
-    /// States of all cross-sections in the configuration last set, with their element.
-    pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
-        let mut out = Vec::new();
-        let mut states = Vec::new();
-        for (k, e) in self.elements.iter().enumerate() {
-            let [x, ..] = self.element_motion(e);
-            let at = Motion {
-                t,
-                x: &x,
-                v: &[],
-                a: &[],
-            };
-            e.element.section_states(&at, &mut states);
-            out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
-        }
-        out
-    }
-
-    /// Strain energy of all elements that are not loads, in the configuration last set.
-    pub fn strain_energy(&self, t: f64) -> f64 {
-        let loads = false;
-        self.energy(t, loads)
-    }
-
-    /// Potential of the loads that have one, in the configuration last set.
-    pub fn load_potential(&self, t: f64) -> f64 {
-        let loads = true;
-        self.energy(t, loads)
-    }
-
-    fn energy(&self, t: f64, loads: bool) -> f64 {
-        self.elements
-            .iter()
-            .filter(|e| e.element.is_load() == loads)
-            .map(|e| {
-                let [x, ..] = self.element_motion(e);
-                e.element.energy(&Motion {
-                    t,
-                    x: &x,
-                    v: &[],
-                    a: &[],
-                })
-            })
-            .sum()
     }
 
     /// Checks that every connected part of the structure is held against rigid motion, as statics
@@ -291,6 +177,130 @@ impl Model {
         let n = self.carrier(&self.nodes[node.0 as usize]);
         n.is_own() && self.unknowns[n.first + dof.index()] == NONE
     }
+}
+
+impl Context {
+    /// Describes the present state of the map of a node, such as its independent coordinates and
+    /// redundant equations.
+    pub fn describe(&self, node: NodeId) -> Option<String> {
+        match &self.model.nodes[node.0 as usize].source {
+            Source::Own => None,
+            Source::Mapped(d) => self.state.maps[d.index].describe(),
+        }
+    }
+
+    /// Describes how the loops of [`ModelBuilder::close`](super::ModelBuilder::close) are closed:
+    /// the joints of attached children, the joints that close loops, and their present independent
+    /// coordinates.
+    pub fn descriptions(&self) -> Vec<String> {
+        let note = |r: &super::loops::Report| {
+            let of_element = || {
+                r.element
+                    .map_or_else(String::new, |k| self.describe_left_out(k))
+            };
+            match r.map.and_then(|n| self.describe(NodeId(n))) {
+                Some(note) => format!("{}; {note}", r.words),
+                None => r.words.clone() + &of_element(),
+            }
+        };
+        let reports = self.model.reports.iter().map(note);
+        reports.chain(self.state.moved.iter().cloned()).collect()
+    }
+
+    /// Sets the whole configuration, for later queries.
+    ///
+    /// # Errors
+    /// [`SystemError`] if a joint is outside its domain.
+    pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        self.expand(at)
+    }
+
+    /// Reactions of all supported frame nodes at the last evaluation of the residual.
+    pub fn reactions(&self) -> Vec<Reaction> {
+        let mut out: Vec<Reaction> = Vec::new();
+        let frames = self
+            .model
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame());
+        for (id, n) in frames {
+            let own = self.carrier(n);
+            let prescribed =
+                std::array::from_fn(|k| self.model.unknowns[own.first + k] == NONE && own.is_own());
+            if !prescribed.contains(&true) {
+                continue;
+            }
+            let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
+            // Covector T m of a spatial moment m.
+            let [force, turn] = self.closing_force(NodeId(id as u32));
+            let turn = so3::tangent(&psi) * turn;
+            let mut f = [0.0; 6];
+            for k in (0..6).filter(|&k| prescribed[k]) {
+                let closing = if k < 3 { force[k] } else { turn[k - 3] };
+                f[k] = closing - self.work.r[n.first + k];
+            }
+            let mut moment = Vector3::new(f[3], f[4], f[5]);
+            if prescribed[3..].iter().all(|&p| p) {
+                moment = so3::tangent_inverse(&psi) * moment;
+            }
+            out.push(Reaction {
+                node: n.name.clone(),
+                prescribed,
+                force: Vector3::new(f[0], f[1], f[2]),
+                moment,
+            });
+        }
+        out
+    }
+
+    /// States of all cross-sections in the configuration last set, with their element.
+    pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
+        let mut out = Vec::new();
+        let mut states = Vec::new();
+        for (k, e) in self.model.elements.iter().enumerate() {
+            let [x, ..] = self.element_motion(k);
+            let at = Motion {
+                t,
+                x: &x,
+                v: &[],
+                a: &[],
+            };
+            e.element.section_states(&at, &mut states);
+            out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
+        }
+        out
+    }
+
+    /// Strain energy of all elements that are not loads, in the configuration last set.
+    pub fn strain_energy(&self, t: f64) -> f64 {
+        let loads = false;
+        self.energy(t, loads)
+    }
+
+    /// Potential of the loads that have one, in the configuration last set.
+    pub fn load_potential(&self, t: f64) -> f64 {
+        let loads = true;
+        self.energy(t, loads)
+    }
+
+    fn energy(&self, t: f64, loads: bool) -> f64 {
+        self.model
+            .elements
+            .iter()
+            .enumerate()
+            .filter(|(_, e)| e.element.is_load() == loads)
+            .map(|(k, e)| {
+                let [x, ..] = self.element_motion(k);
+                e.element.energy(&Motion {
+                    t,
+                    x: &x,
+                    v: &[],
+                    a: &[],
+                })
+            })
+            .sum()
+    }
 
     /// Largest rotation angle of any node in the configuration last set.
     pub fn largest_rotation(&self) -> f64 {
@@ -302,7 +312,7 @@ impl Model {
     /// Names of the unknowns with the largest entries of a vector, largest first.
     pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
         let scale = |i: usize| match self.quantity(i) {
-            Quantity::Length => self.length,
+            Quantity::Length => self.model.length,
             _ => 1.0,
         };
         let mut order: Vec<usize> = (0..vector.len()).collect();

@@ -4,10 +4,11 @@
 
 use super::builder::NodeId;
 use super::motion::RigidMotion;
-use super::{Model, NONE, NodeForm, Source};
+use super::{Context, Model, NONE, NodeForm, Source};
 use nalgebra::{DMatrix, DVector, Vector6};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
+use std::sync::Arc;
 
 /// Part of a motion that may be missing by rounding.
 const MISSING: f64 = 1e-9;
@@ -17,63 +18,6 @@ const MISSING: f64 = 1e-9;
 pub const BEFORE_START: f64 = 0.0_f64.next_down();
 
 impl Model {
-    /// Fits the rates of joint coordinates in `v`, so that the attached frames (those among
-    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: joint by joint from
-    /// the root, all joints of a loop at once, by least squares. Returns the closing joints of
-    /// loops without prescribed parts that do not allow the motion.
-    ///
-    /// # Errors
-    /// [`SystemError`] if the point is outside a chart.
-    pub fn fit_rates(
-        &mut self,
-        q: &[f64],
-        v: &mut [f64],
-        nodes: Option<&[NodeId]>,
-        motion: &RigidMotion,
-    ) -> Result<Vec<String>, SystemError> {
-        let (mut fitted, mut against) = (Vec::new(), Vec::new());
-        for n in self.dependent.clone() {
-            let released = |&&m: &&u32| self.nodes[m as usize].form == NodeForm::Coordinates;
-            let Some(d) = self.chosen(n, nodes) else {
-                continue;
-            };
-            let parents: Vec<u32> = d.parents().iter().filter(released).copied().collect();
-            let Some(x) = parents.iter().find_map(|&m| self.loop_of(m)) else {
-                self.fit(q, v, &[n], &parents, motion)?;
-                continue;
-            };
-            if fitted.contains(&x) {
-                continue;
-            }
-            fitted.push(x);
-            let all: Vec<u32> = (self.dependent.iter().copied())
-                .filter(|&k| {
-                    let d = self.chosen(k, nodes);
-                    d.is_some_and(|d| d.parents().iter().any(|&m| self.loop_of(m) == Some(x)))
-                })
-                .collect();
-            let Source::Mapped(d) = &self.nodes[x as usize].source else {
-                continue;
-            };
-            // A locked loop has no coordinates of its own.
-            let own: Vec<u32> = d
-                .parents()
-                .iter()
-                .take(1)
-                .filter(released)
-                .copied()
-                .collect();
-            let alone = d.parents().len() == 1;
-            let left = self.fit(q, v, &all, &own, motion)?;
-            if alone && left > MISSING {
-                let report = self.reports.iter().find(|r| r.map == Some(x));
-                let joint = report.and_then(|r| r.closures.first());
-                against.extend(joint.map(|&(n, _)| self.nodes[n as usize].name.clone()));
-            }
-        }
-        Ok(against)
-    }
-
     /// The map of a frame among `nodes`.
     fn chosen(&self, n: u32, nodes: Option<&[NodeId]>) -> Option<&super::mapped_node::MappedNode> {
         let node = &self.nodes[n as usize];
@@ -89,7 +33,9 @@ impl Model {
         let Source::Mapped(d) = &self.nodes[n as usize].source else {
             return None;
         };
-        let &[x] = d.parents() else { return None };
+        let &[x] = d.initial_parents() else {
+            return None;
+        };
         self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
     }
 
@@ -97,6 +43,67 @@ impl Model {
     /// independent coordinates.
     pub fn in_loop(&self, node: NodeId) -> bool {
         self.loop_of(node.0).is_some()
+    }
+}
+
+impl Context {
+    /// Fits the rates of joint coordinates in `v`, so that the attached frames (those among
+    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: joint by joint from
+    /// the root, all joints of a loop at once, by least squares. Returns the closing joints of
+    /// loops without prescribed parts that do not allow the motion.
+    ///
+    /// # Errors
+    /// [`SystemError`] if the point is outside a chart.
+    pub fn fit_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) -> Result<Vec<String>, SystemError> {
+        let (mut fitted, mut against) = (Vec::new(), Vec::new());
+        let model = Arc::clone(&self.model);
+        for &n in &model.dependent {
+            let released = |&&m: &&u32| model.nodes[m as usize].form == NodeForm::Coordinates;
+            let Some(d) = model.chosen(n, nodes) else {
+                continue;
+            };
+            let parents: Vec<u32> = d
+                .parents(&self.state.maps)
+                .iter()
+                .filter(released)
+                .copied()
+                .collect();
+            let Some(x) = parents.iter().find_map(|&m| self.loop_of(m)) else {
+                self.fit(q, v, &[n], &parents, motion)?;
+                continue;
+            };
+            if fitted.contains(&x) {
+                continue;
+            }
+            fitted.push(x);
+            let all: Vec<u32> = (model.dependent.iter().copied())
+                .filter(|&k| {
+                    let d = model.chosen(k, nodes);
+                    let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();
+                    parents.any(|&m| self.loop_of(m) == Some(x))
+                })
+                .collect();
+            let Source::Mapped(d) = &model.nodes[x as usize].source else {
+                continue;
+            };
+            // A locked loop has no coordinates of its own.
+            let parents = d.parents(&self.state.maps);
+            let own: Vec<u32> = parents.iter().take(1).filter(released).copied().collect();
+            let alone = parents.len() == 1;
+            let left = self.fit(q, v, &all, &own, motion)?;
+            if alone && left > MISSING {
+                let report = self.model.reports.iter().find(|r| r.map == Some(x));
+                let joint = report.and_then(|r| r.closures.first());
+                against.extend(joint.map(|&(n, _)| model.nodes[n as usize].name.clone()));
+            }
+        }
+        Ok(against)
     }
 
     /// Fits the rates of the free coordinates of `parents` to a motion of frames; returns the
@@ -111,14 +118,14 @@ impl Model {
     ) -> Result<f64, SystemError> {
         let a = vec![0.0; v.len()];
         let unknowns: Vec<usize> = (parents.iter())
-            .flat_map(|&m| self.nodes[m as usize].range())
-            .filter(|&c| self.unknowns[c] != NONE)
-            .map(|c| self.unknowns[c] as usize)
+            .flat_map(|&m| self.model.nodes[m as usize].range())
+            .filter(|&c| self.model.unknowns[c] != NONE)
+            .map(|c| self.model.unknowns[c] as usize)
             .collect();
         if unknowns.is_empty() {
             return Ok(0.0);
         }
-        let unit = self.length.recip();
+        let unit = self.model.length.recip();
         let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
         let mut rates = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
             self.expand(Point {
@@ -129,7 +136,7 @@ impl Model {
             })?;
             let mut all = Vec::with_capacity(6 * frames.len());
             for &n in frames {
-                let own = &self.work.v[self.nodes[n as usize].range()];
+                let own = &self.work.v[self.model.nodes[n as usize].range()];
                 all.extend(Vector6::from_column_slice(own).component_mul(&unit).iter());
             }
             Ok(DVector::from_vec(all))
@@ -170,13 +177,13 @@ impl Model {
     pub fn unknowns_behind(&self, nodes: &[NodeId]) -> Vec<usize> {
         let mut unknowns: Vec<usize> = Vec::new();
         for n in nodes {
-            let own = match &self.nodes[n.0 as usize].source {
-                Source::Own => std::slice::from_ref(&n.0),
-                Source::Mapped(d) => &d.ancestors[..],
-            };
-            let all = own.iter().flat_map(|&m| self.nodes[m as usize].range());
-            let free = all.filter(|&c| self.unknowns[c] != NONE);
-            unknowns.extend(free.map(|c| self.unknowns[c] as usize));
+            let dependencies = &self.work.scatter_map.dependencies;
+            let own = dependencies.behind(&self.model.nodes, &n.0);
+            let all = own
+                .iter()
+                .flat_map(|&m| self.model.nodes[m as usize].range());
+            let free = all.filter(|&c| self.model.unknowns[c] != NONE);
+            unknowns.extend(free.map(|c| self.model.unknowns[c] as usize));
         }
         unknowns.sort_unstable();
         unknowns.dedup();
@@ -201,8 +208,9 @@ impl Model {
         let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
             let t = BEFORE_START;
             self.expand(Point { t, q, v, a: &a })?;
-            let rate =
-                |&(n, k, _): &(NodeId, usize, f64)| self.work.v[self.nodes[n.0 as usize].first + k];
+            let rate = |&(n, k, _): &(NodeId, usize, f64)| {
+                self.work.v[self.model.nodes[n.0 as usize].first + k]
+            };
             Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
         };
         let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));

@@ -4,7 +4,7 @@
 
 use super::enforced::Equations;
 use super::start::start;
-use super::{Model, ModelError, NodeId};
+use super::{Context, Model, ModelError, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Point, System};
 
@@ -18,22 +18,6 @@ const MOVED: f64 = 0.1;
 const GAIN: f64 = 1.5;
 
 impl Model {
-    /// Selects independent equations, those with the largest gradients first, and omits the others.
-    pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
-        let all = self.equations(0.0, q, &[]).map_err(start)?;
-        let counting = self.counting(&all);
-        let choice = Chosen::of(&all, &counting);
-        self.leave_out(&all, choice);
-        let left_out = self.enforced.iter().any(|&k| {
-            let enforced = self.elements[k].element.enforced();
-            enforced.is_some_and(|e| e.left_out() != 0)
-        });
-        if left_out {
-            self.chosen_at = q.to_vec();
-        }
-        Ok(())
-    }
-
     /// The equations enforced by multipliers.
     fn counting(&self, all: &Equations) -> Vec<usize> {
         let counts = |&(k, _): &(usize, usize)| {
@@ -41,6 +25,27 @@ impl Model {
             enforced.is_some_and(|e| e.penalty().is_none())
         };
         (0..all.of.len()).filter(|&i| counts(&all.of[i])).collect()
+    }
+
+    /// The multiplier of an equation of an element.
+    fn multiplier(&self, element: usize, equation: usize) -> Option<usize> {
+        let e = &self.elements[element];
+        let &node = e.nodes.last()?;
+        self.unknown_at(NodeId(node), equation)
+    }
+}
+
+impl Context {
+    /// Selects independent equations, those with the largest gradients first, and omits the others.
+    pub(super) fn leave_out_redundant(&mut self, q: &[f64]) -> Result<(), ModelError> {
+        let all = self.equations(0.0, q, &[]).map_err(start)?;
+        let counting = self.counting(&all);
+        let choice = Chosen::of(&all, &counting);
+        self.leave_out(&all, choice);
+        if self.state.elements.iter().any(|e| e.left_out != 0) {
+            self.state.chosen_at = q.to_vec();
+        }
+        Ok(())
     }
 
     /// Omits the equations that are not selected.
@@ -54,7 +59,7 @@ impl Model {
         let of = &all.of;
         // Equations that follow from others at given prescribed positions, but not at all
         // positions.
-        self.overdriven.clear();
+        self.state.overdriven.clear();
         for &i in &waiting {
             let off = by_driven.row(i);
             let names: Vec<String> = (self.driven().zip(off.iter()))
@@ -62,15 +67,12 @@ impl Model {
                 .map(|(c, _)| self.coordinate_name(c))
                 .collect();
             if !names.is_empty() {
-                self.overdriven.push((of[i], names.join(", ")));
+                self.state.overdriven.push((of[i], names.join(", ")));
             }
         }
-        for k in self.enforced.clone() {
+        for &k in &self.model.enforced {
             let mine = waiting.iter().map(|&i| of[i]).filter(|&(e, _)| e == k);
-            let left_out = mine.fold(0, |bits, (_, i)| bits | 1 << i);
-            if let Some(enforced) = self.elements[k].element.enforced_mut() {
-                enforced.leave_out(left_out);
-            }
+            self.state.elements[k].left_out = mine.fold(0, |bits, (_, i)| bits | 1 << i);
         }
     }
 
@@ -81,13 +83,13 @@ impl Model {
     /// The independent gaps of a planar loop depend on the orientation of its frames.
     pub(super) fn choose_equations(&mut self, t: f64, q: &mut [f64]) -> bool {
         let moved = |u: usize| {
-            let change = (q[u] - self.chosen_at[u]).abs();
+            let change = (q[u] - self.state.chosen_at[u]).abs();
             change > MOVED * self.unit(u) && !self.is_multiplier(u)
         };
-        if self.unwatched || self.chosen_at.is_empty() || !(0..q.len()).any(moved) {
+        if self.state.unwatched || self.state.chosen_at.is_empty() || !(0..q.len()).any(moved) {
             return false;
         }
-        self.chosen_at.copy_from_slice(q);
+        self.state.chosen_at.copy_from_slice(q);
         // The forces of the accepted state are used later.
         let forces = self.work.r.clone();
         let all = self.equations(t, q, &[]);
@@ -98,8 +100,7 @@ impl Model {
         let counting = self.counting(&all);
         let taken = |&i: &usize| {
             let (k, number) = all.of[i];
-            let enforced = self.elements[k].element.enforced();
-            enforced.is_some_and(|e| e.left_out() & (1 << number) == 0)
+            self.state.elements[k].left_out & (1 << number) == 0
         };
         let used: Vec<usize> = counting.iter().copied().filter(taken).collect();
         let (now, best) = (Chosen::of(&all, &used), Chosen::of(&all, &counting));
@@ -145,34 +146,23 @@ impl Model {
 
     /// State of the choice: the unknowns there, and the omitted equations.
     pub(super) fn save_choice(&self) -> Vec<f64> {
-        let mut saved = self.chosen_at.clone();
-        saved.extend(self.enforced.iter().map(|&k| {
-            let enforced = self.elements[k].element.enforced();
-            f64::from(enforced.map_or(0, |e| e.left_out()))
-        }));
+        let mut saved = self.state.chosen_at.clone();
+        let left_out = |&k: &usize| f64::from(self.state.elements[k].left_out);
+        saved.extend(self.model.enforced.iter().map(left_out));
         saved
     }
 
-    /// Restores the state from [`Model::save_choice`]; false for anything else.
+    /// Restores the state from [`Context::save_choice`]; false for anything else.
     pub(super) fn restore_choice(&mut self, saved: &[f64]) -> bool {
-        let n = self.chosen_at.len();
-        if saved.len() != n + self.enforced.len() || saved.iter().any(|x| !x.is_finite()) {
+        let n = self.state.chosen_at.len();
+        if saved.len() != n + self.model.enforced.len() || saved.iter().any(|x| !x.is_finite()) {
             return false;
         }
-        self.chosen_at.copy_from_slice(&saved[..n]);
-        for (&k, left_out) in self.enforced.iter().zip(&saved[n..]) {
-            if let Some(enforced) = self.elements[k].element.enforced_mut() {
-                enforced.leave_out(*left_out as u32);
-            }
+        self.state.chosen_at.copy_from_slice(&saved[..n]);
+        for (&k, left_out) in self.model.enforced.iter().zip(&saved[n..]) {
+            self.state.elements[k].left_out = *left_out as u32;
         }
         true
-    }
-
-    /// The multiplier of an equation of an element.
-    fn multiplier(&self, element: usize, equation: usize) -> Option<usize> {
-        let e = &self.elements[element];
-        let &node = e.nodes.last()?;
-        self.unknown_at(NodeId(node), equation)
     }
 }
 

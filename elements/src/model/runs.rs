@@ -7,6 +7,7 @@ use std::ops::Range;
 /// as a block.
 ///
 /// All vectors of callers pass through here, with a check of their length.
+#[derive(Clone)]
 pub(super) struct Runs {
     runs: Vec<Range<usize>>,
     unknowns: usize,

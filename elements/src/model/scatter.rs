@@ -7,8 +7,8 @@
 
 #![allow(non_snake_case)]
 
-use super::mapped_node::Operators;
-use super::scatter_map::{BlockPosition, ScatterMap, behind};
+use super::mapped_node::{Maps, Operators};
+use super::scatter_map::{BlockPosition, ScatterMap};
 use super::{NONE, Node, Source};
 use pullback_manifold::pullback::{self, Slot, Tangents};
 use pullback_manifold::system::Weights;
@@ -50,7 +50,7 @@ impl ScatterMap {
                 Source::Mapped(d) => operators.slot(node.dim, d.total),
             };
             let mut column_of_node = 0;
-            for (&a, positions) in behind(nodes, j).iter().zip(&mut positions) {
+            for (&a, positions) in (self.dependencies.behind(nodes, j).iter()).zip(&mut positions) {
                 for &column in &self.rows[nodes[a as usize].range()] {
                     let c = column_of_node;
                     column_of_node += 1;
@@ -103,6 +103,7 @@ impl ScatterMap {
         &self,
         n: u32,
         nodes: &[Node],
+        maps: &Maps,
         operators: &Operators,
         into: &mut ScatterTarget<'_>,
     ) {
@@ -113,7 +114,7 @@ impl ScatterMap {
         // Panels of parents come before those of the nodes mapped from them.
         let (above, own) = into.panels.split_at_mut(start as usize);
         let mut columns = own.chunks_exact(node.dim);
-        let parents = d.parents();
+        let parents = d.parents(maps);
         let positions = self.positions[panel.parent_rows..].chunks_exact(parents.len().max(1));
         for (&a, positions) in panel.columns.iter().zip(positions) {
             for column in 0..self.width(&nodes[a as usize]) {

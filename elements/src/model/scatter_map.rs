@@ -2,18 +2,21 @@
 
 #![allow(non_snake_case)]
 
-use super::dependency_graph::{Alternatives, union};
+use super::dependency_graph::{Alternatives, Dependencies, union};
+use super::mapped_node::Maps;
 use super::{ElementEntry, NONE, Node, Source, Span};
 use pullback_manifold::sparse::BlockPattern;
 use std::ops::Range;
 
-/// Positions of element matrices in the pattern, found once.
+/// Positions of element matrices in the pattern, found for the present segments of all maps.
 ///
 /// Stored in the order of an assembly. Rows of the tangent at mapped nodes are added to panels
 /// first, and from there to their parents, like forces: the cost is the number of joints of a chain
 /// times the unknowns behind them, not the square of these for every body.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct ScatterMap {
+    /// Own nodes behind the mapped ones.
+    pub dependencies: Dependencies,
     /// Per coordinate: its row in the block of its own node, [`NONE`] if prescribed.
     pub rows: Vec<u32>,
     /// Per node: index of its block in the pattern, [`NONE`] if all is prescribed.
@@ -21,6 +24,8 @@ pub(super) struct ScatterMap {
     /// Per element, consecutively: the position of each pair of blocks, column by column; then
     /// those of mapped nodes.
     pub positions: Vec<BlockPosition>,
+    /// Per element: its first position.
+    first_positions: Vec<usize>,
     /// Per node.
     pub panels: Vec<Panel>,
     /// Per value: whether an element writes the block that begins here.
@@ -30,7 +35,7 @@ pub(super) struct ScatterMap {
 }
 
 /// Rows of the tangent at a mapped node.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Panel {
     /// Own nodes whose coordinates affect the forces at this one, ascending, and the first value of
     /// each of their blocks.
@@ -51,18 +56,11 @@ pub(super) struct BlockPosition {
     pub first: bool,
 }
 
-/// The present own nodes behind a node.
-pub(super) fn behind<'a>(nodes: &'a [Node], n: &'a u32) -> &'a [u32] {
-    match &nodes[*n as usize].source {
-        Source::Own => std::slice::from_ref(n),
-        Source::Mapped(d) => &d.ancestors,
-    }
-}
-
 impl ScatterMap {
     /// Without positions, for nodes with `coordinates` in all.
-    pub(super) fn new(nodes: usize, coordinates: usize) -> Self {
+    pub(super) fn new(nodes: usize, coordinates: usize, dependencies: Dependencies) -> Self {
         Self {
+            dependencies,
             rows: vec![NONE; coordinates],
             blocks: vec![NONE; nodes],
             ..Self::default()
@@ -120,7 +118,7 @@ impl ScatterMap {
         let most = |group: &[u32]| -> usize {
             let columns = |&n: &u32| match &nodes[n as usize].source {
                 Source::Own => 1,
-                Source::Mapped(d) => d.ancestors.capacity(),
+                Source::Mapped(d) => self.dependencies.0[d.index].nodes.capacity(),
             };
             group.iter().map(columns).sum::<usize>() * group.len()
         };
@@ -133,6 +131,7 @@ impl ScatterMap {
             }
         }
         self.positions.reserve_exact(room);
+        self.first_positions.reserve_exact(elements.len());
         len
     }
 
@@ -141,17 +140,17 @@ impl ScatterMap {
         &mut self,
         nodes: &[Node],
         dependent: &[u32],
-        elements: &mut [ElementEntry],
+        maps: &Maps,
+        elements: &[ElementEntry],
         pattern: &BlockPattern,
     ) {
+        self.dependencies.find(nodes, dependent, maps);
         self.positions.clear();
+        self.first_positions.clear();
         self.written.clear();
         self.written.resize(pattern.len(), false);
         for e in elements {
-            e.first_position = self.positions.len();
-            let held = |&n: &u32| self.rows[nodes[n as usize].range()].contains(&NONE);
-            e.held = e.nodes.iter().any(held);
-            e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
+            self.first_positions.push(self.positions.len());
             if !(e.dead && e.mapped) {
                 self.locate_group(nodes, &e.nodes, pattern, !e.dead);
             }
@@ -164,11 +163,12 @@ impl ScatterMap {
                 continue;
             }
             self.panels[n as usize].stiffness = self.positions.len();
-            self.locate_group(nodes, d.parents(), pattern, false);
+            let parents = d.parents(maps);
+            self.locate_group(nodes, parents, pattern, false);
             self.panels[n as usize].parent_rows = self.positions.len();
             for k in 0..self.panels[n as usize].columns.len() {
                 let a = self.panels[n as usize].columns[k];
-                for &m in d.parents() {
+                for &m in parents {
                     let start = self.find(nodes, m, a, pattern);
                     let first = false;
                     self.positions.push(BlockPosition { start, first });
@@ -192,7 +192,8 @@ impl ScatterMap {
         writes: bool,
     ) {
         for j in group {
-            for &a in behind(nodes, j) {
+            for k in 0..self.dependencies.behind(nodes, j).len() {
+                let a = self.dependencies.behind(nodes, j)[k];
                 for &i in group {
                     let start = self.find(nodes, i, a, pattern);
                     let first = writes
@@ -235,10 +236,22 @@ impl ScatterMap {
         }
     }
 
-    /// Writes or adds an element's local matrix `S` (d×d).
-    pub(super) fn scatter(&self, e: &ElementEntry, spans: &[Span], S: &[f64], values: &mut [f64]) {
+    /// First position of element `k`.
+    pub(super) fn first_position(&self, k: usize) -> usize {
+        self.first_positions[k]
+    }
+
+    /// Writes or adds the local matrix `S` (d×d) of element `k`.
+    pub(super) fn scatter(
+        &self,
+        k: usize,
+        e: &ElementEntry,
+        spans: &[Span],
+        S: &[f64],
+        values: &mut [f64],
+    ) {
         let nodes = &e.nodes[..];
-        let positions = &self.positions[e.first_position..][..nodes.len() * nodes.len()];
+        let positions = &self.positions[self.first_positions[k]..][..nodes.len() * nodes.len()];
         let d = e.element.dim();
         let mut column = 0;
         for (&nj, positions) in nodes.iter().zip(positions.chunks_exact(nodes.len())) {
@@ -304,11 +317,11 @@ fn free_part(rows: &[u32], columns: &[u32], S: &[f64], d: usize, values: &mut [f
 mod tests {
     use crate::body::RigidBody;
     use crate::joint::{offset, revolute};
-    use crate::model::{Dof, Model, ModelBuilder};
+    use crate::model::{Context, Dof, ModelBuilder};
     use nalgebra::{Matrix3, Vector3};
 
     /// Bars in a chain.
-    fn chain(count: usize) -> Model {
+    fn chain(count: usize) -> Context {
         let mut b = ModelBuilder::new();
         let mut end = b.node("ground", [0.0; 3]).unwrap();
         b.support(end, &Dof::ALL);
@@ -319,7 +332,7 @@ mod tests {
             let position = [k as f64 + 1.0, 0.0, 0.0];
             end = offset(&mut b, &format!("end {k}"), pin.frame, position).unwrap();
         }
-        b.build().unwrap()
+        Context::new(b.build().unwrap())
     }
 
     /// The cost and the memory of a chain are quadratic in its length, like its mass matrix;
@@ -328,7 +341,7 @@ mod tests {
     fn chains_grow_with_the_square_of_their_length() {
         let sizes = [20, 40, 80].map(|count| {
             let model = chain(count);
-            let (p, w) = (&model.scatter_map, &model.work);
+            let (p, w) = (&model.work.scatter_map, &model.work);
             assert_eq!(model.pattern.len(), count * count);
             [w.operators.B.len(), w.panels.len(), p.positions.len()]
         });
@@ -357,11 +370,12 @@ mod tests {
             .unwrap();
         let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
         b.element("body", body, &[other]).unwrap();
-        let model = b.build().unwrap();
+        let model = Context::new(b.build().unwrap());
         let super::Source::Mapped(d) = &model.nodes[other.0 as usize].source else {
             panic!("it follows others");
         };
-        assert_eq!(d.pulled, 7);
-        assert_eq!(d.ancestors.len(), 2);
+        let ancestors = &model.work.scatter_map.dependencies.0[d.index];
+        assert_eq!(ancestors.coordinates, 7);
+        assert_eq!(ancestors.nodes.len(), 2);
     }
 }

@@ -5,11 +5,11 @@
 use super::gather::collect;
 use super::mapped_node::{MappedNode, pull_back_forces};
 use super::workspace::Workspace;
-use super::{Model, Node, Source};
+use super::{Context, Node, Source};
 use pullback_manifold::system::{Point, SystemError};
 
 /// Buffers for maps with several segments.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct SegmentChanges {
     /// Coordinates and velocities of their parents at the beginning of a step, map by map.
     from: [Vec<f64>; 2],
@@ -21,7 +21,7 @@ pub(super) struct SegmentChanges {
     segments: Vec<usize>,
 }
 
-impl Model {
+impl Context {
     /// See [`System::overshoot`](pullback_manifold::system::System::overshoot).
     pub(super) fn find_overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
         self.collect_overshoots(from, to);
@@ -33,8 +33,9 @@ impl Model {
     pub(super) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
         self.collect_overshoots(from, to);
         for (n, by, segment) in &self.work.segment_changes.overshoots {
-            if let (true, Source::Mapped(d)) = (*by >= since, &mut self.nodes[*n as usize].source) {
-                d.map.enter(*segment);
+            if let (true, Source::Mapped(d)) = (*by >= since, &self.model.nodes[*n as usize].source)
+            {
+                self.state.maps[d.index].enter(*segment);
             }
         }
     }
@@ -42,17 +43,18 @@ impl Model {
     fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
         let h = to.t - from.t;
         self.work.segment_changes.overshoots.clear();
-        let segmented = |n: &&u32| is_segmented(&self.nodes[**n as usize]);
-        if !self.dependent.iter().any(|n| segmented(&n)) || self.expand(from).is_err() {
+        let segmented = |n: &&u32| is_segmented(&self.model.nodes[**n as usize]);
+        if !self.model.dependent.iter().any(|n| segmented(&n)) || self.expand(from).is_err() {
             return;
         }
         let mut changes = std::mem::take(&mut self.work.segment_changes);
         changes.from.iter_mut().for_each(Vec::clear);
         let Workspace { local, x, v, .. } = &mut self.work;
-        for &n in &self.dependent {
-            if let Some(d) = segmented_map(&self.nodes[n as usize]) {
+        for &n in &self.model.dependent {
+            if let Some(d) = segmented_map(&self.model.nodes[n as usize]) {
                 for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
-                    let k = collect(d.parents(), &self.spans, x, &mut local.q);
+                    let parents = d.parents(&self.state.maps);
+                    let k = collect(parents, &self.model.spans, x, &mut local.q);
                     all.extend_from_slice(&local.q[..k]);
                 }
             }
@@ -60,15 +62,16 @@ impl Model {
         if self.expand(to).is_ok() {
             let Workspace { local, x, v, .. } = &mut self.work;
             let mut first = 0;
-            for &n in &self.dependent {
-                let Some(d) = segmented_map(&self.nodes[n as usize]) else {
+            for &n in &self.model.dependent {
+                let Some(d) = segmented_map(&self.model.nodes[n as usize]) else {
                     continue;
                 };
-                let k = collect(d.parents(), &self.spans, x, &mut local.q);
-                collect(d.parents(), &self.spans, v, &mut local.qv);
+                let parents = d.parents(&self.state.maps);
+                let k = collect(parents, &self.model.spans, x, &mut local.q);
+                collect(parents, &self.model.spans, v, &mut local.qv);
                 let from = changes.from.each_ref().map(|all| &all[first..first + k]);
                 let to = [&local.q[..k], &local.qv[..k]];
-                let overshoot = d.map.overshoot(h, from, to);
+                let overshoot = self.state.maps[d.index].overshoot(h, from, to);
                 changes
                     .overshoots
                     .extend(overshoot.map(|(by, segment)| (n, by, segment)));
@@ -81,7 +84,7 @@ impl Model {
     /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
     pub(super) fn keep_momentum(&mut self, at: Point<'_>) {
         // If a map cannot be evaluated, the next evaluation reports it.
-        if !self.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
+        if !self.model.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
             return;
         }
         let Workspace {
@@ -93,8 +96,13 @@ impl Model {
         changes.momenta.clone_from(r);
         changes.B.clone_from(&operators.B);
         changes.segments.clear();
-        let nodes = self.dependent.iter().map(|&n| &self.nodes[n as usize]);
-        let segment = |node: &Node| segmented_map(node).map_or(0, |d| d.map.segment());
+        let nodes = self
+            .model
+            .dependent
+            .iter()
+            .map(|&n| &self.model.nodes[n as usize]);
+        let segment =
+            |node: &Node| segmented_map(node).map_or(0, |d| self.state.maps[d.index].segment());
         changes.segments.extend(nodes.map(segment));
     }
 
@@ -118,7 +126,7 @@ impl Model {
         for before in [false, true] {
             self.work.r.copy_from_slice(&momenta);
             self.pull_back_momenta(before);
-            for (p, &c) in p.iter_mut().zip(&self.coordinates) {
+            for (p, &c) in p.iter_mut().zip(&self.model.coordinates) {
                 *p += 0.5 * self.work.r[c];
             }
         }
@@ -132,16 +140,16 @@ impl Model {
         if before {
             std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
         }
-        for (k, &n) in self.dependent.iter().enumerate().rev() {
-            let node = &self.nodes[n as usize];
+        for (k, &n) in self.model.dependent.iter().enumerate().rev() {
+            let node = &self.model.nodes[n as usize];
             let Source::Mapped(d) = &node.source else {
                 continue;
             };
             let parents = match before {
                 true => &d.segments[w.segment_changes.segments[k]],
-                false => d.parents(),
+                false => d.parents(&self.state.maps),
             };
-            pull_back_forces(d, parents, node, &self.spans, w, false);
+            pull_back_forces(d, parents, node, &self.model.spans, w, false);
         }
         let w = &mut self.work;
         if before {

@@ -4,8 +4,7 @@
 #![allow(non_snake_case)]
 
 use super::enforced::Equations;
-use super::loops::Report;
-use super::{Model, ModelError, Node, NodeId};
+use super::{Context, Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
 use pullback_manifold::system::{Quantity, System, SystemError};
 use std::collections::HashMap;
@@ -26,6 +25,14 @@ const FARTHEST: f64 = FITS / f64::EPSILON;
 const DRAWN: f64 = 1e-6;
 
 impl Model {
+    /// The joint or element that enforces an equation.
+    fn closing_joint(&self, all: &Equations, i: usize) -> String {
+        let e = &self.elements[all.of[i].0];
+        e.name.trim_start_matches("closure of ").to_owned()
+    }
+}
+
+impl Context {
     /// Projects a start at time t ([`BEFORE_START`](super::BEFORE_START) of a motion) to the
     /// nearest one that satisfies the enforced equations: coordinates `q`, and velocities `v` if
     /// there are any. The unknowns in `held` do not change. Returns the largest error of a velocity
@@ -41,7 +48,7 @@ impl Model {
         v: &mut [f64],
         held: &[usize],
     ) -> Result<f64, ModelError> {
-        if self.enforced.is_empty() {
+        if self.model.enforced.is_empty() {
             return Ok(0.0);
         }
         self.close_up(t, q, held, CLOSED)?;
@@ -52,11 +59,11 @@ impl Model {
         Ok(left)
     }
 
-    /// As [`Model::satisfy`] for coordinates, keeping those in `wanted` as well if possible; if
-    /// not, [`Model::descriptions`] gives their initial values.
+    /// As [`Context::satisfy`] for coordinates, keeping those in `wanted` as well if possible; if
+    /// not, [`Context::descriptions`] gives their initial values.
     ///
     /// # Errors
-    /// As [`Model::satisfy`].
+    /// As [`Context::satisfy`].
     pub fn project_positions(
         &mut self,
         t: f64,
@@ -76,7 +83,7 @@ impl Model {
         Ok(())
     }
 
-    /// As [`Model::satisfy`] for velocities, at coordinates that satisfy the equations; returns the
+    /// As [`Context::satisfy`] for velocities, at coordinates that satisfy the equations; returns the
     /// largest error, and its joint.
     ///
     /// # Errors
@@ -88,7 +95,7 @@ impl Model {
         v: &mut [f64],
         held: &[usize],
     ) -> Result<(f64, String), ModelError> {
-        if self.enforced.is_empty() {
+        if self.model.enforced.is_empty() {
             return Ok((0.0, String::new()));
         }
         let all = self.equations(t, q, v).map_err(start)?;
@@ -114,7 +121,7 @@ impl Model {
     /// # Errors
     /// [`ModelError::Start`] outside the domain of a joint.
     pub fn is_locked(&mut self, t: f64, q: &[f64], unknown: usize) -> Result<bool, ModelError> {
-        if self.enforced.is_empty() {
+        if self.model.enforced.is_empty() {
             return Ok(false);
         }
         let J = self.equations(t, q, &[]).map_err(start)?.J;
@@ -128,16 +135,14 @@ impl Model {
     ///
     /// Keeps as many of the desired values (unknown, value) as possible, in their order, like the
     /// maps of loops; the report names the others. `positions` is the start of the coordinates of
-    /// loops if closed by maps.
+    /// loops if closed by maps. Returns the initial coordinates.
     pub(super) fn assemble_enforced(
         &mut self,
         values: &[(usize, f64)],
         positions: &[(u32, usize, f64)],
-    ) -> Result<(), ModelError> {
-        let n = self.coordinates.len();
-        self.initial = vec![0.0; n];
-        if self.enforced.is_empty() {
-            return Ok(());
+    ) -> Result<Vec<f64>, ModelError> {
+        if self.model.enforced.is_empty() {
+            return Ok(vec![0.0; self.model.coordinates.len()]);
         }
         let mut q = match self.as_by_maps(values, positions) {
             Some(q) => q,
@@ -146,8 +151,7 @@ impl Model {
         self.change_charts(0.0, &mut q, &mut [], &mut []);
         self.leave_out_redundant(&q)?;
         self.report_moved(&q, values);
-        self.initial = q;
-        Ok(())
+        Ok(q)
     }
 
     /// The start with all loops closed by maps, if it keeps all desired values.
@@ -156,7 +160,7 @@ impl Model {
         values: &[(usize, f64)],
         positions: &[(u32, usize, f64)],
     ) -> Option<Vec<f64>> {
-        let mut q = vec![0.0; self.coordinates.len()];
+        let mut q = vec![0.0; self.model.coordinates.len()];
         let mut found = Vec::new();
         for &(node, k, x) in positions {
             let u = self.unknown_at(NodeId(node), k)?;
@@ -178,7 +182,7 @@ impl Model {
 
     /// The start by the smallest corrections from the configuration as drawn.
     fn by_corrections(&mut self, values: &[(usize, f64)]) -> Result<Vec<f64>, ModelError> {
-        let mut q = vec![0.0; self.coordinates.len()];
+        let mut q = vec![0.0; self.model.coordinates.len()];
         self.start_element_charts(0.0, &q);
         let closed = self.close_up(0.0, &mut q, &[], CLOSED);
         if values.is_empty() {
@@ -193,9 +197,9 @@ impl Model {
         for &(u, value) in values {
             if (q[u] - value).abs() > FITS * self.unit(u) {
                 let (name, x) = (self.name(u), q[u]);
-                self.reports.push(Report::say(format!(
+                self.state.moved.push(format!(
                     "{name} starts at {x:.6}: the loop is not found to close with its value"
-                )));
+                ));
             }
         }
     }
@@ -222,7 +226,7 @@ impl Model {
         let q = match (found, drawn) {
             (Some(q), _) => q,
             (None, Some(drawn)) => drawn.to_vec(),
-            (None, None) => vec![0.0; self.coordinates.len()],
+            (None, None) => vec![0.0; self.model.coordinates.len()],
         };
         self.with_kept(q, kept.into_iter().map(|(u, _)| u).collect())
     }
@@ -277,7 +281,7 @@ impl Model {
                 return Some(q);
             }
         }
-        let mut q = vec![0.0; self.coordinates.len()];
+        let mut q = vec![0.0; self.model.coordinates.len()];
         values.iter().for_each(|&(u, x)| q[u] = x);
         self.start_element_charts(0.0, &q);
         let closed = self.close_up(0.0, &mut q, &fixed, FITS);
@@ -313,16 +317,10 @@ impl Model {
         let driven: Vec<String> = self.driven().map(|c| self.coordinate_name(c)).collect();
         Err(ModelError::Unclosed {
             joint: self.closing_joint(&all, worst),
-            equation: self.elements[k].equation(i),
+            equation: self.model.elements[k].equation(i),
             gap: all.h.amax(),
             driven: driven.join(", "),
         })
-    }
-
-    /// The joint or element that enforces an equation.
-    fn closing_joint(&self, all: &Equations, i: usize) -> String {
-        let e = &self.elements[all.of[i].0];
-        e.name.trim_start_matches("closure of ").to_owned()
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::assembly::named;
 use super::motion::RigidMotion;
-use super::{Model, NONE, Node, Source};
+use super::{Context, Model, NONE, Node};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
@@ -37,6 +37,13 @@ fn unit(k: usize) -> RigidRates {
 }
 
 impl Model {
+    /// Unit of a motion: translations are measured in lengths of the model.
+    fn measure(&self, k: usize) -> f64 {
+        if k < 3 { self.length } else { 1.0 }
+    }
+}
+
+impl Context {
     /// See [`System::rigid_rates`]: joint coordinates have constant rates.
     pub(super) fn write_rigid_rates(&self, q: &[f64], xi: &RigidRates, rates: &mut [f64]) {
         rates.fill(0.0);
@@ -92,7 +99,7 @@ impl Model {
         let flat = rows.iter().flatten().copied();
         let R = DMatrix::from_row_iterator(rows.len(), 6, flat);
         let mut found = Vec::new();
-        for xi in null_space(&R, self.length) {
+        for xi in null_space(&R, self.model.length) {
             let lost = self.is_lossy(times[1], &states[1], &xi, span[1] - span[0])?;
             // Angular velocities are not rates: a motion that is rigid by frames and forces also
             // conserves kinetic energy.
@@ -137,9 +144,9 @@ impl Model {
 
     /// A state near q: q itself, or q with changes without symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
-        let size = |i: usize| match self.quantities[self.coordinates[i]] {
+        let size = |i: usize| match self.model.quantities[self.model.coordinates[i]] {
             _ if number == 0 || self.is_multiplier(i) => 0.0,
-            Quantity::Length => 0.02 * self.length,
+            Quantity::Length => 0.02 * self.model.length,
             Quantity::Angle => 0.1,
             Quantity::Other => 0.0,
         };
@@ -148,11 +155,6 @@ impl Model {
             .enumerate()
             .map(|(i, q)| q + size(i) * wave(i))
             .collect()
-    }
-
-    /// Unit of a motion: translations are measured in lengths of the model.
-    fn measure(&self, k: usize) -> f64 {
-        if k < 3 { self.length } else { 1.0 }
     }
 
     fn fields(&self, q: &[f64]) -> Vec<Vec<f64>> {
@@ -170,7 +172,7 @@ impl Model {
         if self.has_spins() {
             for X in &mut fields {
                 self.expand(Point { t, q, v: X, a: &a })?;
-                for (X, &c) in X.iter_mut().zip(&self.coordinates) {
+                for (X, &c) in X.iter_mut().zip(&self.model.coordinates) {
                     *X = self.work.v[c];
                 }
             }
@@ -221,23 +223,26 @@ impl Model {
     /// The forces of the steady loads on the unknowns, in statics.
     fn steady_loads(&mut self, at: Point<'_>, r: &mut [f64]) -> Result<(), SystemError> {
         self.expand(at)?;
-        let w = &mut self.work;
+        let (w, model) = (&mut self.work, &*self.model);
         w.r.fill(0.0);
-        for e in self.elements.iter().filter(|e| e.steady) {
-            let local = &mut w.local;
-            local.gather(e, &self.spans, &w.x);
-            local.gather_rates(e, &self.spans, None);
-            let switched = local.switch(e, &self.nodes);
-            local
-                .evaluate(e, at.t, true, None, false, false)
-                .map_err(|error| named(error, &e.name))?;
-            if switched {
-                local.pull_back_switch(e, &self.nodes, None, true, false);
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            if !e.steady {
+                continue;
             }
-            local.add_residual(e, &self.spans, &mut w.r);
+            let (local, switched) = (&mut w.local, state.switched);
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, None);
+            local.switch(e, switched, &model.nodes);
+            local
+                .evaluate(e, state, at.t, true, None, false, false)
+                .map_err(|error| named(error, &e.name))?;
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, None, true, false);
+            }
+            local.add_residual(e, &model.spans, &mut w.r);
         }
         self.pull_back_nodes(at.t, None, false);
-        self.runs.gather(&self.work.r, "steady loads", r)
+        self.model.runs.gather(&self.work.r, "steady loads", r)
     }
 
     /// Errors of frames with elements in the six motions.
@@ -263,7 +268,7 @@ impl Model {
             self.expand(Point { v: X, ..rest })?;
             let motion = motion_of(&unit(k));
             for (frame, rows) in frames.iter().zip(rows[first..].chunks_exact_mut(6)) {
-                let node = &self.nodes[*frame];
+                let node = &self.model.nodes[*frame];
                 let three = |i: usize| {
                     let [a, b] = [&self.work.v, &driven];
                     let c = node.first + i;
@@ -272,8 +277,8 @@ impl Model {
                 let x = &self.work.x[node.range()];
                 let position = node.position + Vector3::new(x[0], x[1], x[2]);
                 let T = so3::tangent(&Vector3::new(x[3], x[4], x[5]));
-                let missing =
-                    (three(0) - motion.velocity - motion.omega.cross(&position)) / self.length;
+                let missing = (three(0) - motion.velocity - motion.omega.cross(&position))
+                    / self.model.length;
                 let turned = T.tr_mul(&three(3)) - motion.omega;
                 for i in 0..3 {
                     rows[i][k] = missing[i] * self.measure(k);
@@ -286,19 +291,21 @@ impl Model {
 
     /// Frames with elements that are not entirely prescribed.
     fn moving_frames(&self) -> Vec<usize> {
-        let free = |n: &Node| n.range().any(|c| self.unknowns[c] != NONE);
-        let moves = |n: &Node| match &n.source {
-            Source::Own => free(n),
-            Source::Mapped(d) => d.ancestors.iter().any(|&m| free(&self.nodes[m as usize])),
+        let nodes = &self.model.nodes;
+        let free = |n: &Node| n.range().any(|c| self.model.unknowns[c] != NONE);
+        let dependencies = &self.work.scatter_map.dependencies;
+        let moves = |n: u32| {
+            let mut behind = dependencies.behind(nodes, &n).iter();
+            behind.any(|&m| free(&nodes[m as usize]))
         };
-        let mut met = vec![false; self.nodes.len()];
-        for e in self.elements.iter().filter(|e| !e.load) {
+        let mut met = vec![false; nodes.len()];
+        for e in self.model.elements.iter().filter(|e| !e.load) {
             for &n in e.nodes.iter() {
                 met[n as usize] = true;
             }
         }
-        let kept = |&n: &usize| met[n] && self.nodes[n].is_frame() && moves(&self.nodes[n]);
-        (0..self.nodes.len()).filter(kept).collect()
+        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves(n as u32);
+        (0..nodes.len()).filter(kept).collect()
     }
 
     /// Whether dampers dissipate more than rounding errors of a motion in a time.
@@ -366,7 +373,7 @@ impl Model {
             };
             *T = self.evaluate_energies(at, false)?.energies.kinetic;
         }
-        let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.length;
+        let turn = Vector3::new(xi[3], xi[4], xi[5]).norm() + 1.0 / self.model.length;
         Ok((T[0] - T[1]).abs() <= 2.0 * epsilon * turn * NEARLY * (T[0] + T[1]))
     }
 }

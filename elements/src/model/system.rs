@@ -1,6 +1,6 @@
 //! The model as a [`System`], for integrators.
 
-use super::{Model, Source};
+use super::{Context, Source};
 use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
@@ -8,9 +8,9 @@ use pullback_manifold::system::{
     SystemError,
 };
 
-impl System for Model {
+impl System for Context {
     fn pattern(&self) -> &BlockPattern {
-        &self.pattern
+        &self.model.pattern
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
@@ -48,7 +48,7 @@ impl System for Model {
     }
 
     fn is_multiplier(&self, i: usize) -> bool {
-        self.multipliers[self.coordinates[i]]
+        self.model.multipliers[self.model.coordinates[i]]
     }
 
     fn change_charts(
@@ -81,24 +81,28 @@ impl System for Model {
 
     fn singularity_warnings(&self) -> Vec<String> {
         let warning = |&n: &u32| {
-            let node = &self.nodes[n as usize];
+            let node = &self.model.nodes[n as usize];
             match &node.source {
-                Source::Mapped(d) => (d.map.singularity_warning())
+                Source::Mapped(d) => (self.state.maps[d.index].singularity_warning())
                     .map(|why| format!("joint at node {}: {why}", node.name)),
                 Source::Own => None,
             }
         };
-        self.dependent.iter().filter_map(warning).collect()
+        self.model.dependent.iter().filter_map(warning).collect()
     }
 
     fn kinks(&self) -> Vec<f64> {
-        let driven = self.prescribed.iter().flat_map(|p| p.function.kinks());
-        let loads = self.elements.iter().flat_map(|e| e.element.kinks());
+        let driven = self
+            .model
+            .prescribed
+            .iter()
+            .flat_map(|p| p.function.kinks());
+        let loads = self.model.elements.iter().flat_map(|e| e.element.kinks());
         driven.chain(loads).collect()
     }
 
     fn inputs(&self) -> Vec<f64> {
-        self.inputs.iter().map(Input::get).collect()
+        self.model.inputs.iter().map(Input::get).collect()
     }
 
     fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
@@ -124,19 +128,19 @@ impl System for Model {
     }
 
     fn is_symmetric(&self) -> bool {
-        self.elements.iter().all(|e| e.element.is_symmetric())
+        self.model.elements.iter().all(|e| e.element.is_symmetric())
     }
 
     fn quantity(&self, i: usize) -> Quantity {
-        self.quantities[self.coordinates[i]]
+        self.model.quantities[self.model.coordinates[i]]
     }
 
     fn name(&self, i: usize) -> String {
-        self.coordinate_name(self.coordinates[i])
+        self.coordinate_name(self.model.coordinates[i])
     }
 
     fn magnitude(&self, i: usize) -> f64 {
-        self.magnitudes[i]
+        self.model.magnitudes[i]
     }
 
     fn scales(&self) -> Scales {

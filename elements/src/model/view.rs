@@ -2,10 +2,9 @@
 
 use super::gather::collect;
 use super::slots::Complement;
-use super::{ElementEntry, Model, NONE, Node, NodeForm, Source};
-use crate::element::Element;
+use super::{Context, ElementEntry, Model, NONE, Node, NodeForm, Source};
+use crate::element::{Element, ElementError};
 use nalgebra::Vector3;
-use pullback_manifold::map::Parametrization;
 use pullback_manifold::system::{Point, Quantity, System, SystemError};
 use std::ops::Range;
 
@@ -30,7 +29,7 @@ impl Node {
         &self.quantities
     }
 
-    /// Range of its coordinates in those of all nodes ([`Model::configuration`]).
+    /// Range of its coordinates in those of all nodes ([`Context::configuration`]).
     pub fn range(&self) -> Range<usize> {
         self.first..self.first + self.dim
     }
@@ -45,14 +44,6 @@ impl Node {
             self.name.clone()
         } else {
             format!("{}, coordinate {}", self.name, k + 1)
-        }
-    }
-
-    /// The map of its coordinates; `None` if they are coordinates of the model.
-    pub fn map(&self) -> Option<&dyn Parametrization> {
-        match &self.source {
-            Source::Own => None,
-            Source::Mapped(d) => Some(&*d.map),
         }
     }
 
@@ -99,35 +90,10 @@ impl Model {
         &self.elements
     }
 
-    /// Coordinates, velocities and accelerations of all nodes, in the configuration last set.
-    pub fn configuration(&self) -> [&[f64]; 3] {
-        [&self.work.x, &self.work.v, &self.work.a]
-    }
-
     /// The unknown of coordinate `c` of all nodes, if it is free.
     pub fn unknown_of(&self, c: usize) -> Option<usize> {
         let u = self.unknowns[c];
         (u != NONE).then_some(u as usize)
-    }
-
-    /// Coordinates, velocities and accelerations of an element in its chart, in the configuration last
-    /// set.
-    pub fn element_motion(&self, e: &ElementEntry) -> [Vec<f64>; 3] {
-        let n = e.element.dim();
-        let mut motion = self.configuration().map(|all| {
-            let mut own = vec![0.0; n];
-            collect(&e.nodes, &self.spans, all, &mut own);
-            own
-        });
-        let mut first = 0;
-        for (k, &node) in e.nodes.iter().enumerate() {
-            if e.switched & (1 << k) != 0 {
-                let [x, v, a] = motion.each_mut().map(|own| &mut own[first + 3..first + 6]);
-                Complement::default().apply(x, v, a);
-            }
-            first += self.nodes[node as usize].dim;
-        }
-        motion
     }
 
     /// The free rotation vectors whose chart may change: unknowns of their components, `None` for
@@ -135,6 +101,50 @@ impl Model {
     pub fn free_rotations(&self) -> Vec<[Option<usize>; 3]> {
         let all = 0..self.nodes.len();
         all.filter_map(|n| self.free_rotation(n)).collect()
+    }
+}
+
+impl Context {
+    /// Coordinates, velocities and accelerations of all nodes, in the configuration last set.
+    pub fn configuration(&self) -> [&[f64]; 3] {
+        [&self.work.x, &self.work.v, &self.work.a]
+    }
+
+    /// Coordinates, velocities and accelerations of an element in its chart, in the configuration last
+    /// set.
+    pub fn element_motion(&self, k: usize) -> [Vec<f64>; 3] {
+        let (e, switched) = (&self.model.elements[k], self.state.elements[k].switched);
+        let n = e.element.dim();
+        let mut motion = self.configuration().map(|all| {
+            let mut own = vec![0.0; n];
+            collect(&e.nodes, &self.model.spans, all, &mut own);
+            own
+        });
+        let mut first = 0;
+        for (k, &node) in e.nodes.iter().enumerate() {
+            if switched & (1 << k) != 0 {
+                let [x, v, a] = motion.each_mut().map(|own| &mut own[first + 3..first + 6]);
+                Complement::default().apply(x, v, a);
+            }
+            first += self.model.nodes[node as usize].dim;
+        }
+        motion
+    }
+
+    /// Forces of element `k` at rest in its chart and in the configuration last set, as in an
+    /// assembly: omitted equations have no multipliers.
+    ///
+    /// # Errors
+    /// [`ElementError`] outside the element's domain.
+    pub fn element_forces(&mut self, k: usize) -> Result<Vec<f64>, ElementError> {
+        let (e, state) = (&self.model.elements[k], &self.state.elements[k]);
+        let w = &mut self.work;
+        w.local.gather(e, &self.model.spans, &w.x);
+        w.local
+            .gather_rates(e, state.switched, &self.model.spans, None);
+        w.local.switch(e, state.switched, &self.model.nodes);
+        w.local.evaluate(e, state, w.t, true, None, false, false)?;
+        Ok(w.local.r[..e.element.dim()].to_vec())
     }
 
     /// Sets the charts of a run that starts here, without reparametrizations. Rotation vectors are
@@ -173,11 +183,11 @@ impl Model {
     pub fn freeze_pieces(&mut self, at: Option<(f64, &[f64])>) {
         let (v, a) = (&[][..], &[][..]);
         let known = at.is_none_or(|(t, q)| self.expand(Point { t, q, v, a }).is_ok());
-        for &n in self.dependent.iter().filter(|_| known) {
-            if let Source::Mapped(d) = &mut self.nodes[n as usize].source {
-                let w = &mut self.work;
-                let len = collect(d.parents(), &self.spans, &w.x, &mut w.local.q);
-                d.map.freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
+        for &n in self.model.dependent.iter().filter(|_| known) {
+            if let Source::Mapped(d) = &self.model.nodes[n as usize].source {
+                let (w, maps) = (&mut self.work, &mut self.state.maps);
+                let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
+                maps[d.index].freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
             }
         }
     }
@@ -185,6 +195,6 @@ impl Model {
     /// Whether omitted equations of multipliers are checked, and the choice is revised: not at
     /// states that violate the equations.
     pub fn watch_equations(&mut self, on: bool) {
-        self.unwatched = !on;
+        self.state.unwatched = !on;
     }
 }

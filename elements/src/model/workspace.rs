@@ -1,15 +1,15 @@
 //! Buffers of an evaluation.
 
 use super::charts::Reparametrization;
-use super::element_charts::ElementCharts;
 use super::element_workspace::ElementWorkspace;
 use super::mapped_node::Operators;
+use super::scatter_map::ScatterMap;
 use super::segments::SegmentChanges;
 use super::{ElementEntry, Node, Source};
 use pullback_manifold::system::{Quantity, Scales};
 
 /// Buffers of an evaluation.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Workspace {
     /// Coordinates, velocities, accelerations of all nodes.
     pub x: Vec<f64>,
@@ -34,6 +34,8 @@ pub(super) struct Workspace {
     pub stirred: bool,
     /// Kinematic operators of mapped nodes.
     pub operators: Operators,
+    /// Positions of tangents in the present segments.
+    pub scatter_map: ScatterMap,
     /// Rows of the tangent at mapped nodes.
     pub panels: Vec<f64>,
     pub local: ElementWorkspace,
@@ -50,8 +52,6 @@ pub(super) struct Workspace {
     pub acceleration_step: Option<f64>,
     /// Rates of joint coordinates in the six rigid motions of the whole, once computed.
     pub released: Vec<Vec<f64>>,
-    /// State for the choice of the elements' charts.
-    pub element_charts: ElementCharts,
     pub scales: Scales,
     /// Forces exerted by elements, used if neither loads nor reactions are a scale.
     pub exerted: Scales,
@@ -59,7 +59,7 @@ pub(super) struct Workspace {
 }
 
 /// Sum of the loads that depend on time only: a step evaluates them repeatedly at the same time.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct DeadLoads {
     /// Their time; `None` if they must be updated.
     pub t: Option<f64>,
@@ -83,6 +83,7 @@ impl Workspace {
         nodes: &[Node],
         elements: &[ElementEntry],
         [operators, panels]: [usize; 2],
+        scatter_map: ScatterMap,
         length: f64,
         levers: [f64; 2],
     ) -> Self {
@@ -113,6 +114,7 @@ impl Workspace {
             moving: false,
             stirred: false,
             operators: Operators::new(operators),
+            scatter_map,
             panels: zeros(panels),
             local: ElementWorkspace::new(n, parents),
             accelerations: Vec::new(),
@@ -122,7 +124,6 @@ impl Workspace {
             segment_changes: SegmentChanges::default(),
             acceleration_step: None,
             released: Vec::new(),
-            element_charts: ElementCharts::default(),
             scales,
             exerted: Scales::default(),
             dead_loads: DeadLoads {

@@ -150,6 +150,12 @@ pub trait Parametrization: Send + Sync {
     fn geometric_stiffness(&self, t: f64, q: &[f64], f: &[f64], K: &mut [f64]);
 }
 
+impl Clone for Box<dyn Parametrization> {
+    fn clone(&self) -> Self {
+        self.duplicate()
+    }
+}
+
 /// Adapter from fixed sizes to slices.
 pub(super) struct Erased<M, const D: usize, const N: usize>(pub(super) M);
 

@@ -10,7 +10,7 @@ use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::prelude::{IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor, WHITE};
-use pullback_elements::model::Model;
+use pullback_elements::model::Context;
 use serde::{Deserialize, Serialize};
 
 /// Points per element of higher order.
@@ -39,7 +39,7 @@ pub struct Shapes {
 
 impl Shapes {
     /// The present configuration of a model, with displacements times `scale`; 0 gives the reference configuration.
-    pub fn of(model: &Model, geometry: &Geometry, scale: f64) -> Self {
+    pub fn of(model: &Context, geometry: &Geometry, scale: f64) -> Self {
         let between = |reference: Vector3<f64>, position: Vector3<f64>| match scale {
             0.0 => reference,
             1.0 => position,

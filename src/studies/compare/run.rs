@@ -226,7 +226,7 @@ fn in_general(
     ran: &mut RunResult,
 ) -> Result<(), Failure> {
     use crate::studies::general::Observer;
-    use pullback_elements::model::Model;
+    use pullback_elements::model::Context;
     use pullback_integrators::dynamics::State;
     use pullback_manifold::system::Point;
     let model = &mut job.model;
@@ -237,7 +237,7 @@ fn in_general(
     let mut failed = None;
     let samples = &mut ran.samples;
     let mut observer = Observer {
-        seen: &mut |model: &mut Model, state: &State| {
+        seen: &mut |model: &mut Context, state: &State| {
             let at = Point {
                 t: state.t,
                 q: &state.q,

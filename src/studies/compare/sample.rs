@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use nalgebra::{Matrix3, Vector3};
-use pullback_elements::model::{Model, NodeState};
+use pullback_elements::model::{Context, NodeState};
 use pullback_manifold::so3;
 use pullback_manifold::system::{Point, SystemError};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -175,7 +175,7 @@ impl Sample {
 
     /// Evaluates a model.
     pub(super) fn of(
-        model: &mut Model,
+        model: &mut Context,
         at: Point<'_>,
         defect: Option<f64>,
     ) -> Result<Self, SystemError> {

@@ -1,6 +1,6 @@
 //! Robot arms of two links, turned and lifted at their base.
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::motion::{History, Run, observed_order};
 use crate::input::{ModelFile, PrescribedMotion, SpinUp, Time};
 use crate::output::plot::Curve;
@@ -8,9 +8,9 @@ use crate::output::plot::Curve;
 /// Case 6 of [M04]: a spherical joint between the links. Its plot redraws Fig. 39.
 pub const SPHERICAL: Case = Case {
     name: "arm-spherical",
-    run: |context| {
+    run: |report| {
         arm(
-            context,
+            report,
             include_str!("../../../examples/models/arm_spherical.toml"),
             3.0,
             &[
@@ -25,9 +25,9 @@ pub const SPHERICAL: Case = Case {
 /// Case 7 of [M04]: a revolute joint between the links. Its plot redraws Fig. 40.
 pub const REVOLUTE: Case = Case {
     name: "arm-revolute",
-    run: |context| {
+    run: |report| {
         arm(
-            context,
+            report,
             include_str!("../../../examples/models/arm_revolute.toml"),
             1.5,
             &[
@@ -100,12 +100,17 @@ fn smooth(file: &ModelFile) -> ModelFile {
 /// the revolute arm do only until the second link has unfolded; later they are as much as 0.27 of the
 /// length apart. That is both step and mesh, the step more: docs/gallery.md has the distances. With
 /// steps that resolve the waves the meshes are measured by their order, and the finest by an independent solution.
-fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Result<(), CaseError> {
-    let file = context.file(text)?;
+fn arm(
+    report: &mut CaseReport,
+    text: &str,
+    alike: f64,
+    independent: &[At],
+) -> Result<(), CaseError> {
+    let file = report.file(text)?;
     let mut curves = Vec::new();
     let mut tips = Vec::new();
     for elements in [40, 8] {
-        let run = context.motion(&mesh(&file, elements), &["tip"], Run::FILE)?;
+        let run = report.motion(&mesh(&file, elements), &["tip"], Run::FILE)?;
         let mut add = |color: usize, name: &str, curve: Vec<(f64, f64)>| {
             let label = format!("{name}, {elements} elements");
             let curve = if elements == 40 {
@@ -129,11 +134,11 @@ fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Res
         let worst = (both.take_while(|p| p.0.0 <= until + 1e-9))
             .fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).norm()));
         let what = format!("meshes apart until t = {until}, over the length");
-        context.compare(what, worst / LENGTH, 0.0, tolerance, source);
+        report.compare(what, worst / LENGTH, 0.0, tolerance, source);
     }
-    converged(context, &file, independent)?;
-    orders(context, &file)?;
-    context.figure(
+    converged(report, &file, independent)?;
+    orders(report, &file)?;
+    report.figure(
         file.title.as_deref().unwrap_or("Robot arm"),
         ["time t", "displacement of the tip"],
         curves,
@@ -146,33 +151,37 @@ fn arm(context: &mut Context, text: &str, alike: f64, independent: &[At]) -> Res
 /// The independent solution is tests/studies/arms.rs: finite volumes, masses lumped at the nodes,
 /// quaternions, the classical Runge-Kutta method, 80 and 160 elements, extrapolated to none. The last
 /// doubling moved the tip by at most 0.027, so that a third of it is the largest correction.
-fn converged(context: &mut Context, file: &ModelFile, independent: &[At]) -> Result<(), CaseError> {
-    let run = |file: ModelFile| context.motion(&file, &["tip"], Run::step(5e-4));
+fn converged(
+    report: &mut CaseReport,
+    file: &ModelFile,
+    independent: &[At],
+) -> Result<(), CaseError> {
+    let run = |file: ModelFile| report.motion(&file, &["tip"], Run::step(5e-4));
     let fine = run(quadratic(mesh(file, 16)))?;
     let [coarse, medium] = [8, 40].map(|elements| run(mesh(file, elements)));
     let errors = [apart(&coarse?, &fine), apart(&medium?, &fine)];
     let source = "independent: finite volumes, Runge-Kutta, extrapolated";
     for &(t, d) in independent {
         let what = format!("tip at t = {t}, 16 quadratic elements");
-        context.compare_vector(&what, fine.at(0, t).d, d, 0.02, source);
+        report.compare_vector(&what, fine.at(0, t).d, d, 0.02, source);
     }
     let order = (errors[0] / errors[1]).ln() / 5.0_f64.ln();
     let what = "order in the mesh, from 8 to 40 elements, driven with a jerk";
     let source = "theory: linear interpolation";
-    context.compare(what, order, 2.0, 0.2, source);
+    report.compare(what, order, 2.0, 0.2, source);
     Ok(())
 }
 
 /// Orders of convergence.
-fn orders(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
+fn orders(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     // The jerk of the base excites waves: only steps that resolve them show the order.
     let coarse = mesh(file, 4);
     let [a, b, c] = [1.25e-5, 6.25e-6, 3.125e-6]
-        .map(|h| context.motion(&coarse, &["tip"], Run::step(h).to(0.45)));
+        .map(|h| report.motion(&coarse, &["tip"], Run::step(h).to(0.45)));
     let ends = [a?, b?, c?].map(|h| h.at(0, 0.45).d);
     let source = "theory: the trapezoidal rule";
     let what = "order in the step, 4 elements, driven with a jerk";
-    context.compare(what, observed_order(&ends), 2.0, 0.1, source);
+    report.compare(what, observed_order(&ends), 2.0, 0.1, source);
     let smooth = smooth(file);
     let ends = |runs: [Result<History, CaseError>; 3]| -> Result<_, CaseError> {
         let [a, b, c] = runs;
@@ -180,14 +189,14 @@ fn orders(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
     };
     let run = |elements, h| {
         let file = mesh(&smooth, elements);
-        context.motion(&file, &["tip"], Run::step(h).to(1.0))
+        report.motion(&file, &["tip"], Run::step(h).to(1.0))
     };
     let steps = ends([2e-3, 1e-3, 5e-4].map(|h| run(8, h)))?;
     let meshes = ends([16, 32, 64].map(|elements| run(elements, 1e-3)))?;
     let what = "order in the step, driven smoothly";
-    context.compare(what, observed_order(&steps), 2.0, 0.1, source);
+    report.compare(what, observed_order(&steps), 2.0, 0.1, source);
     let what = "order in the mesh, driven smoothly";
     let source = "theory: linear interpolation";
-    context.compare(what, observed_order(&meshes), 2.0, 0.1, source);
+    report.compare(what, observed_order(&meshes), 2.0, 0.1, source);
     Ok(())
 }

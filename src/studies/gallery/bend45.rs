@@ -1,7 +1,7 @@
 //! The 45° bend: the thesis's case, convergence to the exact curve, effects of a superposed
 //! rotation and of another load path.
 
-use super::case::{Case, CaseError, Context, order};
+use super::case::{Case, CaseError, CaseReport, order};
 use crate::input::{DofName, Fix, Interpolation, ModelFile, PrescribedMotion, Time};
 use nalgebra::Vector3;
 use pullback_integrators::statics::StaticOptions;
@@ -27,26 +27,26 @@ pub const OBJECTIVITY: Case = Case {
     run: objectivity,
 };
 
-fn tip(context: &Context, file: &ModelFile) -> Result<Vector3<f64>, CaseError> {
-    let mut watched = context.build(file, "tip")?;
+fn tip(report: &CaseReport, file: &ModelFile) -> Result<Vector3<f64>, CaseError> {
+    let mut watched = report.build(file, "tip")?;
     Ok(watched.end(&StaticOptions::default())?.state.d)
 }
 
-fn thesis(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(MODEL)?;
-    let d = tip(context, &file)?;
-    let (records, _) = context
+fn thesis(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(MODEL)?;
+    let d = tip(report, &file)?;
+    let (records, _) = report
         .build(&file, "tip")?
         .solve(&StaticOptions::equal_steps(24))?;
     let most = records.iter().map(|r| r.iterations).max().unwrap_or(0);
-    context.compare(
+    report.compare(
         "most iterations of a step, 24 equal steps",
         most as f64,
         5.0,
         1.0,
         "published: Mäkinen 2004 4.2, 4 to 5 each",
     );
-    context.compare_vector(
+    report.compare_vector(
         "tip displacement, 8 elements,",
         d,
         [-23.696, -13.668, 53.497],
@@ -69,19 +69,19 @@ fn variant(file: &ModelFile, elements: usize, order: usize) -> ModelFile {
     file
 }
 
-fn convergence(context: &mut Context) -> Result<(), CaseError> {
+fn convergence(report: &mut CaseReport) -> Result<(), CaseError> {
     // Independent Cosserat shooting; its arc turns towards −e2.
     const EXACT: [f64; 3] = [-23.5602395450204, -13.6045213473098, 53.474858791802];
     const SOURCE: &str = "exact curve: independent shooting, S01 variant A";
-    let file = context.file(MODEL)?;
+    let file = report.file(MODEL)?;
     let exact = Vector3::from(EXACT);
     let mut errors = Vec::new();
     for elements in [8, 16, 32, 64] {
-        let d = tip(context, &variant(&file, elements, 1))?;
+        let d = tip(report, &variant(&file, elements, 1))?;
         errors.push((d - exact).norm());
     }
     for (k, e) in errors.windows(2).enumerate() {
-        context.compare(
+        report.compare(
             format!("order, 2-node, {} to {} elements", 8 << k, 16 << k),
             order(e[0], e[1]),
             2.0,
@@ -91,14 +91,14 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
     }
     let mut errors = Vec::new();
     for elements in [8, 16, 32, 64] {
-        let d = tip(context, &variant(&file, elements, 2))?;
+        let d = tip(report, &variant(&file, elements, 2))?;
         errors.push((d - exact).norm());
         if elements == 64 {
-            context.compare_vector("tip, 64 3-node elements,", d, EXACT, 1e-5, SOURCE);
+            report.compare_vector("tip, 64 3-node elements,", d, EXACT, 1e-5, SOURCE);
         }
     }
     for (k, e) in errors.windows(2).enumerate() {
-        context.compare(
+        report.compare(
             format!("order, 3-node, {} to {} elements", 8 << k, 16 << k),
             order(e[0], e[1]),
             4.0,
@@ -106,17 +106,17 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
             "theory: quadratic elements converge with h⁴ at nodes",
         );
     }
-    let d = tip(context, &variant(&file, 32, 3))?;
-    context.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
+    let d = tip(report, &variant(&file, 32, 3))?;
+    report.compare_vector("tip, 32 4-node elements,", d, EXACT, 1e-7, SOURCE);
     // Geodesic elements converge to the same curve.
     for (nodes, expected, meshes) in [(2, 2.0, [16, 32]), (3, 4.0, [16, 32])] {
         let mut errors = Vec::new();
         for elements in meshes {
             let mut file = variant(&file, elements, nodes - 1);
             file.lines[0].interpolation = Interpolation::Geodesic;
-            errors.push((tip(context, &file)? - exact).norm());
+            errors.push((tip(report, &file)? - exact).norm());
         }
-        context.compare(
+        report.compare(
             format!(
                 "order, geodesic {nodes}-node, {} to {} elements",
                 meshes[0], meshes[1]
@@ -129,15 +129,15 @@ fn convergence(context: &mut Context) -> Result<(), CaseError> {
     }
     let mut fine = variant(&file, 32, 3);
     fine.lines[0].interpolation = Interpolation::Geodesic;
-    let d = tip(context, &fine)?;
-    context.compare_vector("tip, 32 geodesic 4-node elements,", d, EXACT, 1e-7, SOURCE);
+    let d = tip(report, &fine)?;
+    report.compare_vector("tip, 32 geodesic 4-node elements,", d, EXACT, 1e-7, SOURCE);
     Ok(())
 }
 
-fn objectivity(context: &mut Context) -> Result<(), CaseError> {
+fn objectivity(report: &mut CaseReport) -> Result<(), CaseError> {
     const CLOSED: &str = "exact: S21, conservative loads";
     const TURN: f64 = 1.6;
-    let file = context.file(MODEL)?;
+    let file = report.file(MODEL)?;
 
     // Load and unload.
     let mut cycle = file.clone();
@@ -146,8 +146,8 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
         to: 2.0,
         ..StaticOptions::default()
     };
-    let end = context.build(&cycle, "tip")?.end(&two)?;
-    context.compare(
+    let end = report.build(&cycle, "tip")?.end(&two)?;
+    report.compare(
         "tip after loading and unloading",
         end.state.d.norm(),
         0.0,
@@ -167,18 +167,18 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
         for (load, time) in both.loads.iter_mut().zip(times) {
             load.time = Some(time.clone());
         }
-        tips.push(context.build(&both, "tip")?.end(&two)?.state.d);
+        tips.push(report.build(&both, "tip")?.end(&two)?.state.d);
     }
     let gap = (tips[0] - tips[1]).norm();
-    context.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
+    report.compare("tip for two orders of two loads", gap, 0.0, 1e-9, CLOSED);
 
     // The same bend with a follower force, its clamp turned: the strain energy must not change.
     let mut geodesic = file.clone();
     geodesic.lines[0].interpolation = Interpolation::Geodesic;
     for (file, name) in [(&file, ""), (&geodesic, "geodesic ")] {
-        let free = energy(context, file, 8, TURN, 0.0)?;
-        let scale = energy(context, file, 8, 0.0, 300.0)?;
-        context.compare(
+        let free = energy(report, file, 8, TURN, 0.0)?;
+        let scale = energy(report, file, 8, 0.0, 300.0)?;
+        report.compare(
             format!("strain energy of the unloaded {name}bend, turned by {TURN} rad, relative"),
             free / scale,
             0.0,
@@ -186,14 +186,14 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
             "exact: S21",
         );
     }
-    let straight = energy(context, &geodesic, 8, 0.0, 300.0)?;
+    let straight = energy(report, &geodesic, 8, 0.0, 300.0)?;
     for turn in [1e-3, 0.5, TURN, 3.1, 2.5 * PI] {
-        context.compare(
+        report.compare(
             format!(
                 "relative change of strain energy when the loaded geodesic bend is turned by \
                  {turn:.4} rad, 8 elements"
             ),
-            energy(context, &geodesic, 8, turn, 300.0)? / straight - 1.0,
+            energy(report, &geodesic, 8, turn, 300.0)? / straight - 1.0,
             0.0,
             1e-10,
             "exact: S21; to what Newton's method leaves",
@@ -201,17 +201,17 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
     }
     let mut errors = Vec::new();
     for elements in [8, 16, 32] {
-        let straight = energy(context, &file, elements, 0.0, 300.0)?;
-        errors.push(energy(context, &file, elements, TURN, 300.0)? / straight - 1.0);
+        let straight = energy(report, &file, elements, 0.0, 300.0)?;
+        errors.push(energy(report, &file, elements, TURN, 300.0)? / straight - 1.0);
     }
-    context.compare(
+    report.compare(
         "relative change of strain energy when the loaded bend is turned, 32 elements",
         errors[2],
         0.0,
         1e-3,
         "exact: S21; total rotation vectors meet it only up to the mesh error",
     );
-    context.compare(
+    report.compare(
         "order in which that change vanishes with the mesh",
         order(errors[1], errors[2]),
         2.0,
@@ -223,7 +223,7 @@ fn objectivity(context: &mut Context) -> Result<(), CaseError> {
 
 /// Strain energy of the bend under a follower force, with its clamp turned afterwards by an angle.
 fn energy(
-    context: &Context,
+    report: &CaseReport,
     file: &ModelFile,
     elements: usize,
     turn: f64,
@@ -245,7 +245,7 @@ fn energy(
         });
         file.loads[0].time = Some(Time::Table(vec![[0.0, 0.0], [1.0, 1.0]]));
     }
-    let mut watched = context.build(&file, "tip")?;
+    let mut watched = report.build(&file, "tip")?;
     let options = StaticOptions {
         to: if turn != 0.0 { 2.0 } else { 1.0 },
         ..StaticOptions::default()

@@ -1,6 +1,6 @@
 //! Planar linkages with a flexible part.
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::linkages::{BARS, CRANK, ROD, energy_error, gap, last};
 use super::motion::{History, Run};
 use crate::input::{ModelFile, Stiffness, Tensor};
@@ -33,10 +33,10 @@ fn stiffer(file: &ModelFile) -> ModelFile {
 /// The flexible part with 8 quadratic elements, in steps of 5e-4. Half the step changes the positions below by
 /// 4e-6 and the deflection of the middle by 5e-5; half the elements by 2e-5 and 1.2e-4, a sixteenth of which
 /// remains. The tolerances are twice the sum of both; the independent values are within 4e-6.
-fn fine(context: &Context, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
+fn fine(report: &CaseReport, file: &ModelFile, nodes: &[&str]) -> Result<History, CaseError> {
     let mut file = file.clone();
     file.lines[0].elements = 8;
-    context.motion(&file, nodes, Run::step(5e-4).to(2.0))
+    report.motion(&file, nodes, Run::step(5e-4).to(2.0))
 }
 
 const POSITION: f64 = 1e-5;
@@ -52,9 +52,9 @@ fn off_the_line(run: &History, t: f64, [from, middle, to]: [usize; 3]) -> f64 {
     chord.cross(&(m - a)).dot(&Vector3::z()) / chord.norm()
 }
 
-fn coupler(context: &mut Context) -> Result<(), CaseError> {
-    let rigid = context.file(include_str!("../../../examples/models/four_bar.toml"))?;
-    let file = context.file(include_str!(
+fn coupler(report: &mut CaseReport) -> Result<(), CaseError> {
+    let rigid = report.file(include_str!("../../../examples/models/four_bar.toml"))?;
+    let file = report.file(include_str!(
         "../../../examples/models/four_bar_flexible.toml"
     ))?;
     // The coupler of the other file weighs 1; this one weighs its length.
@@ -67,16 +67,16 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
         rows.iter_mut().flatten().for_each(|x| *x *= l);
     }
     let to = Run::step(1e-3).to(2.0);
-    let rigid = context.motion(&alike, &["coupler tip"], to)?;
-    let stiff = context.motion(&stiffer(&file), &["coupler tip"], to)?;
+    let rigid = report.motion(&alike, &["coupler tip"], to)?;
+    let stiff = report.motion(&stiffer(&file), &["coupler tip"], to)?;
     let [a, b] = [&rigid, &stiff].map(|run| last(run, 0).position);
     let source = "independent: the rigid linkage, whose loop closes implicitly";
     for (k, name) in ["e1", "e2"].into_iter().enumerate() {
         let what = format!("tip at t = 2 along {name}, coupler 1000 times stiffer");
-        context.compare(what, b[k], a[k], POSITION, source);
+        report.compare(what, b[k], a[k], POSITION, source);
     }
     let watched = ["crank tip", "coupler/8", "coupler tip", "rocker tip"];
-    let bent = fine(context, &file, &watched)?;
+    let bent = fine(report, &file, &watched)?;
     for (t, [x, y, off]) in [
         (0.5, [1.056_236, 1.863_953, -0.007_841]),
         (1.25, [-0.224_015, 0.665_558, 0.024_064]),
@@ -84,34 +84,34 @@ fn coupler(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let tip = bent.at(2, t).position;
         let what = format!("tip at t = {t}, bent coupler, along");
-        context.compare(format!("{what} e1"), tip.x, x, POSITION, INDEPENDENT);
-        context.compare(format!("{what} e2"), tip.y, y, POSITION, INDEPENDENT);
+        report.compare(format!("{what} e1"), tip.x, x, POSITION, INDEPENDENT);
+        report.compare(format!("{what} e2"), tip.y, y, POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
-        context.compare(what, found, off, BENDING, INDEPENDENT);
+        report.compare(what, found, off, BENDING, INDEPENDENT);
     }
     let source = "exact: the loop is closed at all times";
     let open = gap(&bent, [2, 3]);
-    context.compare("largest gap of the loop", open, 0.0, 1e-13, source);
+    report.compare("largest gap of the loop", open, 0.0, 1e-13, source);
     let source = "theory: generalised-alpha keeps energy but for its damping";
     let what = "largest relative change of energy";
-    context.compare(what, energy_error(&bent), 0.0, 1e-3, source);
+    report.compare(what, energy_error(&bent), 0.0, 1e-3, source);
     Ok(())
 }
 
-fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!(
+fn connecting_rod(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!(
         "../../../examples/models/slider_crank_flexible.toml"
     ))?;
     let to = Run::step(5e-4).to(1.0);
-    let stiff = context.motion(&stiffer(&file), &["slider"], to)?;
+    let stiff = report.motion(&stiffer(&file), &["slider"], to)?;
     let source = "exact: closed-form kinematics of the driven crank, which has turned by 6 rad";
     let what = "slider at t = 1, rod 1000 times stiffer";
     let y = 6.0_f64.sin() * CRANK;
     let x = 6.0_f64.cos() * CRANK + (ROD * ROD - y * y).sqrt();
-    context.compare(what, last(&stiff, 0).position.x, x, POSITION, source);
+    report.compare(what, last(&stiff, 0).position.x, x, POSITION, source);
     let watched = ["crank pin", "rod/8", "slider", "rod end"];
-    let bent = fine(context, &file, &watched)?;
+    let bent = fine(report, &file, &watched)?;
     // At t = 0.5 half the step changes it by 1e-5 only, twice as many elements by 7e-7.
     for (t, [x, off], bending) in [
         (0.5, [1.201_438, 0.000_629], 3e-5),
@@ -120,22 +120,22 @@ fn connecting_rod(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let what = format!("slider at t = {t}, bent rod");
         let found = bent.at(2, t).position.x;
-        context.compare(what, found, x, POSITION, INDEPENDENT);
+        report.compare(what, found, x, POSITION, INDEPENDENT);
         let what = format!("middle off the line between the ends at t = {t}");
         let found = off_the_line(&bent, t, [0, 1, 2]);
-        context.compare(what, found, off, bending, INDEPENDENT);
+        report.compare(what, found, off, bending, INDEPENDENT);
     }
     let source = "exact: the loop is closed at all times";
     let open = gap(&bent, [2, 3]);
-    context.compare("largest gap of the loop", open, 0.0, 1e-13, source);
+    report.compare("largest gap of the loop", open, 0.0, 1e-13, source);
     let source = "theory: what the crank supplies is there, but for the scheme's damping";
     let off = bent.summary.energy.map_or(f64::NAN, |e| e.largest_defect);
     let kinetic = bent.balance(|a| a.energies.kinetic);
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
     let what = "largest relative energy defect";
-    context.compare(what, off / most, 0.0, 1e-3, source);
+    report.compare(what, off / most, 0.0, 1e-3, source);
     let displacement = |node: usize, run: &History| run.curve(node, |s| s.position.x);
-    context.figure(
+    report.figure(
         "Slider-crank mechanism",
         ["time t", "slider"],
         vec![

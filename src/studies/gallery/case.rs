@@ -2,7 +2,7 @@
 
 use crate::input;
 use crate::output::plot::{Curve, Panel, panels};
-use pullback_elements::model::{Dof, Model, NodeId, NodeState};
+use pullback_elements::model::{Context, Dof, NodeId, NodeState};
 use pullback_integrators::dynamics::DynamicsError;
 use pullback_integrators::statics::{
     ArcLengthOptions, Event, StaticOptions, StaticsError, Step, Summary, solve_statics, trace_path,
@@ -16,7 +16,7 @@ pub struct Case {
     /// Name on the command line.
     pub name: &'static str,
     /// Computes it and compares.
-    pub run: fn(&mut Context) -> Result<(), CaseError>,
+    pub run: fn(&mut CaseReport) -> Result<(), CaseError>,
 }
 
 /// Why a case has no rows.
@@ -76,14 +76,14 @@ impl Comparison {
     }
 }
 
-/// Context of a case: its rows and plots.
-pub struct Context {
+/// Report of a case: its rows and plots.
+pub struct CaseReport {
     pub(super) case: &'static str,
     out: Option<PathBuf>,
     rows: Vec<Comparison>,
 }
 
-impl Context {
+impl CaseReport {
     pub(super) fn new(case: &'static str, out: Option<&Path>) -> Self {
         Self {
             case,
@@ -191,7 +191,7 @@ impl Context {
 
 /// A model and the node whose motion is compared.
 pub(super) struct Watched {
-    pub model: Model,
+    pub model: Context,
     pub node: NodeId,
     case: &'static str,
 }
@@ -297,7 +297,7 @@ impl Watched {
     }
 }
 
-fn record(model: &Model, node: NodeId, step: &Step<'_>) -> Record {
+fn record(model: &Context, node: NodeId, step: &Step<'_>) -> Record {
     Record {
         t: step.t,
         event: step.event,

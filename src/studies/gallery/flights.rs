@@ -1,6 +1,6 @@
 //! Large motions in a plane: spin-up of an arm, and a beam thrown into the air.
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::motion::{Run, richardson};
 use crate::output::plot::Curve;
 use pullback_elements::time::{SpinUp, TimeFunction};
@@ -17,14 +17,14 @@ pub const FLYING: Case = Case {
     run: flying,
 };
 
-fn spin_up(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/spin_up.toml"))?;
+fn spin_up(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/spin_up.toml"))?;
     let Ok(spin_up) = SpinUp::new(6.0, 15.0) else {
-        return Err(context.setup("its spin-up is not usable"));
+        return Err(report.setup("its spin-up is not usable"));
     };
     // Time, extension and deflection in axes that turn with the hub.
     let seen = |step: f64| -> Result<Vec<[f64; 3]>, CaseError> {
-        let run = context.motion(&file, &["tip"], Run::step(step))?;
+        let run = report.motion(&file, &["tip"], Run::step(step))?;
         let states = run.t.iter().zip(&run.nodes[0]);
         let seen = states.map(|(&t, s)| {
             let (sin, cos) = spin_up.at(t)[0].sin_cos();
@@ -45,16 +45,16 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let [t, fine] = lowest(&seen, k);
         let [value] = richardson([lowest(&coarse, k)[1]], [fine]);
-        context.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
-        context.compare(format!("{name}: time"), t, at, 0.01, source);
+        report.compare(format!("{name}, extrapolated"), value, exact, 1e-5, source);
+        report.compare(format!("{name}: time"), t, at, 0.01, source);
     }
     // The motion oscillates about the steady state: its mean counts.
     let steady: Vec<f64> = seen.iter().filter(|s| s[0] >= 16.0).map(|s| s[1]).collect();
     let mean = steady.iter().sum::<f64>() / steady.len() as f64;
     let source = "exact: L (tan x / x − 1), D02";
-    context.compare("steady extension", mean, 5.143174550426e-4, 1e-5, source);
+    report.compare("steady extension", mean, 5.143174550426e-4, 1e-5, source);
     let curve = |k: usize| seen.iter().map(|s| (s[0], s[k])).collect();
-    context.figure(
+    report.figure(
         "Spin-up of a flexible arm",
         ["time t", "tip in axes of the hub"],
         vec![
@@ -64,9 +64,9 @@ fn spin_up(context: &mut Context) -> Result<(), CaseError> {
     )
 }
 
-fn flying(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/flying_beam.toml"))?;
-    let run = context.motion(&file, &["loaded", "free"], Run::step(0.01))?;
+fn flying(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/flying_beam.toml"))?;
+    let run = report.motion(&file, &["loaded", "free"], Run::step(0.01))?;
     let source = "independent: two codes agree to 5e-3, D03";
     for (t, exact) in [
         (1.0, [4.329, 0.4077, 0.3692, 7.7969]),
@@ -83,7 +83,7 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
             "free end e3",
         ];
         for (k, name) in names.into_iter().enumerate() {
-            context.compare(
+            report.compare(
                 format!("{name} at t = {t}"),
                 computed[k],
                 exact[k],
@@ -98,14 +98,14 @@ fn flying(context: &mut Context) -> Result<(), CaseError> {
             .max(balance.momentum.linear.z.abs())
     });
     let source = "exact: impulse of the force";
-    context.compare("momentum, largest error", worst, 0.0, 1e-9, source);
+    report.compare("momentum, largest error", worst, 0.0, 1e-9, source);
     let path = |k: usize| {
         run.nodes[k]
             .iter()
             .map(|s| (s.position.x, s.position.z))
             .collect()
     };
-    context.figure(
+    report.figure(
         "Flying beam",
         ["along e1", "along e3"],
         vec![

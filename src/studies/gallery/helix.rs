@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context, Record, peak};
+use super::case::{Case, CaseError, CaseReport, Record, peak};
 use crate::input::Interpolation;
 use crate::output::plot::Curve;
 use nalgebra::{Matrix3, Vector3};
@@ -85,8 +85,8 @@ fn exact_tips(loads: &[f64]) -> Vec<Vector3<f64>> {
     tips
 }
 
-fn run(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/helix.toml"))?;
+fn run(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/helix.toml"))?;
     let mut heights = Vec::new();
     let mut curves = Vec::new();
     let mut distances = Vec::new();
@@ -98,19 +98,19 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         let mut file = file.clone();
         file.lines[0].elements = elements;
         file.lines[0].interpolation = interpolation;
-        let (records, _) = context.build(&file, "tip")?.solve(&StaticOptions {
+        let (records, _) = report.build(&file, "tip")?.solve(&StaticOptions {
             first_step: 0.001,
             max_step: 0.004,
             ..StaticOptions::default()
         })?;
         let (load, value) = first_maximum(&records);
         let source = "published: figure in Mäkinen 2004 4.2, as described";
-        context.compare(format!("first maximum, {name}"), value, 3.28, 0.05, source);
+        report.compare(format!("first maximum, {name}"), value, 3.28, 0.05, source);
         let quantity = format!("load factor of the first maximum, {name}");
-        context.compare(quantity, load, 0.036, 0.002, source);
+        report.compare(quantity, load, 0.036, 0.002, source);
         let last = records.last().map_or(f64::NAN, |r| r.t);
         let quantity = format!("load factor reached, {name}");
-        context.compare(quantity, last, 1.0, 0.0, "the whole path");
+        report.compare(quantity, last, 1.0, 0.0, "the whole path");
         heights.push(records.last().map_or(f64::NAN, |r| r.state.d.z));
         let loads: Vec<f64> = records.iter().map(|r| r.t).collect();
         let exact = exact_tips(&loads);
@@ -124,7 +124,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         curves.push(Curve::new(name, points));
     }
     // The mesh error of Ψ's linear interpolation shows as a drift of the whole curve.
-    context.compare(
+    report.compare(
         "height of the tip at full load, 100 over 200 elements",
         heights[0] / heights[1],
         2.5,
@@ -133,7 +133,7 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
     );
     const EXACT: &str = "exact curve: shooting from the tip's equilibrium";
     let quantity = "mean distance of the tip along e3 from the exact curve";
-    context.compare(
+    report.compare(
         format!("order of the {quantity}, 100 to 200 elements"),
         (distances[0] / distances[1]).log2(),
         2.0,
@@ -141,14 +141,14 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
         EXACT,
     );
     // Half as many geodesic elements must be closer.
-    context.compare(
+    report.compare(
         format!("{quantity}, 100 geodesic over 200 elements"),
         distances[2] / distances[1],
         0.0,
         0.5,
         EXACT,
     );
-    context.figure(
+    report.figure(
         "Helical beam",
         ["load factor", "tip displacement along e3"],
         curves,

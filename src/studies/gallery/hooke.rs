@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::motion::{History, Run, richardson};
 use crate::input::{
     Analysis, DofName, Fix, ModelFile, PrescribedMotion, Scheme, SpinUp, Support, Time,
@@ -75,10 +75,10 @@ fn rigid_shafts(cosine: f64, until: f64) -> f64 {
     end[0]
 }
 
-fn hooke(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/hooke.toml"))?;
+fn hooke(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
     let cosine = 0.5_f64.sqrt();
-    let run = context.motion(&file, &["A", "B"], Run::FILE)?;
+    let run = report.motion(&file, &["A", "B"], Run::FILE)?;
     let [a, b] = [0, 1].map(|k| angles(&run.nodes[k]));
     let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
     let exact: Vec<f64> = a.iter().map(|&a| ahead(a, cosine)).collect();
@@ -87,18 +87,18 @@ fn hooke(context: &mut Context) -> Result<(), CaseError> {
         .filter(|(t, _)| after(t))
         .fold(0.0_f64, |m, (_, (d, e))| m.max((d - e).abs()));
     let source = "exact: tan β = tan α / cos 45°";
-    context.compare("largest error after the moment", worst, 0.0, 1e-3, source);
+    report.compare("largest error after the moment", worst, 0.0, 1e-3, source);
     let amplitude = difference.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
     let most = ((1.0 - cosine) / (1.0 + cosine)).asin();
-    context.compare("amplitude", amplitude, most, 1e-3, source);
+    report.compare("amplitude", amplitude, most, 1e-3, source);
     let source = "independent: rigid shafts, Runge-Kutta";
     let last = a.last().copied().unwrap_or(f64::NAN);
     let what = "angle of the input at t = 30";
-    context.compare(what, last, rigid_shafts(cosine, 30.0), 1e-3, source);
+    report.compare(what, last, rigid_shafts(cosine, 30.0), 1e-3, source);
     let curve = |values: &[f64]| -> Vec<(f64, f64)> {
         run.t.iter().copied().zip(values.iter().copied()).collect()
     };
-    context.figure(
+    report.figure(
         "Hooke's joint",
         ["time t", "‖Ψ_B‖ − ‖Ψ_A‖ (rad)"],
         vec![
@@ -158,8 +158,8 @@ fn turned(run: &History) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn universal(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/hooke.toml"))?;
+fn universal(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/hooke.toml"))?;
     let source = "exact: R08, angles from where the input yoke lies in the plane";
     for (degrees, points) in [
         (
@@ -175,7 +175,7 @@ fn universal(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let file = light(&file, degrees);
         let [coarse, fine] =
-            [STEP, 0.5 * STEP].map(|h| context.motion(&file, &["A", "B"], Run::step(h)));
+            [STEP, 0.5 * STEP].map(|h| report.motion(&file, &["A", "B"], Run::step(h)));
         let [coarse, fine] = [turned(&coarse?), turned(&fine?)];
         let fine = fine.iter().step_by(2);
         let rows: Vec<[f64; 3]> = coarse
@@ -196,9 +196,9 @@ fn universal(context: &mut Context) -> Result<(), CaseError> {
         }
         let shafts = format!("shafts at {degrees}°");
         let what = format!("{shafts}: output off the relation, at most");
-        context.compare(what, off[0], 0.0, 1e-7, "exact: tan β = tan α / cos γ");
+        report.compare(what, off[0], 0.0, 1e-7, "exact: tan β = tan α / cos γ");
         let what = format!("{shafts}: ratio of speeds off the relation, at most");
-        context.compare(
+        report.compare(
             what,
             off[1],
             0.0,
@@ -210,9 +210,9 @@ fn universal(context: &mut Context) -> Result<(), CaseError> {
             let [_, b, ratio] = rows[RUN_UP / 2 + 2 * (180 + alpha)];
             let at = format!("{shafts}, input {alpha}°");
             let what = format!("output (degrees) of {at}");
-            context.compare(what, b.to_degrees() - 180.0, beta, 1e-5, source);
+            report.compare(what, b.to_degrees() - 180.0, beta, 1e-5, source);
             let what = format!("ratio of speeds of {at}");
-            context.compare(what, ratio, speed, 1e-7, source);
+            report.compare(what, ratio, speed, 1e-7, source);
         }
     }
     Ok(())

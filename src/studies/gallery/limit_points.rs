@@ -1,6 +1,6 @@
 //! Snap-through: paths followed through their limit points.
 
-use super::case::{Case, CaseError, Context, Record};
+use super::case::{Case, CaseError, CaseReport, Record};
 use crate::output::plot::Curve;
 use pullback_elements::model::Dof;
 use pullback_integrators::statics::{ArcLengthOptions, Event};
@@ -17,11 +17,11 @@ pub const DEEP_ARCH: Case = Case {
     run: deep_arch,
 };
 
-fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
+fn lee_frame(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S11";
     const FORCE: f64 = 20000.0;
-    let file = context.file(include_str!("../../../examples/models/lee_frame.toml"))?;
-    let mut frame = context.build(&file, "load")?;
+    let file = report.file(include_str!("../../../examples/models/lee_frame.toml"))?;
+    let mut frame = report.build(&file, "load")?;
     let points = [
         (20.0, 13448.637234, 5.250298),
         (40.0, 17795.965941, 17.543385),
@@ -49,17 +49,17 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
         ("deflection at the limit load", v, 48.751),
         ("displacement along e1 there", u, 26.8786),
     ] {
-        context.compare(quantity, computed, exact, 1e-5 * exact, EXACT);
+        report.compare(quantity, computed, exact, 1e-5 * exact, EXACT);
     }
     let source = "published: Lee et al. 1968, 0.2 %";
-    context.compare("limit load", p, 18552.0, 37.0, source);
+    report.compare("limit load", p, 18552.0, 37.0, source);
     let source = "published: Simo & Vu-Quoc 1986, 10 quadratic elements, 0.2 %";
-    context.compare("limit load", p, 18532.0, 37.0, source);
+    report.compare("limit load", p, 18532.0, 37.0, source);
     for (k, (v, load, u)) in points.into_iter().enumerate() {
         let (p, x) = first(k + 1).map_or((nan, nan), |r| (r.t * FORCE, r.state.d.x));
         let quantity = format!("load at deflection {v}");
-        context.compare(quantity, p, load, 1e-5 * load, EXACT);
-        context.compare(
+        report.compare(quantity, p, load, 1e-5 * load, EXACT);
+        report.compare(
             format!("displacement along e1 at deflection {v}"),
             x,
             u,
@@ -67,7 +67,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
             EXACT,
         );
     }
-    context.compare(
+    report.compare(
         "turning points of the load up to 20 000",
         turns.len() as f64,
         2.0,
@@ -79,7 +79,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
             .chain(records.iter().map(|r| (pick(r), r.t * FORCE)))
             .collect()
     };
-    context.figure(
+    report.figure(
         "Lee's frame",
         ["displacement of the loaded point", "load"],
         vec![
@@ -97,7 +97,7 @@ fn lee_frame(context: &mut Context) -> Result<(), CaseError> {
     )
 }
 
-fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
+fn deep_arch(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S12";
     const LOAD: f64 = 1000.0;
     // States after the limit point: load, deflection of the crown and its
@@ -109,14 +109,14 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
         (500.0, 120.354209478, -64.933228891),
         (0.0, 118.486579799, -60.880951149),
     ];
-    let file = context.file(include_str!("../../../examples/models/deep_arch.toml"))?;
+    let file = report.file(include_str!("../../../examples/models/deep_arch.toml"))?;
     let path = |elements: usize, order: usize, events| -> Result<Vec<Record>, CaseError> {
         let mut file = file.clone();
         for line in &mut file.lines {
             line.elements = elements;
             line.order = order;
         }
-        context.build(&file, "crown")?.trace(&ArcLengthOptions {
+        report.build(&file, "crown")?.trace(&ArcLengthOptions {
             first_step: 0.01,
             max_step: 0.03,
             events,
@@ -141,9 +141,9 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
     let to_limit = || vec![(Event::TurningPoint, true)];
     let linear = point(&path(20, 1, to_limit())?, 0);
     let curved = point(&path(10, 2, to_limit())?, 0);
-    context.compare("limit load", fine[0], 897.2891, 1e-3, EXACT);
-    context.compare("crown deflection there", fine[1], 113.7308, 1e-3, EXACT);
-    context.compare(
+    report.compare("limit load", fine[0], 897.2891, 1e-3, EXACT);
+    report.compare("crown deflection there", fine[1], 113.7308, 1e-3, EXACT);
+    report.compare(
         "crown displacement along e1",
         fine[2],
         -61.1417,
@@ -153,13 +153,13 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
     for (k, (load, deflection, along)) in BEYOND.into_iter().enumerate() {
         let [_, v, u] = point(&whole, k + 1);
         let quantity = format!("crown deflection at load {load} beyond the limit point");
-        context.compare(quantity, v, deflection, 1e-5, BEYOND_EXACT);
+        report.compare(quantity, v, deflection, 1e-5, BEYOND_EXACT);
         let quantity = format!("crown displacement along e1 at load {load} beyond it");
-        context.compare(quantity, u, along, 1e-5, BEYOND_EXACT);
+        report.compare(quantity, u, along, 1e-5, BEYOND_EXACT);
     }
     let passed = |event: usize| whole.iter().filter(|r| r.event == Some(event)).count();
     let source = "exact curve: one limit point before zero load";
-    context.compare(
+    report.compare(
         "turning points of the load",
         passed(0) as f64,
         1.0,
@@ -167,9 +167,9 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     let source = "published: DaDeppo & Schmidt 1975";
-    context.compare("limit load", fine[0], 897.0, 0.5, source);
+    report.compare("limit load", fine[0], 897.0, 0.5, source);
     let source = "published: Simo & Vu-Quoc 1986, the same mesh";
-    context.compare(
+    report.compare(
         "limit load, 40 2-node elements",
         linear[0],
         905.28,
@@ -177,7 +177,7 @@ fn deep_arch(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     let source = "published: Ibrahimbegovic 1995, the same mesh";
-    context.compare(
+    report.compare(
         "limit load, 20 3-node elements",
         curved[0],
         897.3,

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::motion::{History, Run, richardson};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
@@ -115,13 +115,13 @@ pub(super) fn energy_error(run: &History) -> f64 {
 
 /// Runs with the step of the file and its half.
 fn halved(
-    context: &Context,
+    report: &CaseReport,
     file: &ModelFile,
     nodes: &[&str],
     step: f64,
 ) -> Result<[History; 2], CaseError> {
-    let coarse = context.motion(file, nodes, Run::step(step))?;
-    let fine = context.motion(file, nodes, Run::step(0.5 * step))?;
+    let coarse = report.motion(file, nodes, Run::step(step))?;
+    let fine = report.motion(file, nodes, Run::step(0.5 * step))?;
     Ok([coarse, fine])
 }
 
@@ -137,9 +137,9 @@ fn at_end(runs: &[History; 2], node: usize, of: impl Fn(&NodeState) -> Vector3<f
 
 const SOURCE: &str = "exact: closed-form kinematics, M θ̈ + ½ M′ θ̇² + V′ = 0 by Runge-Kutta";
 
-fn four_bar(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/four_bar.toml"))?;
-    let runs = halved(context, &file, &["coupler tip", "rocker tip"], 1e-3)?;
+fn four_bar(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/four_bar.toml"))?;
+    let runs = halved(report, &file, &["coupler tip", "rocker tip"], 1e-3)?;
     let start = std::f64::consts::FRAC_PI_2;
     let [crank, rate] = integrate(&four_bar_system, [start, 4.5], 4.0);
     let angle = Taylor {
@@ -150,22 +150,22 @@ fn four_bar(context: &mut Context) -> Result<(), CaseError> {
     let [_, rocker] = closed_form(angle);
     let (x, y) = (rocker.cos() * BARS[2] + BARS[3], rocker.sin() * BARS[2]);
     let found = at_end(&runs, 0, |s| s.position);
-    context.compare("coupler tip at t = 4 along e1", found[0], x.v, 1e-5, SOURCE);
-    context.compare("coupler tip at t = 4 along e2", found[1], y.v, 1e-5, SOURCE);
+    report.compare("coupler tip at t = 4 along e1", found[0], x.v, 1e-5, SOURCE);
+    report.compare("coupler tip at t = 4 along e2", found[1], y.v, 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity);
-    context.compare("its velocity along e1", found[0], x.d, 1e-4, SOURCE);
-    context.compare("its velocity along e2", found[1], y.d, 1e-4, SOURCE);
+    report.compare("its velocity along e1", found[0], x.d, 1e-4, SOURCE);
+    report.compare("its velocity along e2", found[1], y.d, 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";
     let what = "largest gap of the loop in 8000 steps";
-    context.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
+    report.compare(what, gap(&runs[1], [0, 1]), 0.0, 1e-14, source);
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    context.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    report.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
     let path = |node: usize| -> Vec<(f64, f64)> {
         let positions = runs[1].nodes[node].iter();
         positions.map(|s| (s.position.x, s.position.y)).collect()
     };
-    context.figure(
+    report.figure(
         "Four-bar linkage: path of the coupler's tip",
         ["x", "y"],
         vec![Curve::new("tip of the coupler", path(0))],
@@ -204,16 +204,16 @@ fn slider_exact(rod: f64, to: f64) -> [f64; 2] {
     [displacement.v, displacement.d]
 }
 
-fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/slider_crank.toml"))?;
-    let runs = halved(context, &file, &["slider", "rod end"], 1e-3)?;
+fn slider_crank(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/slider_crank.toml"))?;
+    let runs = halved(report, &file, &["slider", "rod end"], 1e-3)?;
     let [displacement, rate] = slider_exact(1.5, 2.0);
     let found = at_end(&runs, 0, |s| s.position)[0];
-    context.compare("slider at t = 2", found, displacement, 1e-5, SOURCE);
+    report.compare("slider at t = 2", found, displacement, 1e-5, SOURCE);
     let found = at_end(&runs, 0, |s| s.velocity)[0];
-    context.compare("its velocity", found, rate, 1e-4, SOURCE);
+    report.compare("its velocity", found, rate, 1e-4, SOURCE);
     let source = "exact: the loop is closed at all times";
-    context.compare(
+    report.compare(
         "largest gap of the loop",
         gap(&runs[1], [0, 1]),
         0.0,
@@ -222,14 +222,14 @@ fn slider_crank(context: &mut Context) -> Result<(), CaseError> {
     );
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    context.compare(what, energy_error(&runs[1]), 0.0, 1e-3, source);
+    report.compare(what, energy_error(&runs[1]), 0.0, 1e-3, source);
     Ok(())
 }
 
 /// All couplers only translate: a pendulum with the inertia of six cranks and the mass of five couplers at its end.
-fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/parallelograms.toml"))?;
-    let runs = halved(context, &file, &["end 5", "far 5"], 4e-3)?;
+fn parallelograms(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/parallelograms.toml"))?;
+    let runs = halved(report, &file, &["end 5", "far 5"], 4e-3)?;
     let system = |angle: Taylor<f64>| {
         let M = Taylor::constant(6.0 / 3.0 + 5.0);
         [M, -(angle.cos() * (G * (6.0 / 2.0 + 5.0)))]
@@ -238,18 +238,18 @@ fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
     let (s, c) = angle.sin_cos();
     let found = at_end(&runs, 0, |s| s.position);
     let source = "exact: a pendulum, Runge-Kutta";
-    context.compare(
+    report.compare(
         "last coupler at t = 4 along e1",
         found[0],
         5.0 + s,
         1e-5,
         source,
     );
-    context.compare("last coupler at t = 4 along e2", found[1], -c, 1e-5, source);
+    report.compare("last coupler at t = 4 along e2", found[1], -c, 1e-5, source);
     let found = at_end(&runs, 0, |s| s.velocity);
-    context.compare("its velocity along e1", found[0], rate * c, 1e-4, source);
+    report.compare("its velocity along e1", found[0], rate * c, 1e-4, source);
     let source = "exact: the loops are closed at all times";
-    context.compare(
+    report.compare(
         "largest gap of the last loop",
         gap(&runs[1], [0, 1]),
         0.0,
@@ -258,6 +258,6 @@ fn parallelograms(context: &mut Context) -> Result<(), CaseError> {
     );
     let source = "exact: energy is constant";
     let what = "largest relative change of energy";
-    context.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
+    report.compare(what, energy_error(&runs[1]), 0.0, 1e-4, source);
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::linkages::{G, integrate, slope};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::{self, Analysis, Closure, Plan};
@@ -37,17 +37,17 @@ pub const HARDLY_MISALIGNED: Case = Case {
 /// Values, rates and accelerations of joint coordinates at the end, and the largest gap between
 /// pairs of nodes during the motion.
 pub(super) fn joints<const N: usize>(
-    context: &Context,
+    report: &CaseReport,
     file: &input::ModelFile,
     step: f64,
     names: [&str; N],
     pairs: &[[&str; 2]],
     seen: &mut dyn FnMut([f64; N]),
 ) -> Result<([[f64; N]; 3], f64), CaseError> {
-    let case = context.case;
-    let job = input::job(case, file).map_err(|source| context.model_error(source))?;
+    let case = report.case;
+    let job = input::job(case, file).map_err(|source| report.model_error(source))?;
     let Plan::Dynamic(plan) = job.plan else {
-        return Err(context.setup("its analysis is not dynamic"));
+        return Err(report.setup("its analysis is not dynamic"));
     };
     let mut model = job.model;
     let missing = |node: &str| CaseError::Node {
@@ -102,31 +102,24 @@ pub(super) fn joints<const N: usize>(
     }
 }
 
-fn bricard(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/bricard.toml"))?;
+fn bricard(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/bricard.toml"))?;
     let names = [
         "hinge 1", "hinge 2", "hinge 3", "hinge 4", "hinge 5", "hinge 6",
     ];
     let (mut worst, mut uneven, mut travel) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let (_, gap) = joints(
-        context,
-        &file,
-        4e-3,
-        names,
-        &[["end 5", "last"]],
-        &mut |x| {
-            // Turned by a right angle where it is drawn, on a cube: cos of 90° + x.
-            let [a, b] = [-x[0].sin(), -x[1].sin()];
-            worst = worst.max((a + b + a * b).abs());
-            let same = |k: usize| (x[k] - x[k % 2]).abs();
-            uneven = (0..6).map(same).fold(uneven, f64::max);
-            travel = travel.max(x[0].abs());
-        },
-    )?;
+    let (_, gap) = joints(report, &file, 4e-3, names, &[["end 5", "last"]], &mut |x| {
+        // Turned by a right angle where it is drawn, on a cube: cos of 90° + x.
+        let [a, b] = [-x[0].sin(), -x[1].sin()];
+        worst = worst.max((a + b + a * b).abs());
+        let same = |k: usize| (x[k] - x[k % 2]).abs();
+        uneven = (0..6).map(same).fold(uneven, f64::max);
+        travel = travel.max(x[0].abs());
+    })?;
     let source = "exact: threefold-symmetric Bricard linkage, twist 90° (Chen, You & Tarnai 2005)";
     let what = "cos θ + cos φ + cos θ cos φ, largest in 1250 steps";
-    context.compare(what, worst, 0.0, 1e-12, source);
-    context.compare(
+    report.compare(what, worst, 0.0, 1e-12, source);
+    report.compare(
         "largest difference of every other hinge",
         uneven,
         0.0,
@@ -134,8 +127,8 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     let source = "exact: the loop is closed at all times";
-    context.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
-    let run = context.motion(&file, &["end 2"], Run::step(2e-3))?;
+    report.compare("largest gap of the loop", gap, 0.0, 1e-13, source);
+    let run = report.motion(&file, &["end 2"], Run::step(2e-3))?;
     let energy = run.total_energy();
     let kinetic = run.balance(|a| a.energies.kinetic);
     let most = kinetic.iter().fold(0.0_f64, |m, e| m.max(e.1));
@@ -143,7 +136,7 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
         .iter()
         .fold(0.0_f64, |m, e| m.max((e.1 - energy[0].1).abs()));
     let source = "exact: energy is constant";
-    context.compare(
+    report.compare(
         "largest relative change of energy",
         change / most,
         0.0,
@@ -151,7 +144,7 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     if travel < 0.5 {
-        return Err(context.setup("it does not move far enough to prove anything"));
+        return Err(report.setup("it does not move far enough to prove anything"));
     }
     let [s, rate] = integrate(&bricard_system, [0.0; 2], 5.0);
     let [x, _] = bricard_angles(Taylor {
@@ -163,7 +156,7 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     let source = "exact: equation of its one freedom, closed-form kinematics, Runge-Kutta";
     let mut enforced = file.clone();
     let last = enforced.joints.iter_mut().find(|j| j.name == "hinge 6");
-    last.ok_or_else(|| context.setup("it has no hinge 6"))?
+    last.ok_or_else(|| report.setup("it has no hinge 6"))?
         .closure = Some(Closure::Multipliers);
     if let Analysis::Dynamic(analysis) = &mut enforced.analysis {
         analysis.scheme = "ga:0.8".into();
@@ -171,12 +164,12 @@ fn bricard(context: &mut Context) -> Result<(), CaseError> {
     for (file, how) in [(&file, "a map"), (&enforced, "multipliers")] {
         let mut ends = Vec::new();
         for step in [4e-3, 2e-3] {
-            ends.push(joints(context, file, step, names, &[], &mut |_| {})?.0);
+            ends.push(joints(report, file, step, names, &[], &mut |_| {})?.0);
         }
         for (d, what) in ["hinge 1", "rate of hinge 1"].into_iter().enumerate() {
             let [found] = richardson([ends[0][d][0]], [ends[1][d][0]]);
             let what = format!("{what} at t = 5, closed by {how}");
-            context.compare(what, found, exact[d], 1e-4, source);
+            report.compare(what, found, exact[d], 1e-4, source);
         }
     }
     Ok(())
@@ -219,8 +212,8 @@ fn bricard_system(s: Taylor<f64>) -> [Taylor<f64>; 2] {
     [M, V]
 }
 
-fn misaligned(context: &mut Context) -> Result<(), CaseError> {
-    let mut file = context.file(include_str!(
+fn misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
+    let mut file = report.file(include_str!(
         "../../../examples/models/four_bar_misaligned.toml"
     ))?;
     let watched = ["C", "tip of bar 3", "axis A", "axis D"];
@@ -239,15 +232,15 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
             *axis = serde_json::json!([0.0, 0.0, 1.0]);
         }
     }
-    let run = context.motion(&aligned, &watched, Run::step(8e-3))?;
+    let run = report.motion(&aligned, &watched, Run::step(8e-3))?;
     let source = "exact: rigid parallelogram";
     let what = "aligned: angle of bar 3 at t = 12";
-    context.compare(what, turn(&run, 3).z, -7.2, 1e-3, source);
+    report.compare(what, turn(&run, 3).z, -7.2, 1e-3, source);
     let off = |run: &History| {
         let states = run.nodes[0].iter();
         states.fold(0.0_f64, |m, s| m.max(s.d.z.abs()))
     };
-    context.compare(
+    report.compare(
         "aligned: largest deflection at C",
         off(&run),
         0.0,
@@ -259,7 +252,7 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
         for line in &mut file.lines {
             (line.elements, line.order) = (elements, order);
         }
-        let records = context.build(&file, "C")?.at_loads(loads)?;
+        let records = report.build(&file, "C")?.at_loads(loads)?;
         Ok::<_, CaseError>(records.iter().map(|r| r.state.d).collect::<Vec<_>>())
     };
     let mut ends = Vec::new();
@@ -272,7 +265,7 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
     let found = observed_order(&[ends[0], ends[1], ends[2]]);
     let source = "theory: linear elements, integrated at their middle";
     let what = "order in the mesh of C, bar 1 turned by 1.2";
-    context.compare(what, found, 2.0, 0.05, source);
+    report.compare(what, found, 2.0, 0.05, source);
     let source = "independent: Reissner's rods by shooting, followed by the length of the path";
     for (angle, k, exact) in [
         (
@@ -307,27 +300,27 @@ fn misaligned(context: &mut Context) -> Result<(), CaseError> {
         ),
     ] {
         let what = format!("C in equilibrium, bar 1 turned by {angle},");
-        context.compare_vector(&what, path[k - 1], exact, 3e-8, source);
+        report.compare_vector(&what, path[k - 1], exact, 3e-8, source);
     }
     for line in &mut file.lines {
         (line.elements, line.order) = (4, 2);
     }
-    let run = context.motion(&file, &watched, Run::step(8e-3))?;
+    let run = report.motion(&file, &watched, Run::step(8e-3))?;
     // So slow that inertia and steps contribute 1e-7.
     let what = "largest deflection at C across the plane";
-    context.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
+    report.compare(what, off(&run), 0.004_264_418_4, 3e-7, source);
     // Where the bars lie in one line the bent ones let it turn back as an antiparallelogram.
     let what = "angle of bar 3 at t = 12, which turns back at the flat positions";
-    context.compare(what, turn(&run, 3).z, -0.918_418_949_6, 1e-7, source);
+    report.compare(what, turn(&run, 3).z, -0.918_418_949_6, 1e-7, source);
     let source = "exact: the loop is closed at all times";
     let both = run.nodes[0].iter().zip(&run.nodes[1]);
     let gap = both.fold(0.0_f64, |m, (a, b)| m.max((a.position - b.position).norm()));
-    context.compare("largest gap at C", gap, 0.0, 1e-14, source);
+    report.compare("largest gap at C", gap, 0.0, 1e-14, source);
     Ok(())
 }
 
-fn hardly_misaligned(context: &mut Context) -> Result<(), CaseError> {
-    let mut file = context.file(include_str!(
+fn hardly_misaligned(report: &mut CaseReport) -> Result<(), CaseError> {
+    let mut file = report.file(include_str!(
         "../../../examples/models/four_bar_misaligned.toml"
     ))?;
     for line in &mut file.lines {
@@ -339,11 +332,11 @@ fn hardly_misaligned(context: &mut Context) -> Result<(), CaseError> {
     for degrees in [0.5_f64, 0.25] {
         let (s, c) = degrees.to_radians().sin_cos();
         let joint = file.joints.iter_mut().find(|j| j.name == "axis C");
-        let joint = joint.ok_or_else(|| context.setup("it has no axis C"))?;
+        let joint = joint.ok_or_else(|| report.setup("it has no axis C"))?;
         joint
             .keys
             .insert("axis".into(), serde_json::json!([s, 0.0, c]));
-        let records = context.build(&file, "C")?.at_loads(&loads)?;
+        let records = report.build(&file, "C")?.at_loads(&loads)?;
         found.push([3, 5, 7].map(|k| records[k].state.d.z * c / s));
     }
     // The other sign of the misalignment reverses the bending: the remainder is quadratic, and with both signs
@@ -359,7 +352,7 @@ fn hardly_misaligned(context: &mut Context) -> Result<(), CaseError> {
     .enumerate()
     {
         let what = format!("deflection at C over misalignment, bar 1 turned by {angle}");
-        context.compare(what, limit[k], exact, 3e-10, source);
+        report.compare(what, limit[k], exact, 3e-10, source);
     }
     Ok(())
 }

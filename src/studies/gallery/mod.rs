@@ -20,7 +20,7 @@ mod struck;
 mod swings;
 mod tops;
 
-pub use case::{Case, CaseError, Comparison, Context};
+pub use case::{Case, CaseError, CaseReport, Comparison};
 pub use exact::exact;
 pub use models::{MODELS, model};
 
@@ -95,10 +95,10 @@ pub fn run(
     let ran = side_by_side(cases.len(), threads, &|k| {
         let case = cases[k];
         (progress.lock().unwrap_or_else(PoisonError::into_inner))(case.name);
-        let mut context = Context::new(case.name, out);
+        let mut report = CaseReport::new(case.name, out);
         let start = Instant::now();
-        (case.run)(&mut context)?;
-        Ok(context.finish(start.elapsed().as_secs_f64()))
+        (case.run)(&mut report)?;
+        Ok(report.finish(start.elapsed().as_secs_f64()))
     });
     let mut rows = Vec::new();
     for case in ran {

@@ -1,10 +1,10 @@
 //! Runs in time: the states of watched nodes at all steps.
 
-use super::case::{CaseError, Context};
+use super::case::{CaseError, CaseReport};
 use crate::input::{self, Plan};
 use crate::solve::{begin, point};
 use nalgebra::Vector3;
-use pullback_elements::model::{EnergiesAndMomentum, Model, NodeId, NodeState};
+use pullback_elements::model::{Context, EnergiesAndMomentum, NodeId, NodeState};
 use pullback_integrators::dynamics::{
     DynamicOptions, DynamicsError, Progress, Summary, integrate, start,
 };
@@ -91,7 +91,7 @@ impl Run {
     }
 }
 
-impl Context {
+impl CaseReport {
     /// Integrates a model file and records the named nodes.
     pub(super) fn motion(
         &self,
@@ -128,7 +128,7 @@ impl Context {
             summary: Summary::default(),
         };
         let mut failed = None;
-        let mut record = |model: &mut Model, progress: &Progress| {
+        let mut record = |model: &mut Context, progress: &Progress| {
             let balance = model.energies_and_momentum(point(progress))?;
             history.t.push(progress.state.t);
             history.balances.push(balance);

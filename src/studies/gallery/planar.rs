@@ -1,6 +1,6 @@
 //! Plane cantilevers with exact solutions.
 
-use super::case::{Case, CaseError, Context, Record, order};
+use super::case::{Case, CaseError, CaseReport, Record, order};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
 use pullback_integrators::statics::StaticOptions;
@@ -41,18 +41,18 @@ fn angle(record: &Record) -> f64 {
     record.state.R[(1, 0)].atan2(record.state.R[(0, 0)])
 }
 
-fn rollup(context: &mut Context) -> Result<(), CaseError> {
+fn rollup(report: &mut CaseReport) -> Result<(), CaseError> {
     const SOURCE: &str = "exact: Euler";
     const EI: f64 = 2.0;
-    let file = context.file(include_str!("../../../examples/models/rollup.toml"))?;
+    let file = report.file(include_str!("../../../examples/models/rollup.toml"))?;
     let loads = [0.25, 0.5, 0.75, 1.0];
     for turns in [1, 2] {
         let loads = &loads[..2 * turns];
-        let mut beam = context.build(&file, "tip")?;
+        let mut beam = report.build(&file, "tip")?;
         let record = &beam.at_loads(loads)?[loads.len() - 1];
         // One and two turns give the same tip position: the energy ½ M φ tells them apart.
         let phi = TAU * turns as f64;
-        context.compare(
+        report.compare(
             format!("strain energy after {turns} turns over EI/L"),
             beam.model.strain_energy(record.t) / EI,
             0.5 * phi * phi,
@@ -60,17 +60,17 @@ fn rollup(context: &mut Context) -> Result<(), CaseError> {
             SOURCE,
         );
         let tip = format!("tip displacement after {turns} turns,");
-        context.compare_vector(&tip, record.state.d, [-1.0, 0.0, 0.0], 1e-9, SOURCE);
+        report.compare_vector(&tip, record.state.d, [-1.0, 0.0, 0.0], 1e-9, SOURCE);
         let rest = format!("rotation left over after {turns} turns");
-        context.compare(rest, angle(record), 0.0, 1e-9, SOURCE);
+        report.compare(rest, angle(record), 0.0, 1e-9, SOURCE);
     }
     // One element bends by any angle below π with the exact rotation.
     let mut one = file.clone();
     one.lines[0].elements = 1;
-    let record = context
+    let record = report
         .build(&one, "tip")?
         .at_loads(&[2.0 / (4.0 * PI), 3.0 / (4.0 * PI)])?[1];
-    context.compare(
+    report.compare(
         "rotation of a single element",
         angle(&record),
         3.0,
@@ -80,7 +80,7 @@ fn rollup(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn elastica(context: &mut Context) -> Result<(), CaseError> {
+fn elastica(report: &mut CaseReport) -> Result<(), CaseError> {
     // P L²/EI: w/L, u/L, rotation.
     const EXACT: [(f64, [f64; 3]); 11] = [
         (0.2, [0.06636448214, 0.002646548341, 0.09963616304]),
@@ -95,24 +95,22 @@ fn elastica(context: &mut Context) -> Result<(), CaseError> {
         (8.0, [0.784982375, 0.5048277321, 1.374431507]),
         (10.0, [0.8106090249, 0.5549955978, 1.430285539]),
     ];
-    let file = context.file(include_str!("../../../examples/models/elastica.toml"))?;
+    let file = report.file(include_str!("../../../examples/models/elastica.toml"))?;
     let loads = EXACT.map(|(a, _)| a / 10.0);
-    let records = context.build(&file, "tip")?.at_loads(&loads)?;
+    let records = report.build(&file, "tip")?.at_loads(&loads)?;
     for ((a, exact), r) in EXACT.iter().zip(&records) {
         let computed = [r.state.d.y, -r.state.d.x, angle(r)];
         for ((name, c), e) in ["w/L", "u/L", "rotation"].iter().zip(computed).zip(exact) {
             let source = "exact: elliptic integrals (Mattiasson 1981)";
-            context.compare(format!("{name} at PL²/EI = {a}"), c, *e, 1e-8, source);
+            report.compare(format!("{name} at PL²/EI = {a}"), c, *e, 1e-8, source);
         }
     }
     Ok(())
 }
 
-fn cantilever(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/cantilever.toml"))?;
-    let r = context
-        .build(&file, "tip")?
-        .end(&StaticOptions::default())?;
+fn cantilever(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/cantilever.toml"))?;
+    let r = report.build(&file, "tip")?.end(&StaticOptions::default())?;
     let rotation = (-r.state.R[(2, 0)].atan2(r.state.R[(0, 0)])).abs();
     let computed = [-r.state.d.x, r.state.d.z, rotation];
     let exact = [0.596471272235, 2.15969389449, 0.672006063844];
@@ -120,9 +118,9 @@ fn cantilever(context: &mut Context) -> Result<(), CaseError> {
     let names = ["shortening", "deflection", "rotation"];
     for (k, name) in names.iter().enumerate() {
         let source = "exact curve: independent shooting, S05";
-        context.compare(*name, computed[k], exact[k], 1e-9, source);
+        report.compare(*name, computed[k], exact[k], 1e-9, source);
         let source = "published: Géradin & Cardona 2001 (3 digits)";
-        context.compare(
+        report.compare(
             format!("{name}, published digits"),
             computed[k],
             published[k],
@@ -135,7 +133,7 @@ fn cantilever(context: &mut Context) -> Result<(), CaseError> {
 
 /// Tip displacement (shortening, deflection) of the stub with a mesh and a force.
 fn stub(
-    context: &Context,
+    report: &CaseReport,
     file: &ModelFile,
     mesh: [usize; 2],
     force: f64,
@@ -143,51 +141,51 @@ fn stub(
     let mut file = file.clone();
     [file.lines[0].elements, file.lines[0].order] = mesh;
     file.loads[0].force = Some([0.0, force, 0.0]);
-    context.build(&file, "tip")?.end(&StaticOptions::default())
+    report.build(&file, "tip")?.end(&StaticOptions::default())
 }
 
-fn shear_flexible(context: &mut Context) -> Result<(), CaseError> {
+fn shear_flexible(report: &mut CaseReport) -> Result<(), CaseError> {
     const EXACT: &str = "exact curve: independent shooting, S09";
     const PUBLISHED: &str = "published: Nachbagauer et al. 2011, converged mesh";
-    let file = context.file(include_str!("../../../examples/models/shear_flexible.toml"))?;
-    let large = stub(context, &file, [10, 3], 6.25e7)?;
-    context.compare(
+    let file = report.file(include_str!("../../../examples/models/shear_flexible.toml"))?;
+    let large = stub(report, &file, [10, 3], 6.25e7)?;
+    report.compare(
         "large load, shortening",
         -large.state.d.x,
         0.150971144239,
         1e-9,
         EXACT,
     );
-    context.compare(
+    report.compare(
         "large load, deflection",
         large.state.d.y,
         0.710568597854,
         1e-9,
         EXACT,
     );
-    context.compare(
+    report.compare(
         "large load, rotation",
         angle(&large),
         0.520173166012,
         1e-9,
         EXACT,
     );
-    context.compare(
+    report.compare(
         "large load, deflection",
         large.state.d.y,
         0.71056837,
         1e-6,
         PUBLISHED,
     );
-    let small = stub(context, &file, [10, 3], 62500.0)?;
-    context.compare(
+    let small = stub(report, &file, [10, 3], 62500.0)?;
+    report.compare(
         "small load, shortening",
         -small.state.d.x,
         1.888491636404e-07,
         1e-15,
         EXACT,
     );
-    context.compare(
+    report.compare(
         "small load, deflection",
         small.state.d.y,
         0.0008099032539769,
@@ -196,11 +194,11 @@ fn shear_flexible(context: &mut Context) -> Result<(), CaseError> {
     );
     let mut errors = Vec::new();
     for elements in [2, 4, 8, 16] {
-        let r = stub(context, &file, [elements, 1], 6.25e7)?;
+        let r = stub(report, &file, [elements, 1], 6.25e7)?;
         errors.push(0.710568597854 - r.state.d.y);
     }
     for (k, e) in errors.windows(2).enumerate() {
-        context.compare(
+        report.compare(
             format!(
                 "order of the deflection, {} to {} 2-node elements",
                 2 << k,
@@ -215,7 +213,7 @@ fn shear_flexible(context: &mut Context) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn follower(context: &mut Context) -> Result<(), CaseError> {
+fn follower(report: &mut CaseReport) -> Result<(), CaseError> {
     // F: ux, uy, rotation modulo a turn.
     const EXACT: [(f64, [f64; 3]); 8] = [
         (1e4, [-41.69280982, 71.10951873, 1.34023618]),
@@ -227,17 +225,17 @@ fn follower(context: &mut Context) -> Result<(), CaseError> {
         (7e4, [-72.43392741, 32.97705002, 2.8504906]),
         (9e4, [-52.41067404, 6.0436343, 2.23838433]),
     ];
-    let file = context.file(include_str!("../../../examples/models/follower.toml"))?;
+    let file = report.file(include_str!("../../../examples/models/follower.toml"))?;
     let loads = EXACT.map(|(f, _)| f / 9e4);
-    let records = context.build(&file, "tip")?.at_loads(&loads)?;
+    let records = report.build(&file, "tip")?.at_loads(&loads)?;
     let path = |pick: fn(&[f64; 3]) -> f64| EXACT.iter().map(|(f, e)| (*f, pick(e))).collect();
     let fine: Vec<f64> = (1..=90).map(|k| f64::from(k) / 90.0).collect();
-    let curve = context.build(&file, "tip")?.at_loads(&fine)?;
+    let curve = report.build(&file, "tip")?.at_loads(&fine)?;
     let along = |pick: fn(&Record) -> f64| {
         let points = curve.iter().map(|r| (r.t * 9e4, pick(r)));
         std::iter::once((0.0, 0.0)).chain(points).collect()
     };
-    context.figure(
+    report.figure(
         "Cantilever with follower force",
         ["force", "tip displacement"],
         vec![
@@ -251,7 +249,7 @@ fn follower(context: &mut Context) -> Result<(), CaseError> {
         let computed = [r.state.d.x, r.state.d.y, angle(r).rem_euclid(TAU)];
         for ((name, c), e) in ["ux", "uy", "rotation"].iter().zip(computed).zip(exact) {
             let source = "exact curve: independent shooting, S18";
-            context.compare(format!("{name} at F = {f}"), c, *e, 1e-7, source);
+            report.compare(format!("{name} at F = {f}"), c, *e, 1e-7, source);
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use crate::input::Stiffness;
 use nalgebra::{Matrix3, Vector3};
 use pullback_integrators::statics::StaticOptions;
@@ -27,14 +27,14 @@ pub const BENDING_TORSION: Case = Case {
     run: bending_torsion,
 };
 
-fn twisted(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/twisted.toml"))?;
-    let d = context
+fn twisted(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/twisted.toml"))?;
+    let d = report
         .build(&file, "tip")?
         .end(&StaticOptions::default())?
         .state
         .d;
-    context.compare_vector(
+    report.compare_vector(
         "tip displacement",
         d,
         [-1.14152599954, -1.718053346465, -3.593213240272],
@@ -43,11 +43,11 @@ fn twisted(context: &mut Context) -> Result<(), CaseError> {
     );
     let solid = [-1.134192, -1.714467, -3.58423];
     let source = "published: ANSYS solid (Wang et al. 2017), 1 %";
-    context.compare_vector("tip displacement, solid model,", d, solid, 0.036, source);
+    report.compare_vector("tip displacement, solid model,", d, solid, 0.036, source);
     Ok(())
 }
 
-fn princeton(context: &mut Context) -> Result<(), CaseError> {
+fn princeton(report: &mut CaseReport) -> Result<(), CaseError> {
     const P: f64 = 8.896;
     const Y: [f64; 7] = [
         0.0107141763,
@@ -67,20 +67,20 @@ fn princeton(context: &mut Context) -> Result<(), CaseError> {
         0.14219437,
         0.146245978,
     ];
-    let file = context.file(include_str!("../../../examples/models/princeton.toml"))?;
+    let file = report.file(include_str!("../../../examples/models/princeton.toml"))?;
     for (k, (y, z)) in Y.into_iter().zip(Z).enumerate() {
         let degrees = 15.0 * k as f64;
         let (s, c) = degrees.to_radians().sin_cos();
         let mut file = file.clone();
         file.loads[0].force = Some([0.0, P * c, P * s]);
-        let d = context
+        let d = report
             .build(&file, "tip")?
             .end(&StaticOptions::default())?
             .state
             .d;
         let source = "published: ANSYS beam (Obrezkov et al. 2022), 0.5 % of the largest";
         for (name, computed, published, largest) in [("y", d.y, y, Y[0]), ("z", d.z, z, Z[6])] {
-            context.compare(
+            report.compare(
                 format!("u{name} at {degrees}°"),
                 computed,
                 published,
@@ -102,7 +102,7 @@ fn exact_helix(kappa: &Vector3<f64>, length: f64) -> (Vector3<f64>, Matrix3<f64>
     )
 }
 
-fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
+fn bending_torsion(report: &mut CaseReport) -> Result<(), CaseError> {
     const SOURCE: &str = "exact: helix of constant curvature (Harsch et al. 2023)";
     let (radius, height, coils) = (10.0, 50.0, 2.0);
     let c = height / (2.0 * PI * coils * radius);
@@ -110,7 +110,7 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
     let length = (1.0 + c * c).sqrt() * radius * a;
     let curvature = radius * a * a / (length * length);
     let kappa = Vector3::new(curvature * c, 0.0, curvature);
-    let file = context.file(include_str!(
+    let file = report.file(include_str!(
         "../../../examples/models/bending_torsion.toml"
     ))?;
     let solve = |elements: usize, order: usize, slenderness: f64, load: f64| {
@@ -128,7 +128,7 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
                 EI: [1.0; 2],
             });
         }
-        let mut watched = context.build(&file, "tip")?;
+        let mut watched = report.build(&file, "tip")?;
         let options = StaticOptions {
             to: load,
             max_step: 0.1,
@@ -157,7 +157,7 @@ fn bending_torsion(context: &mut Context) -> Result<(), CaseError> {
         }
     }
     for (quantity, computed, tolerance) in rows {
-        context.compare(quantity, computed, 0.0, tolerance, SOURCE);
+        report.compare(quantity, computed, 0.0, tolerance, SOURCE);
     }
     Ok(())
 }

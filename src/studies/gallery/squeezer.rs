@@ -1,6 +1,6 @@
 //! Andrews' squeezer against its published reference.
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::mechanisms::joints;
 
 /// R06: seven bodies, three loops.
@@ -55,13 +55,13 @@ const FOLLOWING: [[f64; 2]; 7] = [
 /// Relative accuracy of the published values according to R06.
 const TRUST: f64 = 1e-9;
 
-fn run(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/squeezer.toml"))?;
+fn run(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/squeezer.toml"))?;
     let pairs = [["P", "K3 end"], ["P", "K4 end"], ["P", "K6 end"]];
     let mut runs = Vec::new();
     let mut gap = 0.0_f64;
     for step in [2e-5, 1e-5, 5e-6] {
-        let (end, open) = joints(context, &file, step, NAMES, &pairs, &mut |_| {})?;
+        let (end, open) = joints(report, &file, step, NAMES, &pairs, &mut |_| {})?;
         runs.push(end);
         gap = gap.max(open);
     }
@@ -81,21 +81,21 @@ fn run(context: &mut Context) -> Result<(), CaseError> {
     for (k, name) in NAMES.into_iter().enumerate() {
         let [q, v, a] = [angles[k], rates[k], accelerations[k]];
         let what = format!("angle {name} at t = 0.03");
-        context.compare(what, found[0][k], q, TRUST * q.abs(), source);
+        report.compare(what, found[0][k], q, TRUST * q.abs(), source);
         let what = format!("rate of {name} at t = 0.03");
         let tolerance = TRUST * v.abs() + late * a.abs();
-        context.compare(what, found[1][k], v, tolerance, source);
+        report.compare(what, found[1][k], v, tolerance, source);
         // They are 1.0e-7 of the largest off those below.
         let what = format!("acceleration of {name} at t = 0.03");
-        context.compare(what, found[2][k], a, 1.2e-7 * most, source);
+        report.compare(what, found[2][k], a, 1.2e-7 * most, source);
     }
     let source = "equations of the IVP test set at its published angles and rates";
     for (k, name) in NAMES.into_iter().enumerate() {
         let what = format!("following acceleration of {name}");
         let [a, part] = FOLLOWING[k];
-        context.compare(what, found[2][k], a, part * a.abs(), source);
+        report.compare(what, found[2][k], a, part * a.abs(), source);
     }
     let source = "exact: the loops are closed at all times";
-    context.compare("largest gap at P", gap, 0.0, 1e-15, source);
+    report.compare("largest gap at P", gap, 0.0, 1e-15, source);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The right-angle cantilever, struck at its elbow.
 
-use super::case::{Case, CaseError, Context, peak};
+use super::case::{Case, CaseError, CaseReport, peak};
 use super::motion::{History, Run};
 use crate::input::ModelFile;
 use crate::output::plot::Curve;
@@ -63,7 +63,7 @@ const INDEPENDENT: &str = "independent: spectral elements, Gauss, D01";
 
 /// Compares turning points of a curve; tolerances of times and heights.
 fn turns(
-    context: &mut Context,
+    report: &mut CaseReport,
     run: &str,
     curve: &[(f64, f64)],
     turns: &[Turn],
@@ -72,25 +72,25 @@ fn turns(
 ) {
     for &(name, span, sign, (t, z)) in turns {
         let (at, value) = extremum(curve, span, sign);
-        context.compare(format!("height of {run}{name}"), value, z, height, source);
-        context.compare(format!("time of {run}{name}"), at, t, time, source);
+        report.compare(format!("height of {run}{name}"), value, z, height, source);
+        report.compare(format!("time of {run}{name}"), at, t, time, source);
     }
 }
 
-fn elbow(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(FILE)?;
+fn elbow(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(FILE)?;
     let nodes = ["tip", "elbow"];
     let mut curves = Vec::new();
     for elements in [10, 2] {
-        let run = context.motion(&mesh(&file, elements, 1), &nodes, Run::FILE)?;
+        let run = report.motion(&mesh(&file, elements, 1), &nodes, Run::FILE)?;
         let all = 2 * elements;
         let [tip, elbow] = [0, 1].map(|k| height(&run, k));
         if elements == 10 {
             // Accuracy of meshes and steps as coarse as the published ones, according to D01.
             let trusted = [0.1; 2];
             let name = "20 elements: ";
-            turns(context, name, &tip, &TIP, trusted, INDEPENDENT);
-            turns(context, name, &elbow, &ELBOW, trusted, INDEPENDENT);
+            turns(report, name, &tip, &TIP, trusted, INDEPENDENT);
+            turns(report, name, &elbow, &ELBOW, trusted, INDEPENDENT);
         }
         for (color, name, curve) in [(0, "tip", tip), (1, "elbow", elbow)] {
             let label = format!("{name}, {all} elements");
@@ -101,8 +101,8 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
             curves.push(curve.colored(color));
         }
     }
-    as_first_published(context, &file)?;
-    context.figure(
+    as_first_published(report, &file)?;
+    report.figure(
         "Right-angle cantilever",
         ["time t", "displacement along e3"],
         curves,
@@ -116,9 +116,9 @@ fn elbow(context: &mut Context) -> Result<(), CaseError> {
 /// The lowest point of the elbow, −3.87 at t = 10.82 as digitised, is left out: it was read off a small
 /// figure, and lies 0.19 above −4.06, which all converged solutions have (D01), and 0.11 above the
 /// lowest point of this mesh.
-fn as_first_published(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
+fn as_first_published(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     let step = 0.25;
-    let run = context.motion(&mesh(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
+    let run = report.motion(&mesh(file, 2, 2), &["tip", "elbow"], Run::step(step))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     let name = "4 quadratic, h = 0.25: ";
     let source = "published: Simo & Vu-Quoc 1988, digitised";
@@ -130,25 +130,25 @@ fn as_first_published(context: &mut Context, file: &ModelFile) -> Result<(), Cas
         ("tip, minimum", [12.0, 20.0], -1.0, (15.99, -9.673)),
         ("tip, last maximum", [22.0, 29.0], 1.0, (26.08, 6.98)),
     ];
-    turns(context, name, &tip, &published, trusted, source);
+    turns(report, name, &tip, &published, trusted, source);
     let published = [
         ("elbow, first maximum", [1.0, 5.0], 1.0, (3.05, 5.5035)),
         ("elbow, last maximum", [22.0, 29.0], 1.0, (25.16, 6.105)),
     ];
-    turns(context, name, &elbow, &published, trusted, source);
+    turns(report, name, &elbow, &published, trusted, source);
     Ok(())
 }
 
-fn converged(context: &mut Context) -> Result<(), CaseError> {
-    let file = mesh(&context.file(FILE)?, 5, 3);
-    let run = context.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
+fn converged(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = mesh(&report.file(FILE)?, 5, 3);
+    let run = report.motion(&file, &["tip", "elbow"], Run::step(0.01).to(28.0))?;
     let [tip, elbow] = [0, 1].map(|k| height(&run, k));
     for (curve, known) in [(&tip, &TIP), (&elbow, &ELBOW), (&elbow, &LEDGE)] {
         for turn in known {
             // Accuracy of D01.
             let trusted = if turn.3.0 < 10.0 { 5e-4 } else { 2e-3 };
             let turn = std::slice::from_ref(turn);
-            turns(context, "", curve, turn, [0.02, trusted], INDEPENDENT);
+            turns(report, "", curve, turn, [0.02, trusted], INDEPENDENT);
         }
     }
     for (curve, name, span, sign, z) in [
@@ -158,7 +158,7 @@ fn converged(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let (_, value) = extremum(curve, span, sign);
         let source = "other code: Exudyn, 40 elements, h = 0.005";
-        context.compare(name, value, z, 0.005 + 2e-3, source);
+        report.compare(name, value, z, 0.005 + 2e-3, source);
     }
     for (name, span, sign, z) in [
         ("tip, first maximum", [5.0, 10.0], 1.0, 8.2513),
@@ -167,7 +167,7 @@ fn converged(context: &mut Context) -> Result<(), CaseError> {
     ] {
         let (_, value) = extremum(&tip, span, sign);
         let source = "other code: AeroBeams, 20 elements per leg, h = 0.05";
-        context.compare(name, value, z, 0.01, source);
+        report.compare(name, value, z, 0.01, source);
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context};
+use super::case::{Case, CaseError, CaseReport};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::{ModelFile, Sine, Time};
 use crate::output::plot::Curve;
@@ -41,14 +41,14 @@ fn gentle(file: &ModelFile) -> ModelFile {
 }
 
 /// Order in the step of the position of a node at t = 0.5.
-fn order(context: &mut Context, file: &ModelFile, node: &str) -> Result<(), CaseError> {
+fn order(report: &mut CaseReport, file: &ModelFile, node: &str) -> Result<(), CaseError> {
     let file = gentle(file);
-    let run = |h: f64| context.motion(&file, &[node], Run::step(h).to(0.5));
+    let run = |h: f64| report.motion(&file, &[node], Run::step(h).to(0.5));
     let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
     let ends = [&a, &b, &c].map(|h| h.at(0, 0.5).position);
     let source = "theory: the trapezoidal rule";
     let what = "order in the step, gravity put on smoothly";
-    context.compare(what, observed_order(&ends), 2.0, 0.1, source);
+    report.compare(what, observed_order(&ends), 2.0, 0.1, source);
     Ok(())
 }
 
@@ -63,9 +63,9 @@ fn energy_error(run: &History) -> f64 {
     drift / scale.iter().fold(0.0_f64, |m, e| m.max(e.1))
 }
 
-fn pendulum(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/pendulum.toml"))?;
-    let runs = [4e-3, 2e-3, 1e-3].map(|h| context.motion(&file, &["rod"], Run::step(h)));
+fn pendulum(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/pendulum.toml"))?;
+    let runs = [4e-3, 2e-3, 1e-3].map(|h| report.motion(&file, &["rod"], Run::step(h)));
     let [a, b, c] = runs;
     let (a, b, c) = (a?, b?, c?);
     let source = "exact: elliptic functions, R04";
@@ -81,12 +81,12 @@ fn pendulum(context: &mut Context) -> Result<(), CaseError> {
         let computed = richardson(position(&b), position(&c));
         for (k, name) in ["e1", "e3"].into_iter().enumerate() {
             let what = format!("extrapolated position at t = {t} along {name}");
-            context.compare(what, computed[k], exact[k], 1e-6, source);
+            report.compare(what, computed[k], exact[k], 1e-6, source);
         }
     }
     let ends = [&a, &b, &c].map(|h| h.at(0, 10.0).position);
     let source = "theory: the trapezoidal rule";
-    context.compare(
+    report.compare(
         "order in the step",
         observed_order(&ends),
         2.0,
@@ -94,8 +94,8 @@ fn pendulum(context: &mut Context) -> Result<(), CaseError> {
         source,
     );
     let error = energy_error(&c);
-    context.compare("energy error", error, 0.0, 1e-5, "conserved");
-    over(context, &file)
+    report.compare("energy error", error, 0.0, 1e-5, "conserved");
+    over(report, &file)
 }
 
 /// Complete elliptic integral of the first kind by the arithmetic-geometric mean; k is the modulus.
@@ -122,7 +122,7 @@ fn turned(run: &History) -> Vec<f64> {
 ///
 /// Energy says θ̇² = ω² − (4g/l) sin²(θ/2), so that a turn takes
 /// (2/ω) ∫₀^π dφ/√(1 − k² sin²φ) = 4 K(k)/ω with k = 2√(g/l)/ω, and half a turn half of that.
-fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
+fn over(report: &mut CaseReport, file: &ModelFile) -> Result<(), CaseError> {
     let (omega, g_over_l) = (8.0, 9.81);
     let turn = 4.0 * elliptic_K(2.0 * f64::sqrt(g_over_l) / omega) / omega;
     let mut file = file.clone();
@@ -130,7 +130,7 @@ fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
     (file.joints[1].keys).insert("position".to_owned(), serde_json::json!([0.0, 0.0, -1.0]));
     let run = |count: usize| {
         let run = Run::step(turn / count as f64).to(6.0 * turn);
-        context.motion(&file, &["rod"], run)
+        report.motion(&file, &["rod"], run)
     };
     let [coarse, fine] = [(500, run(500)?), (1000, run(1000)?)];
     let source = "exact: elliptic integral, R04 struck so that it goes over";
@@ -143,58 +143,58 @@ fn over(context: &mut Context, file: &ModelFile) -> Result<(), CaseError> {
         let [turns, speed] = richardson(a, b);
         let exact = halves as f64 / 2.0;
         let at = format!("after {exact} periods of going over");
-        context.compare(format!("turns {at}"), turns, exact, 1e-6, source);
+        report.compare(format!("turns {at}"), turns, exact, 1e-6, source);
         let rise = if halves % 2 == 0 { 0.0 } else { 4.0 * g_over_l };
         let exact = f64::sqrt(omega * omega - rise);
-        context.compare(format!("speed {at}"), speed, exact, 1e-6, source);
+        report.compare(format!("speed {at}"), speed, exact, 1e-6, source);
     }
     Ok(())
 }
 
-fn double(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!(
+fn double(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!(
         "../../../examples/models/double_pendulum.toml"
     ))?;
-    order(context, &file, "tip")?;
-    let run = |h: f64| context.motion(&file, &["tip", "knee"], Run::step(h));
+    order(report, &file, "tip")?;
+    let run = |h: f64| report.motion(&file, &["tip", "knee"], Run::step(h));
     let (a, b, c) = (run(2e-3)?, run(1e-3)?, run(5e-4)?);
     let source = "theory: the trapezoidal rule";
     let order = (energy_error(&a) / energy_error(&b)).log2();
-    context.compare("order of the energy error", order, 2.0, 0.1, source);
-    context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    report.compare("order of the energy error", order, 2.0, 0.1, source);
+    report.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
     // The hinges keep the motion in its plane.
     let out = c.curve(0, |s| s.d.y.abs());
     let across = out.iter().fold(0.0_f64, |m, p| m.max(p.1));
-    context.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
+    report.compare("out of the plane", across, 0.0, 1e-9, "symmetry");
     let path = |node: usize| -> Vec<(f64, f64)> {
         let positions = c.nodes[node].iter().map(|s| (s.position.x, s.position.z));
         positions.collect()
     };
-    context.figure(
+    report.figure(
         "Flexible double pendulum",
         ["along e1", "along e3"],
         vec![Curve::new("knee", path(1)), Curve::new("tip", path(0))],
     )
 }
 
-fn rubber(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/rubber_rod.toml"))?;
-    let run = |h: f64| context.motion(&file, &["end"], Run::step(h));
+fn rubber(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/rubber_rod.toml"))?;
+    let run = |h: f64| report.motion(&file, &["end"], Run::step(h));
     let c = run(5e-4)?;
-    context.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
-    order(context, &file, "end")?;
+    report.compare("energy error", energy_error(&c), 0.0, 1e-4, "conserved");
+    order(report, &file, "end")?;
     let mut coarse = file.clone();
     let mut positions: Vec<Vector3<f64>> = Vec::new();
     for elements in [4, 8, 16] {
         coarse.lines[0].elements = elements;
-        let run = context.motion(&coarse, &["end"], Run::step(1e-3).to(0.5))?;
+        let run = report.motion(&coarse, &["end"], Run::step(1e-3).to(0.5))?;
         positions.push(run.at(0, 0.5).position);
     }
     let mesh = (positions[1] - positions[2]).norm();
     let what = "8 and 16 quadratic elements apart at t = 0.5";
-    context.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
+    report.compare(what, mesh, 0.0, 1e-3, "convergence with the mesh");
     let path = c.nodes[0].iter().map(|s| (s.position.x, s.position.z));
-    context.figure(
+    report.figure(
         "Swinging rubber rod",
         ["along e1", "along e3"],
         vec![Curve::new("path of the end", path.collect())],

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::case::{Case, CaseError, Context, peak};
+use super::case::{Case, CaseError, CaseReport, peak};
 use super::motion::{History, Run, observed_order, richardson};
 use crate::input::Analysis;
 use crate::output::plot::Curve;
@@ -72,34 +72,34 @@ impl Gyroscope {
     }
 }
 
-fn top(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/top.toml"))?;
+fn top(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/top.toml"))?;
     let source = "exact: cubic of the top, R02";
-    let converged = context.motion(&file, &["O"], Run::step(1e-4))?;
+    let converged = report.motion(&file, &["O"], Run::step(1e-4))?;
     let angle = converged.curve(0, nutation);
     let smallest = angle.iter().fold(f64::INFINITY, |m, a| m.min(a.1));
     let largest = angle.iter().fold(0.0_f64, |m, a| m.max(a.1));
-    context.compare("smallest nutation", smallest, 0.3, 1e-5, source);
-    context.compare("largest nutation", largest, 0.326733714644854, 1e-5, source);
+    report.compare("smallest nutation", smallest, 0.3, 1e-5, source);
+    report.compare("largest nutation", largest, 0.326733714644854, 1e-5, source);
     // Maxima of the nutation are a period apart.
     let maxima: Vec<usize> = (1..angle.len() - 1)
         .filter(|&k| angle[k].1 > angle[k - 1].1 && angle[k].1 >= angle[k + 1].1)
         .collect();
     let (Some(&first), Some(&last)) = (maxima.first(), maxima.last()) else {
-        return Err(context.setup("the top does not nutate"));
+        return Err(report.setup("the top does not nutate"));
     };
     let turns = (maxima.len() - 1) as f64;
     let times = [first, last].map(|k| peak(&angle, k).0);
     let source = "exact: complete elliptic integral, R02";
     let period = (times[1] - times[0]) / turns;
-    context.compare("nutation period", period, 0.6822560158311819, 1e-4, source);
+    report.compare("nutation period", period, 0.6822560158311819, 1e-4, source);
     let precession = [first, last].map(|k| {
         let axis = converged.nodes[0][k].R.column(2).into_owned();
         axis.x.atan2(-axis.y)
     });
     let rate = (precession[1] - precession[0]) / (converged.t[last] - converged.t[first]);
     let source = "exact: mean precession, R02";
-    context.compare("precession rate", rate, 0.416425036235478, 1e-4, source);
+    report.compare("precession rate", rate, 0.416425036235478, 1e-4, source);
 
     let gyroscope = Gyroscope {
         J: Vector3::new(5.0, 5.0, 1.0),
@@ -112,7 +112,7 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
         let exact = UnitQuaternion::from_quaternion(p) * Vector3::z();
         let axis: Vector3<f64> = converged.at(0, t).R.column(2).into();
         let source = "independent: quaternion, Runge-Kutta";
-        context.compare_vector(
+        report.compare_vector(
             &format!("axis at t = {t}"),
             axis,
             exact.into(),
@@ -121,10 +121,10 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
         );
     }
 
-    let rigid = context.motion(&file, &["O"], Run::FILE)?;
+    let rigid = report.motion(&file, &["O"], Run::FILE)?;
     let beam = include_str!("../../../examples/models/top_beam.toml");
-    let mut flexible = context.file(beam)?;
-    let stiff = context.motion(&flexible, &["O"], Run::FILE)?;
+    let mut flexible = report.file(beam)?;
+    let stiff = report.motion(&flexible, &["O"], Run::FILE)?;
     for section in flexible.sections.values_mut() {
         if let Some(s) = &mut section.stiffness {
             s.EA /= 100.0;
@@ -133,13 +133,13 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
             s.EI = s.EI.map(|x| x / 100.0);
         }
     }
-    let flexible = context.motion(&flexible, &["O"], Run::FILE)?;
+    let flexible = report.motion(&flexible, &["O"], Run::FILE)?;
     let curves = [&rigid, &stiff, &flexible].map(|h| h.curve(0, nutation));
     let apart =
         (curves[0].iter().zip(&curves[1])).fold(0.0_f64, |m, (a, b)| m.max((a.1 - b.1).abs()));
     // A hundredth of the nutation, 0.0267: the width of a line.
     let source = "published: they coincide in the plot (Mäkinen 2004, case 3)";
-    context.compare("stiff beam off the rigid body", apart, 0.0, 2.67e-4, source);
+    report.compare("stiff beam off the rigid body", apart, 0.0, 2.67e-4, source);
     let drawn = curves[0].iter().map(|p| p.1);
     let [least, most] = [
         drawn.clone().fold(f64::INFINITY, f64::min),
@@ -147,20 +147,20 @@ fn top(context: &mut Context) -> Result<(), CaseError> {
     ];
     // The range is published to four digits.
     let source = "published: nutation in [0.3, 0.3267] (Mäkinen 2004, case 3)";
-    context.compare("plot: smallest nutation", least, 0.3, 5e-5, source);
-    context.compare("plot: largest nutation", most, 0.3267, 5e-5, source);
+    report.compare("plot: smallest nutation", least, 0.3, 5e-5, source);
+    report.compare("plot: largest nutation", most, 0.3267, 5e-5, source);
     let names = ["rigid body", "stiff beam", "flexible beam"];
     let curves = names.into_iter().zip(curves);
     // Every eighth step suffices for a line.
     let thin = |c: Vec<(f64, f64)>| c.into_iter().step_by(8).collect();
-    context.figure(
+    report.figure(
         "Fast symmetrical top",
         ["time t", "nutation angle (rad)"],
         curves.map(|(name, c)| Curve::new(name, thin(c))).collect(),
     )
 }
 
-fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
+fn heavy_top(report: &mut CaseReport) -> Result<(), CaseError> {
     let exact = [
         (0.1, [0.42129666, 0.89457197, -0.1491647]),
         (0.2, [0.6055505613771, 0.5989576817949, -0.52398302743]),
@@ -172,7 +172,7 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         0.5318246113342,
         -0.3201761427363,
     );
-    let top = context.file(include_str!("../../../examples/models/heavy_top.toml"))?;
+    let top = report.file(include_str!("../../../examples/models/heavy_top.toml"))?;
     // The same body with a pinned node instead of a joint.
     let mut pinned = top.clone();
     pinned.joints.clear();
@@ -182,7 +182,7 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
     pinned.supports[0].node = "top".to_owned();
     pinned.supports[0].fix = Some(crate::input::Fix::Group(crate::input::Group::Position));
     for (name, file) in [("fixed point", &pinned), ("spherical joint", &top)] {
-        let runs = [4e-4, 2e-4, 1e-4].map(|h| context.motion(file, &["top"], Run::step(h)));
+        let runs = [4e-4, 2e-4, 1e-4].map(|h| report.motion(file, &["top"], Run::step(h)));
         let [a, b, c] = runs;
         let (a, b, c) = (a?, b?, c?);
         let axis = |h: &History, t: f64| -> Vector3<f64> { h.at(0, t).R.column(1).into() };
@@ -191,7 +191,7 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
             let [coarse, fine] = [&b, &c].map(|h| axis(h, t).into());
             let what = format!("{name}, extrapolated position at t = {t}");
             let position: [f64; 3] = richardson(coarse, fine);
-            context.compare_vector(&what, position, x, 1e-5, source);
+            report.compare_vector(&what, position, x, 1e-5, source);
         }
         // The attitude turns 24 times: changes of chart at other times for each step size spoil the extrapolation
         // of its error.
@@ -199,15 +199,15 @@ fn heavy_top(context: &mut Context) -> Result<(), CaseError> {
         if let Analysis::Dynamic(d) = &mut third.analysis {
             d.scheme = "radau".into();
         }
-        let third = context.motion(&third, &["top"], Run::step(1e-4))?;
+        let third = report.motion(&third, &["top"], Run::step(1e-4))?;
         let what = format!("{name}, body axis");
-        compare_axes(context, &what, axes(&third), turned, source);
+        compare_axes(report, &what, axes(&third), turned, source);
         let what = format!("{name}, body rate at t = 1 over 150");
         let exact = Vector3::new(-0.8220781016826, 150.0, -5.9232913481173);
         let [rate, exact] = [body_rate(&third), exact].map(|r| (r / 150.0).into());
-        context.compare_vector(&what, rate, exact, 1e-5, source);
+        report.compare_vector(&what, rate, exact, 1e-5, source);
         let order = observed_order(&[&a, &b, &c].map(|h| axis(h, 1.0)));
-        context.compare(
+        report.compare(
             format!("{name}, order in the step"),
             order,
             2.0,
@@ -232,7 +232,7 @@ fn axes(run: &History) -> [[f64; 3]; 3] {
 
 /// Compares the axes of a body at t = 1 with those of a quaternion.
 fn compare_axes(
-    context: &mut Context,
+    report: &mut CaseReport,
     what: &str,
     axes: [[f64; 3]; 3],
     exact: Quaternion<f64>,
@@ -242,7 +242,7 @@ fn compare_axes(
     for (k, axis) in axes.into_iter().enumerate() {
         let what = format!("{what} {} at t = 1,", k + 1);
         let exact = exact * Vector3::ith(k, 1.0);
-        context.compare_vector(&what, axis, exact.into(), 1e-5, source);
+        report.compare_vector(&what, axis, exact.into(), 1e-5, source);
     }
 }
 
@@ -262,15 +262,15 @@ fn period(run: &History) -> f64 {
     }
 }
 
-fn free_body(context: &mut Context) -> Result<(), CaseError> {
-    let file = context.file(include_str!("../../../examples/models/free_body.toml"))?;
+fn free_body(report: &mut CaseReport) -> Result<(), CaseError> {
+    let file = report.file(include_str!("../../../examples/models/free_body.toml"))?;
     let steps = [2e-3, 1e-3, 5e-4];
-    let [a, b, c] = steps.map(|h| context.motion(&file, &["O"], Run::step(h)));
+    let [a, b, c] = steps.map(|h| report.motion(&file, &["O"], Run::step(h)));
     let (a, b, c) = (a?, b?, c?);
     let omega = richardson(body_rate(&b).into(), body_rate(&c).into());
     let source = "exact: order-8 Runge-Kutta in extended precision, R03";
     let exact = [-8.74573438, 4.84996187, 5.05001221];
-    context.compare_vector(
+    report.compare_vector(
         "extrapolated body rate at t = 1",
         omega,
         exact,
@@ -281,7 +281,7 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let [coarse, fine] = [axes(&b), axes(&c)];
     let extrapolated = [0, 1, 2].map(|k| richardson(coarse[k], fine[k]));
     compare_axes(
-        context,
+        report,
         "extrapolated body axis",
         extrapolated,
         exact,
@@ -290,10 +290,10 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let period = richardson([period(&b)], [period(&c)])[0];
     let source = "exact: Jacobi's elliptic functions, R03";
     let what = "extrapolated period";
-    context.compare(what, period, 3.91057341972687, 1e-4, source);
+    report.compare(what, period, 3.91057341972687, 1e-4, source);
     let order = observed_order(&[&a, &b, &c].map(body_rate));
     let source = "theory: the trapezoidal rule";
-    context.compare("order in the step", order, 2.0, 0.1, source);
+    report.compare("order in the step", order, 2.0, 0.1, source);
     // Energy is conserved to the order of the scheme only.
     let drift = |h: &History| {
         let energy = h.total_energy();
@@ -304,13 +304,13 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
     let curves = [drift(&a), drift(&b), drift(&c)];
     let size = |c: &[(f64, f64)]| c.iter().fold(0.0_f64, |m, p| m.max(p.1.abs()));
     let order = (size(&curves[0]) / size(&curves[1])).log2();
-    context.compare("order of the energy error", order, 2.0, 0.1, source);
+    report.compare("order of the energy error", order, 2.0, 0.1, source);
     // The scheme with energy projection, at a coarse step.
     let mut kept = file.clone();
     if let Analysis::Dynamic(d) = &mut kept.analysis {
         d.scheme = "projected-newmark".into();
     }
-    let kept = context.motion(&kept, &["O"], Run::step(1e-2))?;
+    let kept = report.motion(&kept, &["O"], Run::step(1e-2))?;
     let spins: Vec<Vector3<f64>> = kept.balances.iter().map(|a| a.momentum.angular).collect();
     let spin = |m: f64, L: &Vector3<f64>| m.max((L - spins[0]).norm() / spins[0].norm());
     let source = "exact: conservation";
@@ -319,10 +319,10 @@ fn free_body(context: &mut Context) -> Result<(), CaseError> {
         ("angular momentum", spins.iter().fold(0.0, spin)),
     ] {
         let what = format!("energy-momentum scheme, change of {what}");
-        context.compare(what, worst, 0.0, 1e-11, source);
+        report.compare(what, worst, 0.0, 1e-11, source);
     }
     let curves = steps.iter().zip(curves);
-    context.figure(
+    report.figure(
         "Free body near its middle axis: energy error by steps h",
         ["time t", "relative error of the energy"],
         curves

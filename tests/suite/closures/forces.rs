@@ -10,7 +10,7 @@ use crate::support::loops::*;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use pullback::elements::constraint::Stiffness;
 use pullback::elements::joint::{offset, revolute};
-use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicsError, Progress, Scheme, integrate, start};
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry, scaling};
@@ -36,7 +36,7 @@ struct Outcome {
 }
 
 /// Starts the linkage with the crank's rate.
-fn started(model: &mut Model, crank: NodeId) -> [Vec<f64>; 2] {
+fn started(model: &mut Context, crank: NodeId) -> [Vec<f64>; 2] {
     let mut q = model.initial().to_vec();
     let mut v = vec![0.0; q.len()];
     match model.unknown_at(crank, 0) {
@@ -61,7 +61,7 @@ fn go(by: Closure, span: [f64; 2]) -> Outcome {
 fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, by);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let unknowns = model.pattern().dim();
     let [q, v] = started(&mut model, angles[0]);
     let mut options = tight(scheme, to, step);
@@ -220,7 +220,7 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[angles[3]]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     model.check_supports().unwrap();
     let mut q = model.initial().to_vec();
     let options = StaticOptions {
@@ -281,7 +281,7 @@ fn a_loop_in_equilibrium_all_three_ways() {
 fn conditioning_does_not_depend_on_the_step() {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, Closure::Multipliers);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let [q, v] = started(&mut model, angles[0]);
     let n = q.len();
     let a = vec![0.0; n];
@@ -357,7 +357,7 @@ fn a_scheme_that_damps_nothing_is_refused_by_name() {
     let run = |scheme: Scheme, by: Closure| {
         let mut b = ModelBuilder::new();
         let angles = linkage_by(&mut b, CRANK_START, at_once, by);
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let [q, v] = started(&mut model, angles[0]);
         let options = tight(scheme, 0.01, 1e-3);
         let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
@@ -413,7 +413,7 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     let C = revolute(&mut b, "C", tip, E3).unwrap();
     let end = offset(&mut b, "end", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, Closure::Multipliers).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let note = model.descriptions()[0].clone();
     assert!(note.contains("the gap along e1"), "{note}");
     let zero = vec![0.0; model.pattern().dim()];

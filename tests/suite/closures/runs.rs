@@ -7,7 +7,7 @@ use crate::support::loops::four_bar::*;
 use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::Vector3;
-use pullback::elements::model::{BEFORE_START, Closure, ModelBuilder};
+use pullback::elements::model::{BEFORE_START, Closure, Context, ModelBuilder};
 use pullback::elements::time::Table;
 use pullback::input::assemble_text;
 use pullback::integrators::dynamics::Scheme;
@@ -90,7 +90,7 @@ fn multipliers_go_through_changes_of_chart() {
     let go = |n: u32| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Multipliers);
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut q = model.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         let held: Vec<usize> = (0..3)
@@ -120,7 +120,7 @@ fn multipliers_go_through_changes_of_chart() {
     let map = |n: u32| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Map);
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut v = vec![0.0; model.pattern().dim()];
         let q = v.clone();
         let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
@@ -157,7 +157,7 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
         let drive = Table::new(points).unwrap();
         b.prescribe_coordinate(angles[0], 0, Box::new(drive));
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut q = model.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         // Of a model that enforces nothing this takes nothing.

@@ -6,7 +6,7 @@ use crate::support::closures::{
     CLOSURES, GROUND, RUN, STATIC, angle, arm, body, failure, hinge, joint, rows, start,
 };
 use crate::support::program::{check, number, refusal};
-use pullback::elements::model::Model;
+use pullback::elements::model::Context;
 use pullback::input::assemble_text;
 use pullback::integrators::statics::{StaticOptions, Step, solve_statics};
 use pullback::manifold::system::Point;
@@ -62,7 +62,7 @@ fn loaded(force: [f64; 2], penalty: f64) -> Result<[f64; 3], String> {
     let mut job = assemble_text("model.toml", &[GROUND, &linkage, &load].concat()).unwrap();
     let mut q = job.model.initial().to_vec();
     let options = StaticOptions::default();
-    let go_on = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let go_on = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     solve_statics(&mut job.model, &mut q, &options, go_on).map_err(|error| error.to_string())?;
     Ok(["A", "B", "D"].map(|joint| {
         let angle = job.model.find(&format!("{joint} angle")).unwrap();

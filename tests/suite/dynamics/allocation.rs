@@ -77,7 +77,7 @@ fn circle(b: &mut ModelBuilder) -> NodeId {
 /// A driven base, two arms with a revolute joint between them, a third one on a spherical joint,
 /// a body on a rigid link, and a ring on the first arm, all under gravity; two bodies whose angles
 /// close a loop beside them. Where the base is not driven it is held. The ring's way, and the coordinate of the loop.
-fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
+fn everything(formulation: Formulation, driven: bool) -> (Context, [NodeId; 2]) {
     let mut b = ModelBuilder::new();
     b.formulate(formulation);
     let base = b.node("base", [0.0; 3]).unwrap();
@@ -134,7 +134,7 @@ fn everything(formulation: Formulation, driven: bool) -> (Model, [NodeId; 2]) {
         false => b.support(base, &[Dof::RZ]),
     }
     let q = circle(&mut b);
-    (b.build().unwrap(), [ring.arc_length, q])
+    (Context::new(b.build().unwrap()), [ring.arc_length, q])
 }
 
 /// Allocations of a run of so many steps, what it did, and how often the ring came to another
@@ -158,7 +158,7 @@ fn allocations(
     let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
     let way = model.unknown_at(way, 0).unwrap();
     let (mut element, mut moves) = (1.0, 0);
-    let mut observer = |_: &mut Model, report: &StepReport<'_>| {
+    let mut observer = |_: &mut Context, report: &StepReport<'_>| {
         // Elements of length 0.5, the ring started at 0.7.
         let now = ((0.7 + report.progress.state.q[way]) / 0.5).floor();
         moves += usize::from(now != element);

@@ -15,7 +15,7 @@ use pullback::elements::beam::Section;
 use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::{offset, spherical};
 use pullback::elements::model::{
-    Dof, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
 };
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::so3;
@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 
 /// A model, the nodes compared, its start, and where its free rotation vectors stand.
 struct Problem {
-    model: Model,
+    model: Context,
     probes: Vec<NodeId>,
     q: Vec<f64>,
     v: Vec<f64>,
@@ -97,7 +97,7 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     let probe = offset(&mut b, "probe", ball.frame, center).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let k = model.unknown_at(ball.rotation, 0).unwrap();
     let mut q = vec![0.0; 3];
     q[k..k + 3].copy_from_slice(&psi);
@@ -147,7 +147,7 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
         section: section.with_mass(1.0, J),
     };
     let nodes = b.line("beam", &axis, ends, &line).unwrap().nodes;
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let psi = Vector3::from(psi);
     let mut q = vec![0.0; model.pattern().dim()];
     let mut rotations = Vec::new();

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Damping, Interpolation, Section};
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::load::LineLoad;
-use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, RigidMotion, Straight};
+use pullback::elements::model::{Context, Dof, Line, ModelBuilder, NodeId, RigidMotion, Straight};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, EnergyBalance, Scheme};
@@ -59,7 +59,7 @@ fn soft() -> Section {
 }
 
 /// Energies at the end of a run.
-fn balance(model: &mut Model, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
+fn balance(model: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
     let options = DynamicOptions {
         energies: true,
         ..tight(scheme, to, to / n as f64)
@@ -101,7 +101,7 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
                 2,
                 soft().with_damping(damping).unwrap(),
             );
-            let mut model = b.build().unwrap();
+            let mut model = Context::new(b.build().unwrap());
             let mut v = vec![0.0; model.pattern().dim()];
             model.set(&mut v, hinge.angle, 0, 0.5);
             // The beam begins to move with the shaft, which turns at 3 rad/s.
@@ -122,12 +122,12 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
 }
 
 /// A free beam that spins and flies.
-fn free_beam(interpolation: Interpolation) -> (Model, Vec<f64>) {
+fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     beam_with(&mut b, ends, 2, soft(), interpolation);
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let mut v = vec![0.0; model.pattern().dim()];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),
@@ -216,7 +216,7 @@ fn bar(scheme: Scheme, elements: usize, [h, to]: [f64; 2], v: &dyn Fn(f64) -> f6
     for &node in &nodes[1..] {
         b.support(node, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
     }
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut rates = vec![0.0; model.pattern().dim()];
     for &node in &nodes[1..] {
         let x = model.reference(node).x;
@@ -311,7 +311,7 @@ fn cantilever(damping: Damping) -> [f64; 2] {
         .unwrap();
     let nodes = beam(&mut b, ends, 12, section);
     b.support(ends[0], &Dof::ALL);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut q = vec![0.0; model.pattern().dim()];
     // Euler–Bernoulli: w = cosh κx − cos κx − σ (sinh κx − sin κx), cos κ cosh κ = −1.
     let kappa: f64 = 1.875_104_068_711_961;

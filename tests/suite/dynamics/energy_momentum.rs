@@ -10,7 +10,7 @@ use pullback::elements::energy::Energies;
 use pullback::elements::joint::{offset, revolute, spherical};
 use pullback::elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback::elements::model::{
-    Dof, Formulation, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    Context, Dof, Formulation, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
 };
 use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
@@ -55,7 +55,7 @@ fn model(
     interpolation: Interpolation,
     formulation: Formulation,
     support: impl Fn(&mut ModelBuilder, [NodeId; 2]),
-) -> Model {
+) -> Context {
     let mut b = ModelBuilder::new();
     let ends = [
         b.node("a", [0.2, 0.1, 0.0]),
@@ -65,7 +65,7 @@ fn model(
     beam(&mut b, ends, stiff, interpolation);
     support(&mut b, ends);
     b.formulate(formulation);
-    b.build().unwrap()
+    Context::new(b.build().unwrap())
 }
 
 fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
@@ -75,7 +75,7 @@ fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
 }
 
 /// The velocities of a rigid motion about the middle of the beam.
-fn spun(model: &Model) -> (Vec<f64>, RigidMotion) {
+fn spun(model: &Context) -> (Vec<f64>, RigidMotion) {
     let n = model.pattern().dim();
     let mut v = vec![0.0; n];
     let motion = RigidMotion {
@@ -88,14 +88,14 @@ fn spun(model: &Model) -> (Vec<f64>, RigidMotion) {
 }
 
 /// The model's energy with the potential of its loads, and its momenta.
-fn audit(model: &mut Model, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
+fn audit(model: &mut Context, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
     let audit = model.energies_and_momentum(at).unwrap();
     let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
     (energy, [audit.momentum.linear, audit.momentum.angular])
 }
 
 /// Energy and momenta at rest in the reference configuration but for the velocities.
-fn at_start(model: &mut Model, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
+fn at_start(model: &mut Context, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
     let (q, a) = (model.initial().to_vec(), vec![0.0; v.len()]);
     audit(
         model,
@@ -111,7 +111,7 @@ fn at_start(model: &mut Model, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
 /// The largest differences from an energy, and from those components of momenta that a mask has, along
 /// a run.
 fn run(
-    model: &mut Model,
+    model: &mut Context,
     v: &[f64],
     options: &DynamicOptions,
     (energy, momenta): (f64, [Vector3<f64>; 2]),
@@ -235,7 +235,7 @@ impl Energies<1> for Flywheel {
 
 #[test]
 fn symmetries_are_found() {
-    let count = |model: &mut Model| {
+    let count = |model: &mut Context| {
         let n = model.pattern().dim();
         let (q, v) = (model.initial().to_vec(), vec![0.1; n]);
         let found = model.symmetries([0.0, 10.0], &q, &v);
@@ -273,7 +273,11 @@ fn symmetries_are_found() {
         heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
         let wheel = Flywheel { uneven }.into_element();
         b.element("flywheel", wheel, &[hinge.angle]).unwrap();
-        assert_eq!(count(&mut b.build().unwrap()), symmetries, "{uneven}");
+        assert_eq!(
+            count(&mut Context::new(b.build().unwrap())),
+            symmetries,
+            "{uneven}"
+        );
     }
 
     // A body on an axis through a ground that is no origin.
@@ -282,18 +286,18 @@ fn symmetries_are_found() {
     b.support(ground, &Dof::ALL);
     let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 1.0]).unwrap();
     heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
-    assert_eq!(count(&mut b.build().unwrap()), 1);
+    assert_eq!(count(&mut Context::new(b.build().unwrap())), 1);
     // The weight works about any other axis.
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.3, -0.2, 0.1]).unwrap();
     b.support(ground, &Dof::ALL);
     let hinge = revolute(&mut b, "hinge", ground, [0.0, 1.0, 1.0]).unwrap();
     heavy_body(&mut b, "body", hinge.frame, 1.0, [0.1, 0.2, 0.0]);
-    assert_eq!(count(&mut b.build().unwrap()), 0);
+    assert_eq!(count(&mut Context::new(b.build().unwrap())), 0);
 }
 
 /// A heavy top of three moments of inertia, hung from a ball joint, and its velocities.
-fn heavy_top() -> (Model, Vec<f64>) {
+fn heavy_top() -> (Context, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
@@ -302,7 +306,7 @@ fn heavy_top() -> (Model, Vec<f64>) {
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);
     offset(&mut b, "tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let mut v = vec![0.0; 3];
     let motion = RigidMotion {
         omega: Vector3::new(0.5, 0.2, 9.0),
@@ -338,7 +342,7 @@ fn a_free_body_keeps_energy_and_momenta() {
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let free = RigidBody::new(1.0, J, [0.0, 0.1, 0.0].into()).unwrap();
     b.element("body", free, &[node]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut v = vec![0.0; 6];
     let motion = RigidMotion {
         omega: Vector3::new(0.3, 3.0, 0.2),
@@ -370,7 +374,10 @@ fn constant_loads_change_momentum_by_their_impulse() {
     heavy_body(&mut b, "body", node, 0.5, [0.0, 0.2, 0.4]);
     let beam_force = Vector3::new(0.2, 0.3, 0.2 - 3.0 * LENGTH);
     let body_force = Vector3::new(0.0, 0.0, -0.5 * 9.81);
-    for (mut model, force) in [(beam, beam_force), (b.build().unwrap(), body_force)] {
+    for (mut model, force) in [
+        (beam, beam_force),
+        (Context::new(b.build().unwrap()), body_force),
+    ] {
         let (v, _) = spun(&model);
         let (start, [p, _]) = at_start(&mut model, &v);
         let mut worst = [0.0_f64; 2];

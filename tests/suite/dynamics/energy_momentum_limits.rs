@@ -6,14 +6,14 @@
 
 use crate::support::dynamics::configure;
 use nalgebra::Vector3;
-use pullback::elements::model::Model;
+use pullback::elements::model::Context;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{Progress, State, integrate, start};
 use pullback::manifold::system::Point;
 use std::ops::ControlFlow;
 
 /// Runs a model by a scheme with a step, and hands its states over.
-fn run(text: &str, scheme: &str, step: f64, at: &mut dyn FnMut(&mut Model, &State)) -> Model {
+fn run(text: &str, scheme: &str, step: f64, at: &mut dyn FnMut(&mut Context, &State)) -> Context {
     let text = format!("{text}step = {step:?}\nscheme = \"{scheme}\"\n");
     let job = assemble_text("model", &text).unwrap();
     let mut model = job.model;

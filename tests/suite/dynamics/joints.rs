@@ -10,7 +10,7 @@ use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::{RevoluteNodes, offset, revolute, spherical};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::{
-    Dof, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
 };
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Constant, TimeFunction};
@@ -27,7 +27,7 @@ fn ground(b: &mut ModelBuilder) -> NodeId {
 }
 
 /// Zeros with some coordinates set.
-fn values(model: &Model, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
+fn values(model: &Context, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
     let mut x = vec![0.0; model.pattern().dim()];
     for &(node, k, value) in set {
         assert!(model.set(&mut x, node, k, value));
@@ -36,7 +36,7 @@ fn values(model: &Model, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
 }
 
 /// Values and rates of coordinate nodes at the end of a run.
-fn ending(model: &mut Model, progress: &Progress, nodes: &[NodeId]) -> Vec<f64> {
+fn ending(model: &mut Context, progress: &Progress, nodes: &[NodeId]) -> Vec<f64> {
     configure(model, &progress.state);
     let both = |&n: &NodeId| model.coordinate(n, 0).unwrap();
     nodes.iter().flat_map(both).collect()
@@ -80,7 +80,7 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
         offset(&mut b, "second", first, position).unwrap()
     };
     heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let q = values(&model, &[]);
     let mut v = q.clone();
     let motion = RigidMotion {
@@ -129,7 +129,7 @@ fn a_pendulum_on_a_skew_axis() {
         let ground = ground(&mut b);
         let hinge = revolute(&mut b, "hinge", ground, axis.into()).unwrap();
         body(&mut b, "bar", hinge.frame, RigidBody::new(m, J, c).unwrap());
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let (q, v) = (
             values(&model, &[(hinge.angle, 0, 0.3)]),
             values(&model, &[(hinge.angle, 0, 2.0)]),
@@ -190,7 +190,7 @@ fn a_double_pendulum_of_bars() {
         let tip = offset(&mut b, "tip", second.frame, [0.0, 0.0, -l[0] - l[1]]).unwrap();
         b.element("fly", PointMass::new(1e-12).unwrap(), &[tip])
             .unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let (u, w) = (first.angle, second.angle);
         let q = values(&model, &[(u, 0, start[0]), (w, 0, start[1] - start[0])]);
         let v = values(&model, &[(u, 0, start[2]), (w, 0, start[3] - start[2])]);
@@ -239,7 +239,7 @@ fn a_spherical_pendulum() {
         let weight = point.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
         b.element("mass", point, &[end]).unwrap();
         b.element("weight", weight, &[end]).unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let q = values(&model, &[]);
         let mut v = q.clone();
         let motion = RigidMotion {
@@ -268,14 +268,14 @@ fn a_spherical_pendulum() {
 
 /// A body on a vertical axis through the origin, so that its weight does nothing, and its moment of
 /// inertia about that axis.
-fn turntable(more: impl FnOnce(&mut ModelBuilder, RevoluteNodes)) -> (Model, RevoluteNodes, f64) {
+fn turntable(more: impl FnOnce(&mut ModelBuilder, RevoluteNodes)) -> (Context, RevoluteNodes, f64) {
     let mut b = ModelBuilder::new();
     let ground = ground(&mut b);
     let hinge = revolute(&mut b, "hinge", ground, [0.0, 0.0, 2.0]).unwrap();
     heavy_body(&mut b, "table", hinge.frame, 2.0, [0.3, -0.4, 0.2]);
     more(&mut b, hinge);
     // 0.5 kg m² per kg about the centre of mass, half a metre from the axis.
-    (b.build().unwrap(), hinge, 2.0 * (0.5 + 0.25))
+    (Context::new(b.build().unwrap()), hinge, 2.0 * (0.5 + 0.25))
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn a_prescribed_angle_is_followed_exactly() {
     let end = offset(&mut b, "end", hinge.frame, X.into()).unwrap();
     let free = revolute(&mut b, "free", end, [1.0, 0.0, 0.0]).unwrap();
     heavy_body(&mut b, "free", free.frame, 0.4, [0.0, 0.2, 0.1]);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut turned = 0.0_f64;
     let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 3.0, 0.01);
     let progress = observed(&mut model, [&[], &[]], &options, &mut |model, step| {

@@ -3,7 +3,7 @@
 
 use pullback::elements::body::PointMass;
 use pullback::elements::load::{LoadKind, NodalLoad};
-use pullback::elements::model::{Dof, Model, ModelBuilder};
+use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::elements::time::TimeFunction;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, integrate, start};
@@ -43,7 +43,7 @@ step = 0.1
 "#;
 
 /// A unit mass on a rail, and the force on it.
-fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Model {
+fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Context {
     let mut b = ModelBuilder::new();
     let node = b.node("mass", [0.0; 3]).unwrap();
     b.support(node, &Dof::ALL[1..]);
@@ -51,11 +51,11 @@ fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Mod
         .unwrap();
     let force = NodalLoad::boxed(LoadKind::DeadForce, [1.0, 0.0, 0.0], force(&mut b));
     b.element("force", force, &[node]).unwrap();
-    b.build().unwrap()
+    Context::new(b.build().unwrap())
 }
 
 /// Position and velocity after two seconds in steps of a tenth; `turn` is called after the first.
-fn after(model: &mut Model, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
+fn after(model: &mut Context, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
     let options = DynamicOptions {
         scheme: word.parse().unwrap(),
         ..DynamicOptions::new(2.0, 0.1)
@@ -214,7 +214,7 @@ step = 0.01
     let node = model.find("way").unwrap();
     let mut progress = Progress::new(start(&model, 0.0, &job.start.q, &job.start.v).unwrap());
     begin(&mut model, &plan.options, &mut progress).unwrap();
-    let row = |model: &Model| {
+    let row = |model: &Context| {
         let state = model.node_state(node);
         [state.position.x, state.velocity.x, state.acceleration.x]
     };

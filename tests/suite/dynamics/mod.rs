@@ -2,6 +2,7 @@
 
 mod allocation;
 mod charts;
+mod contexts;
 mod energy;
 mod energy_momentum;
 mod energy_momentum_limits;

@@ -17,7 +17,7 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, offset, revolute};
-use pullback::elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback::elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Sine;
 use pullback::input::{Plan, assemble_text};
 use pullback::integrators::dynamics::{
@@ -94,7 +94,7 @@ const DERIVED: [Hang; 3] = [
 
 /// A flexible beam from a support that is thrown into motion; at its end a rigid link, on that a
 /// joint, on that a second beam with a heavy end: every frame that a joint has as parent is free.
-fn thrown_beams(hang: Hang) -> Model {
+fn thrown_beams(hang: Hang) -> Context {
     let mut b = ModelBuilder::new();
     let carriage = b.node("carriage", [0.0; 3]).unwrap();
     b.support(carriage, &[Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
@@ -114,7 +114,7 @@ fn thrown_beams(hang: Hang) -> Model {
     let tip = b.node("tip", [1.4, 0.7, -0.3]).unwrap();
     beam(&mut b, "second", [frame, tip], 4);
     heavy_body(&mut b, "end", tip, 2.0, [0.1, 0.1, 0.0]);
-    b.build().unwrap()
+    Context::new(b.build().unwrap())
 }
 
 fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
@@ -137,7 +137,7 @@ fn beam(b: &mut ModelBuilder, name: &str, ends: [NodeId; 2], elements: usize) {
 
 /// A model whose tangent is the exact one times a factor: no extrapolated stresses.
 struct Plain {
-    model: Model,
+    model: Context,
     factor: f64,
 }
 
@@ -171,7 +171,7 @@ impl System for Plain {
 }
 
 impl Modelled for Plain {
-    fn model(&mut self) -> &mut Model {
+    fn model(&mut self) -> &mut Context {
         &mut self.model
     }
 }

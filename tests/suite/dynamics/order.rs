@@ -8,7 +8,7 @@ use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{offset, revolute, spherical};
 use pullback::elements::model::{
-    Dof, Line, Model, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
+    Context, Dof, Line, ModelBuilder, NodeId, NodeState, RigidMotion, Straight,
 };
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::system::System;
@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 /// A model, the nodes whose motion is compared, and its initial velocities.
 struct Problem {
-    model: Model,
+    model: Context,
     probes: Vec<NodeId>,
     v: Vec<f64>,
 }
@@ -37,7 +37,7 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     let probe = offset(&mut b, "probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let mut v = vec![0.0; model.pattern().dim()];
     model.set(&mut v, hinge.angle, 0, 3.0);
     for (k, rate) in spin.into_iter().enumerate() {
@@ -82,7 +82,7 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     };
     b.line_with("beam", &axis, [arm, tip], &line, interpolation)
         .unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let q = vec![0.0; model.pattern().dim()];
     let mut v = q.clone();
     let omega = 5.0;
@@ -161,7 +161,7 @@ fn upside_down() -> (Problem, Vec<f64>) {
     let probe = offset(&mut b, "probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let k = model.unknown_at(ball.rotation, 0).unwrap();
     let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
     q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);

@@ -7,7 +7,7 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 use pullback::elements::body::{PointMass, RigidBody};
 use pullback::elements::joint::{offset, revolute, spherical};
-use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId, RigidMotion};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId, RigidMotion};
 use pullback::elements::spring::Bushing;
 use pullback::elements::time::{Constant, Sine, TimeFunction};
 use pullback::integrators::dynamics::Scheme;
@@ -20,7 +20,7 @@ const G: f64 = 9.81;
 /// Rotation and angular velocity (global components) of `node` after `n` steps from the reference
 /// configuration with angular velocity `omega`, and the number of changes of chart.
 fn spin(
-    (mut model, node): (Model, NodeId),
+    (mut model, node): (Context, NodeId),
     omega: Vector3<f64>,
     scheme: Scheme,
     to: f64,
@@ -44,7 +44,7 @@ fn spin(
 
 /// The heavy top of Géradin & Cardona: m = 15, centre of mass at e2 from the fixed point. Either
 /// its own node is held in place, or it hangs from a spherical joint.
-fn top(joint: bool) -> (Model, NodeId) {
+fn top(joint: bool) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let point = b.node("point", [0.0; 3]).unwrap();
     let node = if joint {
@@ -61,7 +61,7 @@ fn top(joint: bool) -> (Model, NodeId) {
         node,
         RigidBody::new(15.0, J, Vector3::y()).unwrap(),
     );
-    (b.build().unwrap(), node)
+    (Context::new(b.build().unwrap()), node)
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn a_free_body_near_its_middle_axis() {
         let node = b.node("body", [0.0; 3]).unwrap();
         let body = RigidBody::new(1.0, Matrix3::from_diagonal(&J), Vector3::zeros()).unwrap();
         b.element("body", body, &[node]).unwrap();
-        (b.build().unwrap(), node)
+        (Context::new(b.build().unwrap()), node)
     };
     for (to, exact, turns) in [(1.0, at_one, 1), (period, after, 5)] {
         for scheme in second_order() {
@@ -182,7 +182,7 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element("mass", mass, &[end]).unwrap();
     b.element("weight", weight, &[end]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let options = tight(scheme, to, to / n as f64);
     let [q, v] = start.map(|x| [x]);
     let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
@@ -271,7 +271,7 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
     let coupling = Bushing::new(&ends, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
     b.element("coupling", coupling, &[yoke.frame, output.frame])
         .unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut worst = [0.0_f64; 2];
     // A scheme that damps the vibrations of the coupling.
     let options = tight(Scheme::chung_hulbert(0.0).unwrap(), PI, PI / 2000.0);

@@ -80,7 +80,7 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
     b.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(root, Dof::RX, Proportional(base));
     b.prescribe(tip, Dof::RX, Proportional(base + twist));
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut q = Vec::new();
     solve_statics(&mut model, &mut q, &options(steps), &mut |_, _| {
         ControlFlow::Continue(())
@@ -131,7 +131,7 @@ fn a_torque_twists_one_element_and_lets_it_go() {
         };
         let moment = NodalLoad::new(LoadKind::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
         b.element("torque", moment, &[tip]).unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut q = Vec::new();
         let mut most = 0.0_f64;
         solve_statics(&mut model, &mut q, &options(20), &mut |model, step| {
@@ -191,7 +191,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
         b.support(root, &Dof::ALL);
         let disk = RigidBody::new(1.0, Matrix3::identity() * inertia, Vector3::zeros()).unwrap();
         b.element("disk", disk, &[tip]).unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let n = model.pattern().dim();
         let mut v = vec![0.0; n];
         v[model.unknown(tip, Dof::RX).unwrap()] = 5.5 * omega;
@@ -204,7 +204,7 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
             );
             let mut progress = Progress::new(start(&model, 0.0, &vec![0.0; n], &v).unwrap());
             let mut errors = 0.0_f64;
-            let mut go = |progress: &mut Progress, model: &mut Model| {
+            let mut go = |progress: &mut Progress, model: &mut Context| {
                 integrate(model, progress, &options, &mut |model, step| {
                     let state = &step.progress.state;
                     crate::support::dynamics::configure(model, state);

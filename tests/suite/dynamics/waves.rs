@@ -53,7 +53,7 @@ impl TimeFunction for Blow {
 }
 
 /// The bar of `elements` elements along e1, struck at its left end; its nodes.
-fn bar(elements: usize, blow: Blow) -> (Model, Vec<NodeId>) {
+fn bar(elements: usize, blow: Blow) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let ends = [0.0, LENGTH].map(|x| b.node(format!("x{x}"), [x, 0.0, 0.0]).unwrap());
     // Nothing is as stiff for its mass as stretching.
@@ -73,7 +73,7 @@ fn bar(elements: usize, blow: Blow) -> (Model, Vec<NodeId>) {
     let nodes = b.line("bar", &axis, ends, &line).unwrap().nodes;
     let strike = NodalLoad::new(LoadKind::DeadForce, [1.0, 0.0, 0.0], blow);
     b.element("blow", strike, &nodes[..1]).unwrap();
-    (b.build().unwrap(), nodes)
+    (Context::new(b.build().unwrap()), nodes)
 }
 
 fn explicit(to: f64, h: f64) -> DynamicOptions {

@@ -5,13 +5,13 @@
 use crate::support::dynamics::{observed, second_order, slopes, tight};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::model::{Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Context, ModelBuilder, NodeId};
 use pullback::integrators::dynamics::Scheme;
 use pullback::manifold::map::{Increment, Map};
 use pullback::manifold::system::{Quantity, System};
 
 /// A free symmetrical body with the angular velocity (3, 0, 4).
-fn body(updated: bool) -> (Model, NodeId, Vec<f64>) {
+fn body(updated: bool) -> (Context, NodeId, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let (node, rotation) = if updated {
         let kinds = [[Quantity::Length; 3], [Quantity::Angle; 3]].concat();
@@ -25,7 +25,7 @@ fn body(updated: bool) -> (Model, NodeId, Vec<f64>) {
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 2.0, 1.0));
     let body = RigidBody::new(1.0, J, Vector3::zeros()).unwrap();
     b.element("body", body, &[node]).unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     let mut v = vec![0.0; model.pattern().dim()];
     for (k, omega) in [(3, 3.0), (5, 4.0)] {
         model.set(&mut v, rotation, k, omega);

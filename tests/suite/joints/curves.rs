@@ -19,19 +19,19 @@ fn trapezoidal() -> Scheme {
 }
 
 /// A body whose rotation does not couple with its motion, on whatever `hang` makes on the ground.
-fn bead(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Model, JointNodes) {
+fn bead(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
     let made = hang(&mut b, ground);
     let sphere = RigidBody::new(2.0, Matrix3::identity() * 0.03, Vector3::zeros()).unwrap();
     body(&mut b, "bead", made.frame, sphere);
-    (b.build().unwrap(), made)
+    (Context::new(b.build().unwrap()), made)
 }
 
 /// The state after `to`, the first released coordinates starting with these values and rates.
 fn moved(
-    (model, made): &mut (Model, JointNodes),
+    (model, made): &mut (Context, JointNodes),
     first: &[[f64; 2]],
     to: f64,
     steps: usize,
@@ -43,7 +43,7 @@ fn moved(
     }
     let mut progress = Progress::new(start(model, 0.0, &q, &v).unwrap());
     let options = tight(trapezoidal(), to, to / steps as f64);
-    let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(model, &mut progress, &options, go_on).unwrap();
     configure(model, &progress.state);
     let own = made.coordinates.iter().take(first.len());
@@ -232,7 +232,7 @@ fn a_point_at_the_edge_of_a_surface_ends_the_motion_by_name() {
     // Fast enough along e2 to come over the pole.
     assert!(made.0.set(&mut v, made.1.coordinates[1], 0, 9.0));
     let mut progress = Progress::new(start(&made.0, 0.0, &q, &v).unwrap());
-    let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     let options = tight(trapezoidal(), 2.0, 0.01);
     let error = integrate(&mut made.0, &mut progress, &options, go_on).unwrap_err();
     let said = error.to_string();

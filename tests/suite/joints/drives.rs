@@ -83,7 +83,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
     let free = b.node("free", [0.0; 3]).unwrap();
     let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
     b.element("free", sphere, &[free]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let start = joint.pose(0.0, &SVector::zeros()).d;
     let pose = |t: f64| {
         let q = SVector::<f64, 6>::from_fn(|k, _| {
@@ -161,10 +161,10 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
             let boom = prismatic(&mut b, "boom", hub.frame, [1.0, 0.0, 0.0]).unwrap();
             b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
                 .unwrap();
-            let mut model = b.build().unwrap();
+            let mut model = Context::new(b.build().unwrap());
             let mut progress = Progress::new(start(&model, 0.0, &[first], &[0.0]).unwrap());
             let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, to / steps as f64);
-            let go_on = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+            let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
             integrate(&mut model, &mut progress, &options, go_on).unwrap();
             configure(&mut model, &progress.state);
             // r̈ = Ω² r, and the moment of the drive is the rate of m r² Ω.

@@ -16,7 +16,7 @@ use pullback::prelude::*;
 use std::f64::consts::TAU;
 
 /// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
-fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Model, JointNodes) {
+fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
@@ -26,12 +26,12 @@ fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Model, Joint
     // Something is free, whatever is driven.
     let free = b.node("free", [1.0, 0.0, 0.0]).unwrap();
     b.element("free", sphere, &[free]).unwrap();
-    (b.build().unwrap(), made)
+    (Context::new(b.build().unwrap()), made)
 }
 
 /// Runs with rates of the released coordinates; the orientation at each step is handed to `at`.
 fn run(
-    model: &mut Model,
+    model: &mut Context,
     made: &JointNodes,
     rates: &[f64],
     to: f64,
@@ -56,7 +56,7 @@ fn run(
         model,
         &mut progress,
         &options,
-        &mut |model: &mut Model, step| {
+        &mut |model: &mut Context, step| {
             configure(model, &step.progress.state);
             at(step.progress.state.t, &model.node_state(frame));
             ControlFlow::Continue(())
@@ -94,7 +94,7 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
     let bob = offset(&mut b, "bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
     b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
         .unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let beta = 1.2_f64;
     let (sin, cos) = beta.sin_cos();
     for rates in [[1.0, 2.0], [0.2, 2.0]] {
@@ -211,7 +211,7 @@ fn a_spring_along_a_line_lets_its_nodes_turn() {
     let positions = [ground, end].map(|n| b.position(n));
     let spring = AxialSpring::new(&positions, 1.0, 0.5).unwrap();
     b.element("spring", spring, &[ground, end]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
     v[5] = rate;
     let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());

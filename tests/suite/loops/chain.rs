@@ -8,7 +8,7 @@ use crate::support::loops::*;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2};
 use pullback::conformance as check;
 use pullback::elements::beam::Section;
-use pullback::elements::model::{Line, ModelBuilder, NodeId, Straight};
+use pullback::elements::model::{Context, Line, ModelBuilder, NodeId, Straight};
 use pullback::elements::time::Proportional;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
 use pullback::manifold::implicit::{Choice, Implicit, Solved};
@@ -104,7 +104,7 @@ fn a_chain_of_bars_closes() {
             }
             let h = |x: &SVector<f64, LINKS>| Chain.h(0.0, x).amax();
             run(
-                b.build().unwrap(),
+                Context::new(b.build().unwrap()),
                 x,
                 v.as_slice(),
                 &h,
@@ -204,7 +204,7 @@ fn a_redundant_crank_is_named_and_carried_along() {
     let z = pendulum(Vector2::new(start, 0.0), to);
     let exact = [z[0], z[0], z[0], 0.0, z[1], z[1], z[1], 0.0];
     let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
-    let run = run(b.build().unwrap(), x, &[0.0], &h, [to, 1e-3]);
+    let run = run(Context::new(b.build().unwrap()), x, &[0.0], &h, [to, 1e-3]);
     println!(
         "parallelogram: gap {:.1e}, {:?}",
         gap(&run.end, &exact),
@@ -254,7 +254,13 @@ fn a_beam_is_carried_by_a_loop() {
         };
         b.line("beam", &axis, [crank, tip], &line).unwrap();
         let h = |x: &SVector<f64, 4>| Parallelogram { length: 1.0 }.h(0.0, x).amax();
-        let run = run(b.build().unwrap(), x, &[], &h, [to, to / f64::from(n)]);
+        let run = run(
+            Context::new(b.build().unwrap()),
+            x,
+            &[],
+            &h,
+            [to, to / f64::from(n)],
+        );
         assert!(run.residual < 1e-14, "{:e}", run.residual);
         vec![run.drift]
     });
@@ -279,7 +285,7 @@ fn over(known: &dyn Fn(f64) -> f64, rate: Option<f64>) -> (f64, Option<String>) 
         let ground = b.find("ground").unwrap();
         bar(&mut b, ground, [9.0, 0.0, 0.0], free, 1.0, 1.0);
     }
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let zero = vec![0.0; model.pattern().dim()];
     let mut progress = Progress::new(start(&model, 0.0, &zero, &[rate.unwrap_or(0.0)]).unwrap());
     let options = tight(Scheme::default(), 1.0, 1e-3);

@@ -9,7 +9,7 @@ use crate::support::loops::linkage::*;
 use crate::support::loops::*;
 use nalgebra::Vector3;
 use pullback::elements::joint::{offset, revolute};
-use pullback::elements::model::{Closure, Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Closure, Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::{Sine, TimeFunction};
 use pullback::integrators::dynamics::{Progress, Scheme};
@@ -27,7 +27,7 @@ struct Motion {
     progress: Progress,
 }
 
-fn go(mut model: Model, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) -> Motion {
+fn go(mut model: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) -> Motion {
     let n = model.pattern().dim();
     let zero = vec![0.0; n];
     let mut v = zero.clone();
@@ -84,7 +84,7 @@ fn a_four_bar_linkage_of_bodies_and_joints() {
     let runs = [1200, 2400, 4800].map(|n| {
         let mut b = ModelBuilder::new();
         let angles = linkage(&mut b, CRANK_START, at_once);
-        let model = b.build().unwrap();
+        let model = Context::new(b.build().unwrap());
         assert_eq!(model.pattern().dim(), 1);
         go(model, angles, CRANK_RATE, [to, to / f64::from(n)])
     });
@@ -132,7 +132,7 @@ fn a_driven_crank_takes_the_loop_along() {
         offset: 0.0,
     };
     b.prescribe_coordinate(angles[0], 0, Box::new(drive));
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     assert_eq!(model.pattern().dim(), 1);
     assert!(
         model.descriptions()[0].contains("nothing is free"),
@@ -188,7 +188,7 @@ fn a_loop_in_equilibrium() {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[angles[3]]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     model.check_supports().unwrap();
     let mut q = Vec::new();
     let options = StaticOptions::default();
@@ -258,7 +258,7 @@ fn other_tree(b: &mut ModelBuilder, crank: f64) -> NodeId {
 
 #[test]
 fn forces_do_not_depend_on_where_the_loop_is_closed() {
-    let forces = |mut model: Model, crank: NodeId| {
+    let forces = |mut model: Context, crank: NodeId| {
         let mut v = [0.0];
         model
             .fit_coordinate_rates(&[0.0], &mut v, &[(crank, 0, CRANK_RATE)])
@@ -288,10 +288,10 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
     };
     let mut b = ModelBuilder::new();
     let angles = linkage(&mut b, CRANK_START, at_once);
-    let one = forces(b.build().unwrap(), angles[0]);
+    let one = forces(Context::new(b.build().unwrap()), angles[0]);
     let mut b = ModelBuilder::new();
     let crank = other_tree(&mut b, CRANK_START);
-    let other = forces(b.build().unwrap(), crank);
+    let other = forces(Context::new(b.build().unwrap()), crank);
     assert_eq!(one.len(), other.len());
     let mut size = 0.0_f64;
     for ([b, c], [d, e]) in one.iter().zip(&other) {
@@ -303,7 +303,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
     }
     assert!(size > 10.0, "{size}");
     // At the start both are at the same state: to rounding.
-    let start = |mut model: Model, crank: NodeId| {
+    let start = |mut model: Context, crank: NodeId| {
         let mut v = [0.0];
         model
             .fit_coordinate_rates(&[0.0], &mut v, &[(crank, 0, CRANK_RATE)])
@@ -335,10 +335,10 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
     };
     let mut b = ModelBuilder::new();
     let angles = linkage(&mut b, CRANK_START, at_once);
-    let [one_b, one_c] = start(b.build().unwrap(), angles[0]);
+    let [one_b, one_c] = start(Context::new(b.build().unwrap()), angles[0]);
     let mut b = ModelBuilder::new();
     let crank = other_tree(&mut b, CRANK_START);
-    let [other_b, other_c] = start(b.build().unwrap(), crank);
+    let [other_b, other_c] = start(Context::new(b.build().unwrap()), crank);
     println!("B {one_b} {other_b} C {one_c} {other_c}");
     assert!(
         (one_b + other_b).norm() < 1e-6 * one_b.norm(),
@@ -356,7 +356,7 @@ fn ball_joints_in_a_loop_change_their_charts() {
     let runs = [500, 1000, 2000].map(|n| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Map);
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         // Eight unknowns, six equations: the mechanism's freedom and the spin of the coupler.
         assert_eq!(model.pattern().dim(), 2);
         let zero = [0.0; 2];

@@ -11,7 +11,7 @@ use pullback::conformance as check;
 use pullback::elements::body::PointMass;
 use pullback::elements::constraint::{Multipliers, Penalty, Scaled, Stiffness};
 
-use pullback::elements::model::{Model, ModelBuilder, ModelError, NodeId};
+use pullback::elements::model::{Context, ModelBuilder, ModelError, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::Scheme;
@@ -59,7 +59,7 @@ const PIN: f64 = 1.5;
 const SLIDER: f64 = 0.8;
 const STIFF: f64 = 6.0;
 
-fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
+fn slider_crank(choice: Choice) -> (Context, NodeId, Vec<f64>) {
     let mut b = ModelBuilder::new();
     let map = Solved::<_, 1, 3, 2>::with(SliderCrank, 0.0, [0.4, 0.0, 1.4], choice).unwrap();
     // The crank turns with 12 rad/s at the start.
@@ -69,7 +69,11 @@ fn slider_crank(choice: Choice) -> (Model, NodeId, Vec<f64>) {
         .mapped_coordinates("x", &[Quantity::Length; 3], map.boxed(), &[q])
         .unwrap();
     slider_crank_bodies(&mut b, x);
-    (b.build().unwrap(), x, rate.as_slice().to_vec())
+    (
+        Context::new(b.build().unwrap()),
+        x,
+        rate.as_slice().to_vec(),
+    )
 }
 
 /// Masses, weights and the spring on the coordinates (x, y, s).
@@ -128,7 +132,7 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
             Some(p) => b.element("h", Penalty::<_, 3, 2>::new(h, stiffness(p)).unwrap(), &[x]),
         }
         .unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; model.initial().len()]);
         v[1] = 12.0 * CRANK;
         assert!(model.satisfy(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
@@ -261,7 +265,7 @@ impl Implicit<3, 2> for FourBar {
     }
 }
 
-fn four_bar() -> (Model, NodeId, Vec<f64>) {
+fn four_bar() -> (Context, NodeId, Vec<f64>) {
     let [coupler, rocker] = closed_form(CRANK_START);
     let guess = [CRANK_START + 0.05, coupler - 0.05, rocker];
     let map = Solved::<_, 1, 3, 2>::new(FourBar, 0.0, guess).unwrap();
@@ -296,7 +300,7 @@ fn four_bar() -> (Model, NodeId, Vec<f64>) {
         MASSES[1],
     );
     bar(&mut b, ground, [BASE, 0.0, 0.0], third, BARS[2], MASSES[2]);
-    (b.build().unwrap(), x, vec![rate])
+    (Context::new(b.build().unwrap()), x, vec![rate])
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::support::program::{command, directory, history, number, program, writ
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
-use pullback::elements::model::{Dof, ModelBuilder};
+use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::{Evaluation, Point, Quantity, System, Weights};
 use std::sync::Arc;
@@ -58,7 +58,7 @@ fn hung(count: usize) -> [usize; 2] {
     let last = b.attach("last", root, Counting(calls.clone())).unwrap();
     let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
     b.element("last", body, &[last.frame]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mobility = model.mobility();
     assert_eq!(mobility.freedoms, count + 1);
     // Four coordinates and six equations for each loop: none is solved together with another.

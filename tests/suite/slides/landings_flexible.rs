@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback::elements::beam::{Interpolation, Section};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{SlideNodes, slide_on};
-use pullback::elements::model::{Dof, Formulation, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback::elements::model::{Context, Dof, Formulation, Line, ModelBuilder, NodeId, Straight};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
@@ -17,7 +17,7 @@ const STEP: f64 = 2e-3;
 const TO: f64 = 0.2;
 
 struct Chain {
-    model: Model,
+    model: Context,
     nodes: Vec<NodeId>,
     bead: SlideNodes,
 }
@@ -64,7 +64,7 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
     let body = RigidBody::new(0.7, J, Vector3::zeros()).unwrap();
     b.element("body", body, &[bead.frame]).unwrap();
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     Chain { model, nodes, bead }
 }
 
@@ -74,7 +74,7 @@ impl Chain {
         &mut self,
         whole: Vector3<f64>,
         options: &DynamicOptions,
-        look: &mut dyn FnMut(&mut Model, &StepReport<'_>),
+        look: &mut dyn FnMut(&mut Context, &StepReport<'_>),
     ) -> Progress {
         let v = self.velocities(whole);
         observed(&mut self.model, [&[], &v], options, look)
@@ -234,7 +234,7 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
             assert!(chain.model.restore_maps(maps));
             chain.model.set_element_charts(charts);
             let mut progress = progress.clone();
-            let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+            let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
             integrate(&mut chain.model, &mut progress, &options, onward).unwrap();
             assert!(progress.state == end.state, "{formulation:?} from step {k}");
             assert_eq!(progress.summary, end.summary, "from step {k}");
@@ -283,7 +283,7 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
             min_step: 1e-7,
             ..DynamicOptions::new(TO, 5e-4)
         };
-        let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
         let done = integrate(&mut chain.model, &mut progress, &options, onward);
         failed += progress.summary.failed;
         match done {

@@ -6,7 +6,7 @@ use crate::support::dynamics::{observed, slopes, tight};
 use crate::support::landing::{G, Track, bead};
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::joint::SlideNodes;
-use pullback::elements::model::{Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Context, ModelBuilder, NodeId};
 use pullback::elements::spring::{CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, StepReport, integrate, start,
@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 
 /// Largest errors in position or speed of beads that start at these positions with these speeds.
 fn worst(
-    (model, beads): &mut (Model, Vec<SlideNodes>),
+    (model, beads): &mut (Context, Vec<SlideNodes>),
     ways: &[(&Track, [f64; 2])],
     options: &DynamicOptions,
 ) -> (f64, Progress) {
@@ -84,7 +84,7 @@ fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
             bead(&mut b, &format!("bead {k}"), &nodes, way[0])
         });
     let beads: Vec<SlideNodes> = beads.collect();
-    let mut model = (b.build().unwrap(), beads);
+    let mut model = (Context::new(b.build().unwrap()), beads);
     let all: Vec<(&Track, [f64; 2])> = tracks.iter().zip(ways).collect();
     let (worst, run) = worst(&mut model, &all, &tight(Scheme::default(), 0.2, 0.01));
     assert!(worst < 1e-9, "{worst:e}");
@@ -96,7 +96,7 @@ fn slides_on_two_chains_that_are_handed_over_at_the_same_instant() {
 }
 
 /// A ring of twelve elements in a vertical plane, a chain that goes round it `rounds` times.
-fn ring(rounds: usize) -> (Model, SlideNodes, Track) {
+fn ring(rounds: usize) -> (Context, SlideNodes, Track) {
     let sides: Vec<[f64; 2]> = (0..12)
         .map(|k| [0.5, TAU * (f64::from(k) + 0.5) / 12.0])
         .collect();
@@ -109,7 +109,11 @@ fn ring(rounds: usize) -> (Model, SlideNodes, Track) {
     let nodes = closed.nodes(&mut b, "ring");
     let chain: Vec<NodeId> = (0..=12 * rounds).map(|k| nodes[k % 12]).collect();
     let bead = bead(&mut b, "bead", &chain, 0.0);
-    (b.build().unwrap(), bead, Track::of(&sides.repeat(rounds)))
+    (
+        Context::new(b.build().unwrap()),
+        bead,
+        Track::of(&sides.repeat(rounds)),
+    )
 }
 
 #[test]
@@ -131,7 +135,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     // A chain that goes round once ends where it began, and says so.
     let (mut model, ..) = ring(1);
     let mut progress = Progress::new(start(&model, 0.0, &[], &[11.0]).unwrap());
-    let onward = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     let error = integrate(&mut model, &mut progress, &options, onward).unwrap_err();
     let DynamicsError::Step(failed) = &error else {
         panic!("{error}");
@@ -152,7 +156,7 @@ fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
 }
 
 /// A bead on a spring along a zigzag in a level plane: u = cos 2t whatever the corners.
-fn spring(sides: usize) -> (Model, SlideNodes) {
+fn spring(sides: usize) -> (Context, SlideNodes) {
     let length = 4.0 / sides as f64;
     let position = |k: usize| {
         let right = (length * 0.8) * k as f64;
@@ -175,7 +179,7 @@ fn spring(sides: usize) -> (Model, SlideNodes) {
         &[bead.arc_length],
     )
     .unwrap();
-    (b.build().unwrap(), bead)
+    (Context::new(b.build().unwrap()), bead)
 }
 
 #[test]

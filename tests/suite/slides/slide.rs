@@ -7,7 +7,7 @@ use nalgebra::{Unit, Vector2, Vector3};
 use pullback::elements::beam::Section;
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{SlideNodes, slide};
-use pullback::elements::model::{Arc, Axis, Dof, Line, Model, ModelBuilder, Straight};
+use pullback::elements::model::{Arc, Axis, Context, Dof, Line, ModelBuilder, Straight};
 use pullback::elements::time::{Constant, TimeFunction};
 use pullback::integrators::dynamics::{
     DynamicsError, Progress, Scheme, StepReport, integrate, start,
@@ -25,10 +25,10 @@ const START: f64 = 2.0 * FRAC_PI_9;
 const MASS: f64 = 1.3;
 
 /// A heavy point mass that slides along beam elements all of whose nodes are held.
-fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Model, SlideNodes) {
+fn wire(axis: &dyn Axis, elements: usize, origin: f64) -> (Context, SlideNodes) {
     let mut b = ModelBuilder::new();
     let bead = bead(&mut b, axis, elements, origin);
-    (b.build().unwrap(), bead)
+    (Context::new(b.build().unwrap()), bead)
 }
 
 fn bead(b: &mut ModelBuilder, axis: &dyn Axis, elements: usize, origin: f64) -> SlideNodes {
@@ -97,7 +97,7 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     // Something must be unknown.
     let free = b.node("free", [0.0; 3]).unwrap();
     heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut changes = 0;
     let options = tight(Scheme::default(), 2.6, 0.013);
     observed(&mut model, [&[], &[]], &options, &mut |model, step| {
@@ -130,7 +130,7 @@ fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
     let (mut model, _) = wire(&incline(), 7, 2.5);
     let mut progress = Progress::new(start(&model, 0.0, &[], &[]).unwrap());
     let options = tight(Scheme::default(), 1.0, 0.01);
-    let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     let error = integrate(&mut model, &mut progress, &options, proceed).unwrap_err();
     let DynamicsError::Step(failed) = error else {
         panic!("{error}");
@@ -156,7 +156,7 @@ fn at(angle: f64) -> Vector3<f64> {
 }
 
 /// A mass on 160° of a vertical circle, the lowest point in the middle; it starts 40° before that.
-fn on_circle(elements: u32) -> (Model, SlideNodes) {
+fn on_circle(elements: u32) -> (Context, SlideNodes) {
     let half = 4.0 * FRAC_PI_9;
     let arc = Arc {
         from: at(-half),

@@ -30,7 +30,7 @@ fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
     b.support(other, &Dof::ALL);
     let force = NodalLoad::new(LoadKind::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
     b.element("load", force, &[crown]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut found = 0.0;
     solve_statics(
         &mut model,
@@ -88,7 +88,7 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
         });
         let spring = AxialSpring::new(&masses.map(|n| b.position(n)), k, 0.0).unwrap();
         b.element("spring", spring, &masses).unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let n = model.initial().len();
         let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
         for (node, rate) in [(masses[0], -0.5), (masses[1], 0.5)] {
@@ -97,7 +97,7 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
         let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
         let mut options = DynamicOptions::new(1.0, 0.01);
         options.scheme = Scheme::chung_hulbert(0.8).unwrap();
-        let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
         integrate(&mut model, &mut progress, &options, proceed).unwrap();
         let at = |node: NodeId, k: usize| model.coordinate(node, k).unwrap();
         let [x, y] = [0, 1].map(|k| at(masses[1], k)[0] - at(masses[0], k)[0]);
@@ -144,10 +144,10 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
 }
 
 /// Runs from rest.
-fn fall(model: &mut Model, options: &DynamicOptions) -> Summary {
+fn fall(model: &mut Context, options: &DynamicOptions) -> Summary {
     let rest = vec![0.0; model.initial().len()];
     let mut progress = Progress::new(start(model, 0.0, &rest, &rest).unwrap());
-    let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(model, &mut progress, options, proceed).unwrap();
     progress.summary
 }
@@ -157,7 +157,7 @@ fn coupled_stages_of_a_stiff_rod_stop_at_rounding_errors() {
     // A free steel rod falls from rest: −g t²/2 in as many steps as were asked for.
     for E in [2.1e11, 2.1e13] {
         let (b, nodes) = rod(E, 1.0, 4);
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut options = DynamicOptions::new(1.0, 0.01);
         options.scheme = Scheme::radau();
         let summary = fall(&mut model, &options);
@@ -175,7 +175,7 @@ fn rounding_errors_cost_no_iteration() {
     // allows: convergence is quadratic down to there, and the next correction would mend nothing.
     let (mut b, nodes) = rod(2.1e11, 10.0, 1000);
     b.support(nodes[0], &Dof::ALL);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let summary = fall(&mut model, &DynamicOptions::new(0.4, 0.02));
     assert_eq!((summary.steps, summary.failed), (20, 0));
     assert!(
@@ -210,7 +210,7 @@ fn a_load_on_a_support_measures_nothing() {
             let load = NodalLoad::new(LoadKind::DeadForce, [0.0, force, 0.0], Proportional(1.0));
             b.element(name, load, &[node]).unwrap();
         }
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut end = [0.0; 2];
         solve_statics(
             &mut model,

@@ -7,16 +7,16 @@ use pullback::integrators::statics::{StaticsError, Step, trace_path};
 use pullback::prelude::*;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
-fn run(text: &str, analysis: &str) -> Model {
+fn run(text: &str, analysis: &str) -> Context {
     located(text, analysis).unwrap().0
 }
 
 /// The same, with the loads at which events on the path were located.
-fn located(text: &str, analysis: &str) -> Result<(Model, Vec<f64>), StaticsError> {
+fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsError> {
     let mut found = vec![];
     let mut job = assemble_text("model.toml", &format!("{text}\n{analysis}\n")).unwrap();
     let mut q = vec![];
-    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     match &job.plan {
         Plan::Static(options) => {
             let done = solve_statics(&mut job.model, &mut q, options, proceed)?;
@@ -33,7 +33,7 @@ fn located(text: &str, analysis: &str) -> Result<(Model, Vec<f64>), StaticsError
 }
 
 /// The displacement of a node along an axis.
-fn moved(model: &Model, node: &str, axis: usize) -> f64 {
+fn moved(model: &Context, node: &str, axis: usize) -> f64 {
     let node = model.find(node).unwrap();
     model.coordinate(node, axis).unwrap()[0]
 }

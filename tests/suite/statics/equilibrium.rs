@@ -7,7 +7,7 @@ use pullback::integrators::statics::{StaticsError, Step};
 use pullback::prelude::*;
 
 /// A cantilever of unit length along e1 with a load at its tip.
-fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Model, NodeId) {
+fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Context, NodeId) {
     let mut builder = ModelBuilder::new();
     let root = builder.node("root", [0.0; 3]).unwrap();
     let tip = builder.node("tip", [1.0, 0.0, 0.0]).unwrap();
@@ -25,7 +25,7 @@ fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Model, NodeId) {
     builder.line("beam", &axis, [root, tip], &line).unwrap();
     builder.support(root, &Dof::ALL);
     builder.element("load", load, &[tip]).unwrap();
-    (builder.build().unwrap(), tip)
+    (Context::new(builder.build().unwrap()), tip)
 }
 
 fn dead(force: [f64; 3]) -> NodalLoad {
@@ -72,7 +72,7 @@ fn slenderness_does_not_change_the_number_of_iterations() {
         .map(|EA| {
             let (mut model, _) = cantilever(EA, 20, dead([0.0, 2.0, 0.5]));
             let options = StaticOptions::equal_steps(1);
-            let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+            let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
             let summary = solve_statics(&mut model, &mut vec![], &options, proceed).unwrap();
             assert_eq!(summary.rejected, 0);
             summary.iterations
@@ -87,7 +87,7 @@ fn results_are_the_same_to_the_last_bit_in_every_run() {
     let run = || {
         let (mut model, _) = cantilever(1e4, 30, dead([0.0, 5.0, 3.0]));
         let mut q = vec![];
-        let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+        let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
         solve_statics(&mut model, &mut q, &StaticOptions::default(), proceed).unwrap();
         q
     };
@@ -98,7 +98,7 @@ fn results_are_the_same_to_the_last_bit_in_every_run() {
 fn reactions_balance_the_loads() {
     let force = Vector3::new(0.3, 4.0, -2.0);
     let (mut model, tip) = cantilever(1e4, 30, dead(force.into()));
-    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     solve_statics(&mut model, &mut vec![], &StaticOptions::default(), proceed).unwrap();
     let reactions = model.reactions();
     assert_eq!(reactions.len(), 1);
@@ -115,7 +115,7 @@ fn work_of_a_dead_load_is_stored() {
     let (mut model, tip) = cantilever(1e3, 10, dead(force.into()));
     let mut work = vec![(0.0, 0.0)];
     let mut stored = 0.0;
-    let observe = &mut |model: &mut Model, step: &Step<'_>| {
+    let observe = &mut |model: &mut Context, step: &Step<'_>| {
         work.push((step.t, model.node_state(tip).d.dot(&force)));
         stored = model.strain_energy(step.t);
         ControlFlow::Continue(())
@@ -167,13 +167,13 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     builder.line("beam", &axis, [root, tip], &line).unwrap();
     builder.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY]);
     builder.prescribe(root, Dof::RZ, Proportional(angle));
-    let mut model = builder.build().unwrap();
+    let mut model = Context::new(builder.build().unwrap());
     model.check_supports().unwrap();
     let options = StaticOptions {
         max_step: 0.05,
         ..StaticOptions::default()
     };
-    let observe = &mut |model: &mut Model, step: &Step<'_>| {
+    let observe = &mut |model: &mut Context, step: &Step<'_>| {
         let (s, c) = (angle * step.t).sin_cos();
         let position = model.node_state(tip).position;
         assert!(
@@ -213,14 +213,14 @@ fn a_mechanism_is_named_before_and_during_the_solution() {
     builder
         .element("load", dead([1.0, 0.0, 0.0]), &[tip])
         .unwrap();
-    let mut model = builder.build().unwrap();
+    let mut model = Context::new(builder.build().unwrap());
     let text = model.check_supports().unwrap_err().to_string();
     assert!(
         text.contains("rotation about the direction (1.000, 0.000, 0.000)"),
         "{text}"
     );
 
-    let proceed = &mut |_: &mut Model, _: &Step<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     let error =
         solve_statics(&mut model, &mut vec![], &StaticOptions::default(), proceed).unwrap_err();
     let StaticsError::Step(failed) = error else {

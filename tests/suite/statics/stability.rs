@@ -63,7 +63,7 @@ fn euler_loads(EI: f64, most: f64) -> Vec<f64> {
 fn counts(text: &str) -> Vec<(f64, Option<usize>)> {
     let mut job = assemble_text("column.toml", text).unwrap();
     let mut found = Vec::new();
-    let mut observe = |_: &mut Model, step: &Step<'_>| {
+    let mut observe = |_: &mut Context, step: &Step<'_>| {
         found.push((step.t, step.unstable));
         ControlFlow::Continue(())
     };

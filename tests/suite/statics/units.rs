@@ -87,7 +87,7 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     let force = [0.0, 2.0 * u.force, 1.0 * u.force];
     let load = NodalLoad::new(LoadKind::DeadForce, force, Proportional(1.0));
     b.element("load", load, &[tip]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut end = Vector3::zeros();
     let options = StaticOptions::equal_steps(4);
     let summary = solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
@@ -142,11 +142,11 @@ fn swung(u: Units) -> ([f64; 2], usize) {
         section,
     };
     b.line("rod", &axis, [foot, tip], &line).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let options = DynamicOptions::new(2.0 * u.time, 0.02 * u.time);
     let rest = vec![0.0; model.initial().len()];
     let mut progress = Progress::new(start(&model, 0.0, model.initial(), &rest).unwrap());
-    let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+    let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
     integrate(&mut model, &mut progress, &options, proceed).unwrap();
     let [angle, rate] = model.coordinate(hinge.angle, 0).unwrap();
     ([angle, rate * u.time], progress.summary.iterations)
@@ -168,7 +168,7 @@ fn a_mechanism_of_any_size_moves_alike() {
 
 /// A pendulum that is a body with its centre of mass `arm` away from a hinge, which is all that has a
 /// position; a mass that is held `far` away where that is not zero.
-fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Model, NodeId) {
+fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let ground = b.node("ground", [0.0; 3]).unwrap();
     b.support(ground, &Dof::ALL);
@@ -194,7 +194,7 @@ fn pendulum(arm: f64, far: f64, k: f64, g: [f64; 3]) -> (Model, NodeId) {
             .unwrap();
         b.support(other, &Dof::ALL);
     }
-    (b.build().unwrap(), hinge.angle)
+    (Context::new(b.build().unwrap()), hinge.angle)
 }
 
 /// Arms, and positions of another part that has nothing to do with them.
@@ -229,7 +229,7 @@ fn what_swings_at_one_place_knows_no_metre() {
         let (mut q, rest) = (vec![0.0; n], vec![0.0; n]);
         q[u] = 1.5;
         let mut progress = Progress::new(start(&model, 0.0, &q, &rest).unwrap());
-        let proceed = &mut |_: &mut Model, _: &StepReport<'_>| ControlFlow::Continue(());
+        let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
         let options = DynamicOptions::new(1.3, 0.01);
         integrate(&mut model, &mut progress, &options, proceed).unwrap();
         model.coordinate(angle, 0).unwrap()
@@ -272,7 +272,7 @@ fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
             let load = NodalLoad::new(which, load, Proportional(1.0));
             b.element(name, load, &[end]).unwrap();
         }
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         let mut found = Vector3::zeros();
         let options = StaticOptions::default();
         solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {

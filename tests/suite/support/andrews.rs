@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, offset};
 use pullback::elements::load::CoordinateForce;
-use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::spring::AxialSpring;
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme};
@@ -89,7 +89,7 @@ impl Implicit<7, 6> for Squeezer {
 
 pub type Loops = Solved<Squeezer, 1, 7, 6>;
 
-fn squeezer(map: Loops) -> (Model, NodeId) {
+fn squeezer(map: Loops) -> (Context, NodeId) {
     let mut b = ModelBuilder::new();
     let q = b.coordinates("q", &[Quantity::Angle]).unwrap();
     let x = b
@@ -134,7 +134,7 @@ fn squeezer(map: Loops) -> (Model, NodeId) {
         &[angles[0]],
     )
     .unwrap();
-    (b.build().unwrap(), x)
+    (Context::new(b.build().unwrap()), x)
 }
 
 pub const END: f64 = 0.03;

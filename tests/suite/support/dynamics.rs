@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
-use pullback::elements::model::{Model, ModelBuilder, NodeId, NodeState};
+use pullback::elements::model::{Context, ModelBuilder, NodeId, NodeState};
 use pullback::elements::time::{Constant, Sine};
 use pullback::integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
@@ -42,11 +42,11 @@ pub fn second_order() -> [Scheme; 5] {
 
 /// Something with a model inside that can be asked where its nodes are.
 pub trait Modelled: System {
-    fn model(&mut self) -> &mut Model;
+    fn model(&mut self) -> &mut Context;
 }
 
-impl Modelled for Model {
-    fn model(&mut self) -> &mut Model {
+impl Modelled for Context {
+    fn model(&mut self) -> &mut Context {
         self
     }
 }
@@ -54,7 +54,7 @@ impl Modelled for Model {
 /// A model whose changes of chart are made here and not by itself: at chosen steps rotation
 /// vectors of own nodes are replaced by their complements, wherever they are, and never otherwise.
 pub struct Flipped {
-    pub model: Model,
+    pub model: Context,
     /// Free rotation vectors: the first of their three coordinates in the model's unknowns.
     pub rotations: Vec<usize>,
     /// How many elements are beams between nodes of `rotations` (the first ones of the model).
@@ -67,7 +67,7 @@ pub struct Flipped {
 
 impl Flipped {
     pub fn new(
-        model: Model,
+        model: Context,
         rotations: Vec<usize>,
         when: impl Fn(usize) -> bool + 'static,
     ) -> Self {
@@ -137,13 +137,13 @@ impl System for Flipped {
 }
 
 impl Modelled for Flipped {
-    fn model(&mut self) -> &mut Model {
+    fn model(&mut self) -> &mut Context {
         &mut self.model
     }
 }
 
 /// Brings the model to a state, for questions.
-pub fn configure(model: &mut Model, state: &State) {
+pub fn configure(model: &mut Context, state: &State) {
     let at = Point {
         t: state.t,
         q: &state.q,
@@ -158,7 +158,7 @@ pub fn observed<Y: Modelled>(
     system: &mut Y,
     [q, v]: [&[f64]; 2],
     options: &DynamicOptions,
-    observe: &mut dyn FnMut(&mut Model, &StepReport<'_>),
+    observe: &mut dyn FnMut(&mut Context, &StepReport<'_>),
 ) -> Progress {
     let mut progress = Progress::new(start(system, 0.0, q, v).unwrap());
     let watch = &mut |system: &mut Y, step: &StepReport<'_>| {

@@ -5,7 +5,7 @@
 use nalgebra::{Vector2, Vector3};
 use pullback::elements::body::PointMass;
 use pullback::elements::joint::{SlideNodes, slide};
-use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::{Constant, Proportional};
 
 pub const G: f64 = 9.81;
@@ -71,14 +71,14 @@ impl Track {
     }
 
     /// A model of heavy beads that start at these arc lengths.
-    pub fn model(&self, starts: &[f64]) -> (Model, Vec<SlideNodes>) {
+    pub fn model(&self, starts: &[f64]) -> (Context, Vec<SlideNodes>) {
         let mut b = ModelBuilder::new();
         let nodes = self.nodes(&mut b, "wire");
         let beads = starts.iter().enumerate();
         let beads = beads
             .map(|(k, start)| bead(&mut b, &format!("bead {k}"), &nodes, *start))
             .collect();
-        (b.build().unwrap(), beads)
+        (Context::new(b.build().unwrap()), beads)
     }
 
     /// Tangential accelerations of its sides under its weight.

@@ -26,7 +26,7 @@ pub(in crate::model) fn upwards(nodes: &[Node], n: u32) -> Vec<u32> {
     let mut at = n;
     while let Source::Mapped(d) = &nodes[at as usize].source {
         let frame = |m: &&u32| nodes[**m as usize].is_frame();
-        let mut parents = d.parents().iter().filter(frame);
+        let mut parents = d.initial_parents().iter().filter(frame);
         match (parents.next(), parents.next(), d.segments.len()) {
             (Some(&m), None, 1) => {
                 out.push(m);
@@ -108,7 +108,7 @@ fn reads_no_frame(nodes: &[Node], n: u32) -> bool {
         Source::Own => false,
         Source::Mapped(d) => {
             let no_frame = |m: &u32| !nodes[*m as usize].is_frame();
-            d.segments.len() == 1 && d.parents().iter().all(no_frame)
+            d.segments.len() == 1 && d.initial_parents().iter().all(no_frame)
         }
     }
 }
@@ -122,7 +122,7 @@ pub(super) fn coordinates(nodes: &[Node], chain: &Chain) -> Vec<u32> {
             continue;
         }
         match &nodes[n as usize].source {
-            Source::Mapped(d) => waiting.extend(d.parents()),
+            Source::Mapped(d) => waiting.extend(d.initial_parents()),
             Source::Own if nodes[n as usize].form != NodeForm::Frame => out.push(n),
             Source::Own => {}
         }

@@ -30,6 +30,7 @@ use chain::{Chain, coordinates};
 use nalgebra::Vector3;
 use set::close_set;
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 pub(super) use tree::Coincide;
 
 /// Names of the equations of a frame at a joint, in the order of [`Coincide`].
@@ -85,7 +86,7 @@ impl ModelBuilder {
     /// A free child is attached to the frame. One that is attached to something else, or is held,
     /// closes a loop: the builder then makes the coordinates of the joints along the loop follow from
     /// as many independent ones as are free. The independent ones change during a run if others become
-    /// better. [`Model::descriptions`](super::Model::descriptions) reports the result.
+    /// better. [`Context::descriptions`](super::Context::descriptions) reports the result.
     ///
     /// # Errors
     /// [`ModelError::ForeignNode`]; [`ModelError::NotFrames`] for anything but two different frames.
@@ -119,7 +120,7 @@ pub(super) struct StartPreferences<'a> {
 }
 
 /// Prescribed coordinates of the builder's nodes.
-pub(super) struct Held<'a>(pub &'a [(NodeId, usize, Box<dyn TimeFunction>)]);
+pub(super) struct Held<'a>(pub &'a [(NodeId, usize, Arc<dyn TimeFunction>)]);
 
 impl Held<'_> {
     fn function(&self, node: usize, k: usize) -> Option<&dyn TimeFunction> {
@@ -210,7 +211,7 @@ pub(super) fn positions(
     let by_joints = |c: &&Closing| Chain::find(nodes, **c, held).is_ok();
     let all = closings.len();
     let closings: Vec<Closing> = closings.iter().filter(by_joints).copied().collect();
-    let mut copies: Vec<Node> = nodes.iter().map(Node::duplicate).collect();
+    let mut copies: Vec<Node> = nodes.iter().map(Node::clone).collect();
     if close(&mut copies, &closings, held, preferences, length).is_err() {
         return Vec::new();
     }
@@ -258,7 +259,7 @@ fn value(
         }
         Source::Mapped(d) => {
             let mut q = Vec::new();
-            for &m in d.parents() {
+            for &m in d.initial_parents() {
                 q.extend(value(nodes, m, held, starts, known)?);
             }
             let mut B = vec![0.0; node.dim * q.len()];

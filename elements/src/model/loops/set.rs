@@ -94,13 +94,13 @@ fn add(
     if let Some(&read) = made.get(&key) {
         return read;
     }
-    let reads = (d.parents().iter())
+    let reads = (d.initial_parents().iter())
         .map(|&m| {
             let read = add(nodes, m, chain, inputs, tree, made);
             (read, nodes[m as usize].dim)
         })
         .collect();
-    let read = Read::Link(tree.link(d.map.duplicate(), reads));
+    let read = Read::Link(tree.link(d.map.clone(), reads));
     made.insert(key, read);
     read
 }
@@ -180,7 +180,7 @@ fn preference(nodes: &[Node], chains: &[Chain], n: u32, preferences: &StartPrefe
             let below = path.iter().position(|f| Some(*f) == chain.root);
             let below = &path[..below.unwrap_or(path.len())];
             let reads = |f: &u32| match &nodes[*f as usize].source {
-                Source::Mapped(d) => d.parents().contains(&n),
+                Source::Mapped(d) => d.initial_parents().contains(&n),
                 Source::Own => false,
             };
             below.iter().rev().position(reads)

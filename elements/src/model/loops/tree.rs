@@ -227,7 +227,7 @@ impl Parametrization for Tree {
         let from = self.inner();
         let mut copy = Self::new(from.inputs);
         for link in &from.links {
-            copy.link(link.map.duplicate(), link.reads.clone());
+            copy.link(link.map.clone(), link.reads.clone());
         }
         copy.0
             .get_mut()

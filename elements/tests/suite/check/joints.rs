@@ -5,7 +5,7 @@ use nalgebra::{SVector, Vector3};
 use pullback_conformance::{self as check, Report};
 use pullback_elements::body::PointMass;
 use pullback_elements::joint::{Joint, JointCoordinate, Pose};
-use pullback_elements::model::{Dof, ModelBuilder};
+use pullback_elements::model::{Context, Dof, ModelBuilder};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3::Quaternion;
 use pullback_manifold::system::{Point, Quantity, System};
@@ -132,7 +132,7 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
         };
         let body = PointMass::new(1.0).unwrap();
         builder.element("body", body, &[child.frame]).unwrap();
-        let mut model = builder.build().unwrap();
+        let mut model = Context::new(builder.build().unwrap());
         let (v, a) = (&[][..], &[][..]);
         let dim = model.pattern().dim();
         let mut at = |q: f64| {

@@ -10,7 +10,7 @@ use pullback_elements::body::RigidBody;
 use pullback_elements::inertia::Inertia;
 use pullback_elements::joint::{offset, revolute, slide, spherical, universal};
 use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::{Dof, Line, Model, ModelBuilder, Straight};
+use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight};
 use pullback_elements::spring::{AxialSpring, Bushing, CoordinateLaw, CoordinateSpring};
 use pullback_elements::time::{Constant, Sine};
 
@@ -25,7 +25,7 @@ fn sine(amplitude: f64) -> Sine {
 
 /// Everything at once: beams of two orders, a body on a revolute joint and a rigid link, a ball
 /// joint, a slide, springs, a bushing, loads of all kinds and a driven support.
-fn everything() -> Model {
+fn everything() -> Context {
     let mut b = ModelBuilder::new();
     let root = b.node("root", [0.0; 3]).unwrap();
     let corner = b.node("corner", [1.0, 0.2, 0.0]).unwrap();
@@ -93,7 +93,7 @@ fn everything() -> Model {
     b.support(root, &[Dof::X, Dof::Y, Dof::RX, Dof::RY]);
     b.prescribe(root, Dof::Z, sine(0.2));
     b.prescribe(root, Dof::RZ, sine(0.5));
-    b.build().unwrap()
+    Context::new(b.build().unwrap())
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         b.element("tip mass", body, &[tip]).unwrap();
         let soft = AxialSpring::new(&[root, tip].map(|n| b.position(n)), 1e-10 * EA, 0.0).unwrap();
         b.element("soft", soft, &[root, tip]).unwrap();
-        let mut model = b.build().unwrap();
+        let mut model = Context::new(b.build().unwrap());
         for seed in 0..8 {
             let options = Options {
                 seed,

@@ -8,7 +8,7 @@ use pullback_conformance::{Report, joint};
 use pullback_elements::beam::Interpolation;
 use pullback_elements::body::RigidBody;
 use pullback_elements::joint::{Chain, Curve, OnCurve, Slide, on_curve};
-use pullback_elements::model::{ModelBuilder, NodeId};
+use pullback_elements::model::{Context, ModelBuilder, NodeId};
 use pullback_elements::time::Constant;
 use pullback_manifold::map::{Kinematics, Map, Motion, derived};
 use pullback_manifold::scalar::Scalar;
@@ -122,7 +122,7 @@ fn chained(planted: Planted, interpolation: Interpolation, driven: bool, seed: u
         seed,
         ..Options::default()
     };
-    check::model(&mut b.build().unwrap(), &options)
+    check::model(&mut Context::new(b.build().unwrap()), &options)
 }
 
 fn failures(report: &Report) -> Vec<[&str; 2]> {
@@ -208,7 +208,7 @@ fn pieces_of_a_curve_meet_with_two_derivatives() {
         b.element("base", body(), &[base]).unwrap();
         let bead = on_curve(&mut b, "bead", base, Bent(power, None)).unwrap();
         b.element("bead", body(), &[bead.frame]).unwrap();
-        let report = check::model(&mut b.build().unwrap(), &Options::default());
+        let report = check::model(&mut Context::new(b.build().unwrap()), &Options::default());
         let expected = [["joint bead (on curve)", law]];
         assert_eq!(
             failures(&report),

@@ -10,7 +10,7 @@ use pullback_conformance::{Report, Row};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::Pose;
-use pullback_elements::model::{Dof, Line, ModelBuilder, Straight};
+use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight};
 use pullback_manifold::map::{Kinematics, Map, derived};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
@@ -143,7 +143,7 @@ fn report(planted: Planted, seed: u64) -> Report {
         seed,
         ..Options::default()
     };
-    check::model(&mut b.build().unwrap(), &options)
+    check::model(&mut Context::new(b.build().unwrap()), &options)
 }
 
 /// Components that fail, each once.
@@ -284,7 +284,7 @@ fn a_joint_with_an_axis_fixed_in_space() {
         .mapped_node("hinge", [0.0; 3], Fixed.boxed(), &nodes)
         .unwrap();
     b.element("arm", body(), &[hinge]).unwrap();
-    let report = check::model(&mut b.build().unwrap(), &Options::default());
+    let report = check::model(&mut Context::new(b.build().unwrap()), &Options::default());
     assert_eq!(broken(&report), ["joint hinge (fixed)"], "{report}");
     let laws: Vec<&str> = report.failures().iter().map(|r| r.law.as_str()).collect();
     assert_eq!(laws, ["frames move rigidly with their parents"]);

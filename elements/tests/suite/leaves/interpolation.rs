@@ -12,7 +12,7 @@ use pullback_elements::element::{Element, ElementError, Motion, Response, Sectio
 use pullback_elements::energy::{Energies, inside_chart, rate};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::LineLoad;
-use pullback_elements::model::{Line, ModelBuilder, Straight, frame_along};
+use pullback_elements::model::{Context, Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::time::Constant;
 use pullback_manifold::quotients::{Quotients, TangentQuotients};
 use pullback_manifold::scalar::Scalar;
@@ -390,7 +390,10 @@ fn laws_found(interpolation: Interpolation) -> Vec<String> {
     };
     b.line_with("beam", &axis, ends, &line, interpolation)
         .unwrap();
-    let report = check::model(&mut b.build().unwrap(), &check::Options::default());
+    let report = check::model(
+        &mut Context::new(b.build().unwrap()),
+        &check::Options::default(),
+    );
     report.assert();
     let found = report
         .rows()

@@ -9,7 +9,7 @@ use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
 use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Dof, Line, ModelBuilder, Straight, frame_along};
+use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
@@ -95,7 +95,7 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     for dof in Dof::ROTATIONS {
         b.prescribe(root, dof, Constant(1.0));
     }
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let n = model.pattern().dim();
     let mut q = vec![0.0; n];
     // Nodes astride π, so that elements change charts.

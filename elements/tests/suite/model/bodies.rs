@@ -5,13 +5,13 @@
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3};
 use pullback_conformance::{self as check, Random, State};
 use pullback_elements::body::{PointMass, RigidBody};
-use pullback_elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::Constant;
 use pullback_manifold::system::{Evaluation, Point, System};
 
 /// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
-fn model() -> (Model, [NodeId; 3]) {
+fn model() -> (Context, [NodeId; 3]) {
     let mut b = ModelBuilder::new();
     let nodes = [
         b.node("first", [0.0; 3]).unwrap(),
@@ -41,7 +41,7 @@ fn model() -> (Model, [NodeId; 3]) {
     let spring = AxialSpring::new(&ends, 5.0, 0.4).unwrap();
     b.element("spring", spring, &[second, mass]).unwrap();
     b.support(mass, &Dof::ROTATIONS);
-    (b.build().unwrap(), nodes)
+    (Context::new(b.build().unwrap()), nodes)
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
         random.fill(v.as_mut_slice());
         random.fill(a.as_mut_slice());
-        let power = |model: &mut Model, q: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>| {
+        let power = |model: &mut Context, q: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>| {
             let mut r = vec![0.0; n];
             let at = Point {
                 t: 0.0,

@@ -6,26 +6,26 @@ use crate::support::{Idle, Offset, beam, line, simple, straight};
 use nalgebra::{Matrix3, Unit, Vector3};
 use pullback_elements::body::PointMass;
 use pullback_elements::model::{
-    Arc, Axis, Dof, Model, ModelBuilder, ModelError, NodeId, Straight, frame_along,
+    Arc, Axis, Context, Dof, ModelBuilder, ModelError, NodeId, Straight, frame_along,
 };
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Quantity, System};
 use std::time::Instant;
 
-fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Model {
+fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
     let (mut b, ends) = simple();
     support(&mut b, ends);
-    b.build().unwrap()
+    Context::new(b.build().unwrap())
 }
 
 #[test]
 fn structures_that_can_move_as_rigid_bodies() {
-    let message = |model: Model| model.check_supports().unwrap_err().to_string();
+    let message = |model: Context| model.check_supports().unwrap_err().to_string();
     let starts = "the part of the structure that contains node a is not supported: it can still \
                   move as a rigid body (";
     let ends = "); add supports that prevent this";
     // A direction has two signs.
-    let motion = |model: Model| {
+    let motion = |model: Context| {
         let message = message(model);
         let inner = message
             .strip_prefix(starts)
@@ -82,7 +82,7 @@ fn unknowns_have_numbers_names_and_kinds() {
     let six = b.coordinates("six", &[Quantity::Other; 6]).unwrap();
     b.element("idle", Idle(14), &[ends[1], hinge, six]).unwrap();
     b.support(ends[0], &[Dof::X, Dof::RX]);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     assert_eq!(model.pattern().dim(), 4 + 6 + 2 + 6);
     assert_eq!(model.unknown(ends[0], Dof::X), None);
     assert_eq!(model.unknown(ends[0], Dof::Y), Some(0));
@@ -194,7 +194,7 @@ fn a_line_makes_nodes_and_elements_in_order() {
     for (k, &n) in made.nodes.iter().enumerate() {
         assert_eq!(b.position(n), Vector3::new(k as f64, 0.0, 0.0));
     }
-    let model = b.build().unwrap();
+    let model = Context::new(b.build().unwrap());
     assert_eq!(
         model.element(made.elements[0]),
         ("l:1", made.nodes[..4].to_vec())
@@ -220,7 +220,7 @@ fn names_and_freedoms_cost_what_a_model_has() {
             let mass = PointMass::new(1.0).unwrap();
             b.element(format!("m{k}"), mass, &[node]).unwrap();
         }
-        let model = b.build().unwrap();
+        let model = Context::new(b.build().unwrap());
         let time = || {
             let start = Instant::now();
             assert_eq!(model.mobility().freedoms, 6 * count);

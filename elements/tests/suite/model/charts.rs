@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use pullback_conformance::Random;
 use pullback_elements::beam::Beam;
 use pullback_elements::element::{Motion, Response, SectionState};
-use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight, frame_along};
+use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight, frame_along};
 use pullback_elements::time::{Constant, Table, TimeFunction};
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients::Quotients;
@@ -77,7 +77,7 @@ fn configuration(theta: f64, random: &mut Random) -> Vec<[Vector3<f64>; 2]> {
 }
 
 /// A beam of `NODES` nodes, with inner nodes on a line in the builder's order.
-fn model(order: usize) -> (Model, Vec<NodeId>) {
+fn model(order: usize) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let from = b.node("from", position(0).into()).unwrap();
     let to = b.node("to", position(NODES - 1).into()).unwrap();
@@ -93,10 +93,10 @@ fn model(order: usize) -> (Model, Vec<NodeId>) {
         section: coupled(),
     };
     let nodes = b.line("line", &axis, [from, to], &line).unwrap().nodes;
-    (b.build().unwrap(), nodes)
+    (Context::new(b.build().unwrap()), nodes)
 }
 
-fn coordinates(model: &Model, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
+fn coordinates(model: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
     let mut q = vec![0.0; model.pattern().dim()];
     for (&node, [d, psi]) in nodes.iter().zip(values) {
         for k in 0..3 {
@@ -116,11 +116,11 @@ fn at(q: &[f64]) -> Point<'_> {
     }
 }
 
-fn take(model: &Model, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
+fn take(model: &Context, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
     Vector3::from_fn(|k, _| from[model.unknown(node, dofs[k]).unwrap()])
 }
 
-fn physical(model: &mut Model, nodes: &[NodeId], q: &[f64]) -> Physical {
+fn physical(model: &mut Context, nodes: &[NodeId], q: &[f64]) -> Physical {
     let mut r = vec![0.0; q.len()];
     model.evaluate(at(q), Evaluation::residual(&mut r)).unwrap();
     let forces = nodes
@@ -282,7 +282,7 @@ fn the_way_a_node_is_stored_does_not_matter() {
             b.boxed_element(format!("beam {k}"), beam, &beam_nodes[k..k + 2])
                 .unwrap();
         }
-        let mut m = b.build().unwrap();
+        let mut m = Context::new(b.build().unwrap());
         let mut q = coordinates(&m, &own, &values);
         m.start(0.0, &q);
         m.change_charts(0.0, &mut q, &mut [], &mut []);
@@ -355,7 +355,7 @@ fn partly_held_rotations_change_only_where_the_held_part_is_zero() {
         b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
         b.prescribe_boxed(ends[1], Dof::RX, held);
         b.prescribe(ends[1], Dof::RY, Constant(0.0));
-        (b.build().unwrap(), ends[1])
+        (Context::new(b.build().unwrap()), ends[1])
     };
     let (mut m, node) = build(Box::new(Constant(0.0)));
     let mut q = vec![0.0; m.pattern().dim()];
@@ -409,7 +409,7 @@ fn reactions(angle: f64, changes: usize) {
             b.prescribe(nodes[k], Dof::ROTATIONS[i], Constant(psi[i]));
         }
     }
-    let mut m = b.build().unwrap();
+    let mut m = Context::new(b.build().unwrap());
     let mut q = vec![0.0; 6];
     for i in 0..3 {
         q[m.unknown(nodes[2], Dof::TRANSLATIONS[i]).unwrap()] = displaced(2)[i];

@@ -5,7 +5,7 @@
 use crate::support::coupled;
 use nalgebra::Vector3;
 use pullback_elements::beam::Beam;
-use pullback_elements::model::{Dof, ModelBuilder, frame_along};
+use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
 use pullback_manifold::system::{Evaluation, Point, System};
 
 #[test]
@@ -18,7 +18,7 @@ fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {
     let frame = frame_along(&Vector3::x(), None);
     let beam = Beam::along(&positions, &|_| frame, &coupled()).unwrap();
     b.boxed_element("beam".to_owned(), beam, &ends).unwrap();
-    let mut m = b.build().unwrap();
+    let mut m = Context::new(b.build().unwrap());
     let turned = |angle: f64| {
         let mut q = vec![0.0; 12];
         for (node, axis) in [(ends[0], [0.0, 0.0, 1.0]), (ends[1], [0.0, 0.1, 1.0])] {

@@ -8,7 +8,7 @@ use pullback_elements::beam::BeamError;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
 use pullback_elements::joint::constant_velocity;
 use pullback_elements::load::{LoadKind, NodalLoad};
-use pullback_elements::model::{Dof, Model, ModelBuilder, ModelError};
+use pullback_elements::model::{Context, Dof, ModelBuilder, ModelError};
 use pullback_elements::time::{Constant, Proportional};
 use pullback_manifold::implicit::{Choice, Implicit, Solved};
 use pullback_manifold::map::{Linear, Map};
@@ -243,7 +243,7 @@ fn nodes_that_nothing_holds_on_to() {
     // A load alone is what an offset is for, or nothing at all: a position to look at.
     let load = || NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 4.0], Constant(1.0));
     b.element("load", load(), &[dependent]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let n = model.pattern().dim();
     assert_eq!(n, 12);
     let (q, mut r) = (vec![0.0; n], vec![0.0; n]);
@@ -259,7 +259,7 @@ fn nodes_that_nothing_holds_on_to() {
     let (mut b, ends) = simple();
     b.mapped_node("dependent", [1.0, 1.0, 0.0], Twin.boxed(), &ends[1..])
         .unwrap();
-    b.build().unwrap();
+    Context::new(b.build().unwrap());
 }
 
 /// Forces that are not finite, and a map with an edge.
@@ -295,7 +295,7 @@ impl Map<6, 6> for Bounded {
 
 #[test]
 fn points_outside_a_domain_are_refused_by_name() {
-    fn evaluate(model: &mut Model, q: &[f64]) -> String {
+    fn evaluate(model: &mut Context, q: &[f64]) -> String {
         let mut r = vec![0.0; q.len()];
         let at = Point {
             t: 0.0,
@@ -307,7 +307,7 @@ fn points_outside_a_domain_are_refused_by_name() {
         outcome.map_or_else(|e: SystemError| e.to_string(), |()| "fine".to_owned())
     }
     let (b, _) = simple();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut q = vec![0.0; 12];
     let psi = std::f64::consts::TAU - 2e-4;
     (q[3], q[9]) = (psi, psi);
@@ -319,7 +319,7 @@ fn points_outside_a_domain_are_refused_by_name() {
     let (mut b, ends) = simple();
     b.element("broken", Broken, &ends[1..]).unwrap();
     assert_eq!(
-        evaluate(&mut b.build().unwrap(), &[0.0; 12]),
+        evaluate(&mut Context::new(b.build().unwrap()), &[0.0; 12]),
         "node b, rotation about e2 gives a value that is not finite: a function of a joint, an \
          element or a load has no value or derivative there (`check` names it)"
     );
@@ -328,7 +328,7 @@ fn points_outside_a_domain_are_refused_by_name() {
         .mapped_node("dependent", [1.0, 0.0, 0.0], Bounded.boxed(), &ends[1..])
         .unwrap();
     b.element("idle", Idle(6), &[dependent]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut q = vec![0.0; 12];
     assert_eq!(evaluate(&mut model, &q), "fine");
     q[6] = 1.5;
@@ -342,7 +342,7 @@ fn points_outside_a_domain_are_refused_by_name() {
 #[test]
 fn evaluations_that_a_point_does_not_hold_are_refused() {
     let (b, _) = simple();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let (n, values) = (model.pattern().dim(), model.pattern().len());
     let mut says = |[q, v, a, r, S]: [usize; 5], weights: Weights, message: &str| {
         let (zero, mut r, mut S) = (vec![0.0; 2 * n], vec![0.0; r], vec![0.0; S]);

@@ -6,7 +6,7 @@ use crate::support::{Coupling, Offset, Twin, TwoTurn, coupled, section};
 use nalgebra::{DVector, Vector3};
 use pullback_conformance::{self as check, Random, State, dense};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
-use pullback_elements::model::{Dof, Line, Model, ModelBuilder, NodeId, Straight};
+use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
 use pullback_manifold::map::Map;
 use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
@@ -61,7 +61,7 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
 }
 
 /// States of a model's n unknowns near a configuration.
-fn around(model: &Model, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
+fn around(model: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
     let n = model.pattern().dim();
     let mut random = Random::new(5);
     let mut out = Vec::new();
@@ -80,13 +80,13 @@ fn around(model: &Model, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> 
     out
 }
 
-fn check_around(what: &str, model: &mut Model, q: &DVector<f64>, spread: f64) {
+fn check_around(what: &str, model: &mut Context, q: &DVector<f64>, spread: f64) {
     let states = around(model, q, spread);
     check::system(what, model, &states).assert();
 }
 
 /// A configuration in which every node's rotation vector is `psi`.
-fn turned(model: &Model, psi: impl Fn(usize) -> Vector3<f64>) -> DVector<f64> {
+fn turned(model: &Context, psi: impl Fn(usize) -> Vector3<f64>) -> DVector<f64> {
     let mut q = DVector::zeros(model.pattern().dim());
     let frames: Vec<NodeId> = model.frames().map(|(n, _)| n).collect();
     for (k, &node) in frames.iter().enumerate() {
@@ -105,7 +105,7 @@ fn a_clamped_frame() {
     let mut b = ModelBuilder::new();
     let [root, ..] = frame_model(&mut b);
     b.support(root, &Dof::ALL);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     assert_eq!(model.pattern().dim(), 6 * 6);
     assert!(!model.is_symmetric());
     let zero = DVector::zeros(36);
@@ -122,7 +122,7 @@ fn partly_prescribed_and_driven_coordinates() {
     for dof in Dof::ROTATIONS {
         b.prescribe(tip, dof, sine(0.5));
     }
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let n = model.pattern().dim();
     assert_eq!(n, 7 * 6 - 8);
     check_around("driven frame", &mut model, &DVector::zeros(n), 0.4);
@@ -139,7 +139,7 @@ fn a_rotation_driven_past_a_turn() {
     b.prescribe(tip, Dof::RY, sine(3.0));
     b.prescribe(tip, Dof::RZ, Proportional(7.0));
     let psi = |t: f64| Vector3::new(8.0 * t, sine(3.0).at(t)[0], 7.0 * t);
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let n = model.pattern().dim();
     let mut q = DVector::zeros(n);
     model.start(0.6, q.as_slice());
@@ -202,14 +202,14 @@ fn nodes_that_follow_through_maps() {
     b.support(root, &Dof::ALL);
     b.prescribe(corner, Dof::RZ, sine(0.4));
     b.prescribe(corner, Dof::X, sine(0.2));
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let n = model.pattern().dim();
     assert_eq!(n, 4 + 1 + 6 + 6);
     check_around("joints", &mut model, &DVector::zeros(n), 0.4);
 }
 
 /// A chain of `count` beams with couplings in velocities and accelerations; clamped at the start.
-fn chain(count: usize) -> (Model, Vec<NodeId>) {
+fn chain(count: usize) -> (Context, Vec<NodeId>) {
     let mut b = ModelBuilder::new();
     let from = b.node("0", [0.0; 3]).unwrap();
     let to = b.node("end", [count as f64, 0.0, 0.0]).unwrap();
@@ -231,7 +231,7 @@ fn chain(count: usize) -> (Model, Vec<NodeId>) {
     let positions = [b.position(nodes[0]), b.position(nodes[1])];
     let wind = LineLoad::new(&positions, [0.0, 2.0, 1.0], true, Box::new(sine(2.0))).unwrap();
     b.element("wind", wind, &nodes[..2]).unwrap();
-    (b.build().unwrap(), nodes)
+    (Context::new(b.build().unwrap()), nodes)
 }
 
 #[test]
@@ -283,7 +283,7 @@ fn mapped_nodes_stored_in_the_other_chart() {
             .unwrap();
     }
     b.prescribe(parents[1], Dof::RY, sine(0.3));
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     let mut q = turned(&model, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
     model.start(0.6, q.as_slice());
     let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
@@ -354,7 +354,7 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
     let nodes = b.line("line", &axis, ends, &line).unwrap().nodes;
     let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
     b.element("load", load, &ends[1..]).unwrap();
-    let mut model = b.build().unwrap();
+    let mut model = Context::new(b.build().unwrap());
     assert!(model.is_symmetric());
     let mut q = turned(&model, |k| {
         let at = nodes

@@ -9,7 +9,7 @@ use crate::support::dynamics::*;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Revolute, offset};
-use pullback::elements::model::{Dof, Model, ModelBuilder, NodeId};
+use pullback::elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback::elements::time::Constant;
 use pullback::integrators::dynamics::{Progress, Scheme};
 use pullback::manifold::jet::Taylor;
@@ -72,7 +72,7 @@ pub struct Run {
 
 /// Runs a model whose loop coordinates are those of the node `x`.
 pub fn run<const X: usize>(
-    mut model: Model,
+    mut model: Context,
     x: NodeId,
     velocity: &[f64],
     h: &dyn Fn(&SVector<f64, X>) -> f64,
