@@ -78,7 +78,7 @@ impl Context {
                 }
                 let local = &mut w.local;
                 local
-                    .evaluate(e, state, t, true, None, false, false)
+                    .evaluate((e, state), t, true, None, false, false)
                     .map_err(|error| named(error, &e.name))?;
                 if e.load {
                     local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
@@ -126,7 +126,7 @@ impl Context {
             let S = S.as_mut().filter(|_| !e.dead);
             let weights = S.as_ref().map(|(weights, _)| *weights);
             local
-                .evaluate(e, state, t, statics, weights, rates, w.has_previous)
+                .evaluate((e, state), t, statics, weights, rates, w.has_previous)
                 .map_err(|error| named(error, &e.name))?;
             if let Some(h) = w.acceleration_step {
                 local.raise_to_accelerations(e, state.left_out, t, h);

@@ -147,8 +147,7 @@ impl ElementWorkspace {
 
     pub(super) fn evaluate(
         &mut self,
-        e: &ElementEntry,
-        state: &ElementState,
+        (e, state): (&ElementEntry, &ElementState),
         t: f64,
         statics: bool,
         weights: Option<Weights>,

@@ -234,7 +234,7 @@ impl Context {
             local.gather_rates(e, switched, &model.spans, None);
             local.switch(e, switched, &model.nodes);
             local
-                .evaluate(e, state, at.t, true, None, false, false)
+                .evaluate((e, state), at.t, true, None, false, false)
                 .map_err(|error| named(error, &e.name))?;
             if switched != 0 {
                 local.pull_back_switch(e, switched, &model.nodes, None, true, false);

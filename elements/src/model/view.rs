@@ -47,7 +47,8 @@ impl Node {
         }
     }
 
-    /// Parents of its map on a segment ([`Parametrization::segment`]), as indices of
+    /// Parents of its map on a segment
+    /// ([`Parametrization::segment`](pullback_manifold::map::Parametrization::segment)), as indices of
     /// [`Model::nodes`]; none without a map.
     pub fn parents(&self, segment: usize) -> &[u32] {
         match &self.source {
@@ -143,7 +144,8 @@ impl Context {
         w.local
             .gather_rates(e, state.switched, &self.model.spans, None);
         w.local.switch(e, state.switched, &self.model.nodes);
-        w.local.evaluate(e, state, w.t, true, None, false, false)?;
+        w.local
+            .evaluate((e, state), w.t, true, None, false, false)?;
         Ok(w.local.r[..e.element.dim()].to_vec())
     }
 
