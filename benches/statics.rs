@@ -5,7 +5,6 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pullback::integrators::linear_solver::{BlockLu, FaerLu, LinearSolver, Symmetry};
-use pullback::integrators::statics::Step;
 use pullback::manifold::system::System;
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
@@ -44,10 +43,10 @@ fn rollup(elements: usize) -> Context {
 /// Seconds and iterations of the whole analysis in equal steps.
 fn analyse(model: &mut Context) -> (f64, usize) {
     let start = Instant::now();
-    let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     let options = StaticOptions::equal_steps(8);
-    let summary = solve_statics(model, &mut vec![], &options, proceed).expect("converges");
-    (start.elapsed().as_secs_f64(), summary.iterations)
+    let mut run = LoadSteps::new(model, Vec::new(), &options).expect("valid options");
+    run.finish().expect("converges");
+    (start.elapsed().as_secs_f64(), run.summary().iterations)
 }
 
 /// Best of several averages over at least 100,000 elements, in seconds.

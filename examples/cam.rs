@@ -57,7 +57,7 @@ fn lift(phi: f64) -> [f64; 2] {
 }
 
 /// The model, the angle of the cam and the way of the follower.
-fn model() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
+fn context() -> Result<(Context, [NodeId; 2]), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -111,19 +111,19 @@ fn main() -> Result<(), Failure> {
     check::joint(&OnCurve::new(Cam)).assert();
     let mut errors = Vec::new();
     for steps in [200, 400, 800] {
-        let (mut model, [angle, way]) = model()?;
-        let mut progress = Progress::new(start(&model, 0.0, &[0.0], &[SPEED])?);
+        let (mut context, [angle, way]) = context()?;
+        let state = start(&context, 0.0, &[0.0], &[SPEED])?;
         let options = DynamicOptions::new(1.0, 1.0 / f64::from(steps));
-        integrate(&mut model, &mut progress, &options, &mut |model, _| {
+        let mut run = Simulation::new(&mut context, state, &options)?;
+        while run.step()?.is_some() {
             // The follower is as high as the slider of a crank, and rises as fast.
-            let coordinate = |node| model.coordinate(node, 0).unwrap_or_default();
+            let coordinate = |node| run.system().coordinate(node, 0).unwrap_or_default();
             let ([phi, omega], [x, rate]) = (coordinate(angle), coordinate(way));
             let [height, slope] = lift(phi);
             assert!((x - (height - lift(0.0)[0])).abs() < 1e-12);
             assert!((rate - slope * omega).abs() < 1e-11);
-            ControlFlow::Continue(())
-        })?;
-        let turned = progress.state.q[0];
+        }
+        let turned = run.state().q[0];
         println!("{steps} steps: turned by {turned:.6}");
         assert!(turned > TAU);
         errors.push((time(turned) - 1.0).abs());

@@ -39,7 +39,7 @@ const A: f64 = 1.2;
 
 /// A nut with a weight on an arm runs on a horizontal screw and is pushed along it by a force that
 /// grows with the load parameter.
-fn model(push: f64) -> Result<Context, Box<dyn Error>> {
+fn context(push: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -61,13 +61,14 @@ fn model(push: f64) -> Result<Context, Box<dyn Error>> {
 /// The pushed nut stops where F p/2π = m g l sin φ.
 fn at_rest() -> Result<(), Box<dyn Error>> {
     let moment = MASS * G * ARM;
-    let mut model = model(moment * A.sin() * TAU / PITCH)?;
-    let (mut q, mut residuals) = (Vec::new(), Vec::new());
+    let mut context = context(moment * A.sin() * TAU / PITCH)?;
     let options = StaticOptions::equal_steps(1);
-    solve_statics(&mut model, &mut q, &options, &mut |_, step| {
+    let mut run = LoadSteps::new(&mut context, Vec::new(), &options)?;
+    let mut residuals: Vec<f64> = Vec::new();
+    while let Some(step) = run.step()? {
         residuals = step.residuals.iter().map(|i| i.residual[1]).collect();
-        ControlFlow::Continue(())
-    })?;
+    }
+    let q = run.q();
     println!("at rest at {:.12}, residuals {residuals:?}", q[0]);
     assert!((q[0] - A).abs() < 1e-9);
     // Newton's method for M − m g l sin φ = 0 comes from below, where |r''| / 2 r'² is at most
@@ -95,13 +96,12 @@ fn quarter() -> f64 {
 fn in_motion() -> Result<(), Box<dyn Error>> {
     let mut errors = Vec::new();
     for steps in [50, 100, 200] {
-        let mut model = model(0.0)?;
-        let mut progress = Progress::new(start(&model, 0.0, &[A], &[0.0])?);
+        let mut context = context(0.0)?;
+        let state = start(&context, 0.0, &[A], &[0.0])?;
         let options = DynamicOptions::new(quarter(), quarter() / f64::from(steps));
-        integrate(&mut model, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })?;
-        errors.push(progress.state.q[0].abs());
+        let mut run = Simulation::new(&mut context, state, &options)?;
+        run.finish()?;
+        errors.push(run.state().q[0].abs());
     }
     let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
     println!("in motion: {errors:?} from the lowest position, orders {orders:.3?}");

@@ -29,7 +29,7 @@ const MASS: f64 = 2.0;
 const E: f64 = 0.3;
 
 /// A mass on a rail, held by the spring and pulled by a force that grows with time.
-fn model(force: f64) -> Result<Context, Box<dyn std::error::Error>> {
+fn context(force: f64) -> Result<Context, Box<dyn std::error::Error>> {
     let mut builder = ModelBuilder::new();
     let wall = builder.node("wall", [0.0; 3])?;
     let slider = builder.node("slider", [1.5, 0.0, 0.0])?;
@@ -68,29 +68,28 @@ fn main() -> Result<(), Failure> {
     check::element(&spring.into_element()).assert();
 
     // At rest: k e + k₃ e³ is the force.
-    let mut rest = model(K * E + K3 * E.powi(3))?;
-    let mut q = Vec::new();
-    let options = StaticOptions::default();
-    solve_statics(&mut rest, &mut q, &options, &mut |_, step| {
+    let mut context = context(K * E + K3 * E.powi(3))?;
+    let mut run = LoadSteps::new(&mut context, Vec::new(), &StaticOptions::default())?;
+    while let Some(step) = run.step()? {
         println!("{:.3}: {} iterations", step.t, step.iterations);
-        ControlFlow::Continue(())
-    })?;
-    println!("elongation {:.12}", q[0]);
-    assert!((q[0] - E).abs() < 1e-9);
+    }
+    let elongation = run.q()[0];
+    println!("elongation {elongation:.12}");
+    assert!((elongation - E).abs() < 1e-9);
 
-    // JointCoordinate at the amplitude, it is in the middle after a quarter of the period. The error of
+    // Released at the amplitude, it is in the middle after a quarter of the period. The error of
     // the scheme is of second order: half the step, a quarter of it.
     let quarter = 0.25 * period();
     let mut errors = Vec::new();
     for steps in [50, 100, 200] {
-        let mut moving = model(0.0)?;
-        let mut progress = Progress::new(start(&moving, 0.0, &[E], &[0.0])?);
+        let mut context = self::context(0.0)?;
+        let state = start(&context, 0.0, &[E], &[0.0])?;
         let options = DynamicOptions::new(quarter, quarter / f64::from(steps));
-        integrate(&mut moving, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })?;
-        println!("{steps} steps: {:.3e} from the middle", progress.state.q[0]);
-        errors.push(progress.state.q[0].abs());
+        let mut run = Simulation::new(&mut context, state, &options)?;
+        run.finish()?;
+        let x = run.state().q[0];
+        println!("{steps} steps: {x:.3e} from the middle");
+        errors.push(x.abs());
     }
     let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
     println!("orders {orders:.3?}");

@@ -47,7 +47,7 @@ const SPRING: f64 = 30.0;
 
 /// A pendulum swings from a pin in a horizontal slot. A spring may hold the pin, a force pulls it
 /// and a moment turns it, the latter two in proportion to the load parameter.
-fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box<dyn Error>> {
+fn context(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -85,13 +85,14 @@ fn model(spring: f64, pull: f64, moment: f64, end: f64) -> Result<Context, Box<d
 /// Way and angle at rest follow from k u = F and m g l sin φ = M.
 fn at_rest() -> Result<(), Box<dyn Error>> {
     let (u, phi, weight) = (0.25, 1.1_f64, BOB * G * LENGTH);
-    let mut model = model(SPRING, SPRING * u, weight * phi.sin(), 0.5)?;
-    let (mut q, mut residuals) = (Vec::new(), Vec::new());
+    let mut context = context(SPRING, SPRING * u, weight * phi.sin(), 0.5)?;
     let options = StaticOptions::equal_steps(1);
-    solve_statics(&mut model, &mut q, &options, &mut |_, step| {
+    let mut run = LoadSteps::new(&mut context, Vec::new(), &options)?;
+    let mut residuals: Vec<f64> = Vec::new();
+    while let Some(step) = run.step()? {
         residuals = step.residuals.iter().map(|i| i.residual[1]).collect();
-        ControlFlow::Continue(())
-    })?;
+    }
+    let q = run.q();
     println!("at rest at {q:.12?}, residuals {residuals:?}");
     assert!((q[0] - u).abs() < 1e-9 && (q[1] - phi).abs() < 1e-9);
     // Newton's method for M − m g l sin φ = 0 comes from below, where |r''| / 2 r'² is at most
@@ -109,13 +110,12 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
     let (first, share) = (1.3_f64, BOB / (PIN + BOB));
     let mut errors = Vec::new();
     for steps in [50, 100, 200] {
-        let mut model = model(0.0, 0.0, 0.0, 0.5)?;
-        let mut progress = Progress::new(start(&model, 0.0, &[0.0, first], &[0.0; 2])?);
+        let mut context = context(0.0, 0.0, 0.0, 0.5)?;
+        let state = start(&context, 0.0, &[0.0, first], &[0.0; 2])?;
         let options = DynamicOptions::new(0.3, 0.3 / f64::from(steps));
-        integrate(&mut model, &mut progress, &options, &mut |_, _| {
-            ControlFlow::Continue(())
-        })?;
-        let (q, v) = (&progress.state.q, &progress.state.v);
+        let mut run = Simulation::new(&mut context, state, &options)?;
+        run.finish()?;
+        let (q, v) = (&run.state().q, &run.state().v);
         let (s, c) = q[1].sin_cos();
         let way = share * LENGTH * (first.sin() - s);
         // ½ m l² φ̇² (1 − m cos² φ / (M + m)) = m g l (cos φ − cos φ₀).
@@ -135,17 +135,18 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
 
 /// In a short slot the motion ends at the end, with the name of the joint.
 fn at_the_end() -> Result<(), Box<dyn Error>> {
-    let mut model = model(0.0, 0.0, 0.0, 0.1)?;
-    let mut progress = Progress::new(start(&model, 0.0, &[0.0, 1.3], &[0.0; 2])?);
-    let options = DynamicOptions::new(1.0, 0.005);
-    let ended = integrate(&mut model, &mut progress, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    });
-    let error = ended.err().ok_or("the pin left its slot")?.to_string();
+    let mut context = context(0.0, 0.0, 0.0, 0.1)?;
+    let state = start(&context, 0.0, &[0.0, 1.3], &[0.0; 2])?;
+    let mut run = Simulation::new(&mut context, state, &DynamicOptions::new(1.0, 0.005))?;
+    let error = run
+        .finish()
+        .err()
+        .ok_or("the pin left its slot")?
+        .to_string();
     println!("at the end: {error}");
     assert!(error.contains("pin") && error.contains("its slot at an end"));
     // The pin has stopped within a step's way of the end.
-    let u = progress.state.q[0];
+    let u = run.state().q[0];
     assert!(u <= 0.1 && u > 0.09, "{u}");
     Ok(())
 }

@@ -36,7 +36,7 @@ const MASS: f64 = 1.5;
 const G: f64 = 9.81;
 
 /// A bead on the curve, with weight and a force on the parameter that grows with the load parameter.
-fn model(force: f64) -> Result<Context, Box<dyn Error>> {
+fn context(force: f64) -> Result<Context, Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ground = builder.node("ground", [0.0; 3])?;
     builder.support(ground, &Dof::ALL);
@@ -57,13 +57,14 @@ fn model(force: f64) -> Result<Context, Box<dyn Error>> {
 /// The bead stops where F = m g a sin s.
 fn at_rest() -> Result<(), Box<dyn Error>> {
     let (s, weight) = (1.2_f64, MASS * G * WHEEL);
-    let mut model = model(weight * s.sin())?;
-    let (mut q, mut residuals) = (Vec::new(), Vec::new());
+    let mut context = context(weight * s.sin())?;
     let options = StaticOptions::equal_steps(1);
-    solve_statics(&mut model, &mut q, &options, &mut |_, step| {
+    let mut run = LoadSteps::new(&mut context, Vec::new(), &options)?;
+    let mut residuals: Vec<f64> = Vec::new();
+    while let Some(step) = run.step()? {
         residuals = step.residuals.iter().map(|i| i.residual[2]).collect();
-        ControlFlow::Continue(())
-    })?;
+    }
+    let q = run.q();
     println!("at rest at {:.12}, residuals {residuals:?}", q[0]);
     assert!((q[0] - s).abs() < 1e-9);
     // Newton's method for F − m g a sin s = 0 comes from below, where |r''| / 2 r'² is at most
@@ -82,13 +83,12 @@ fn in_motion() -> Result<(), Box<dyn Error>> {
     for amplitude in [0.3, 1.5, 2.8] {
         let mut errors = Vec::new();
         for steps in [50, 100, 200] {
-            let mut model = model(0.0)?;
-            let mut progress = Progress::new(start(&model, 0.0, &[amplitude], &[0.0])?);
+            let mut context = context(0.0)?;
+            let state = start(&context, 0.0, &[amplitude], &[0.0])?;
             let options = DynamicOptions::new(quarter, quarter / f64::from(steps));
-            integrate(&mut model, &mut progress, &options, &mut |_, _| {
-                ControlFlow::Continue(())
-            })?;
-            errors.push(progress.state.q[0].abs());
+            let mut run = Simulation::new(&mut context, state, &options)?;
+            run.finish()?;
+            errors.push(run.state().q[0].abs());
         }
         println!("from {amplitude}: {errors:?} from the lowest position");
         for pair in errors.windows(2) {

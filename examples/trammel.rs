@@ -5,6 +5,7 @@ use pullback::check;
 use pullback::elements::constraint::{Multipliers, Penalty, Stiffness};
 use pullback::elements::joint::Prismatic;
 use pullback::elements::joint::offset;
+use pullback::integrators::dynamics::Progress;
 use pullback::manifold::implicit::{Equations, Implicit, Solved};
 use pullback::manifold::map::Linear;
 use pullback::manifold::map::Map;
@@ -74,7 +75,7 @@ enum By {
 }
 
 /// The model, and the node of x.
-fn model(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
+fn context(by: By) -> Result<(Context, NodeId), Box<dyn Error>> {
     let mut builder = ModelBuilder::new();
     let ways = [Quantity::Length; 2];
     let x = match by {
@@ -113,7 +114,7 @@ fn quarter() -> f64 {
 
 /// Where the sliders are when it should hang, and what the run tells.
 fn swung(by: By, steps: u32) -> Result<([f64; 2], Progress), Box<dyn Error>> {
-    let (mut model, x) = model(by)?;
+    let (mut context, x) = context(by)?;
     let scheme = match by {
         By::Map => Scheme::newmark(0.25, 0.5)?,
         // Index 3, or a stiff spring: what cannot be resolved has to be damped.
@@ -123,12 +124,11 @@ fn swung(by: By, steps: u32) -> Result<([f64; 2], Progress), Box<dyn Error>> {
         scheme,
         ..DynamicOptions::new(quarter(), quarter() / f64::from(steps))
     };
-    let still = vec![0.0; model.initial().len()];
-    let mut progress = Progress::new(start(&model, 0.0, model.initial(), &still)?);
-    integrate(&mut model, &mut progress, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })?;
-    let way = |k| model.coordinate(x, k).map_or(f64::NAN, |[way, _]| way);
+    let state = start(&context, 0.0, context.initial(), &[])?;
+    let mut run = Simulation::new(&mut context, state, &options)?;
+    run.finish()?;
+    let progress = run.progress().clone();
+    let way = |k| context.coordinate(x, k).map_or(f64::NAN, |[way, _]| way);
     Ok(([0, 1].map(|k| trammel().start[k] + way(k)), progress))
 }
 

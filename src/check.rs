@@ -14,7 +14,7 @@
 //! ```
 
 use crate::input::{self, InputError, Job, Plan};
-use pullback_manifold::system::System;
+use pullback_manifold::system::Events;
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;

@@ -40,9 +40,7 @@
 //! builder.element("tip moment", load, &[tip])?;
 //! let mut context = Context::new(builder.build()?);
 //!
-//! let mut q = Vec::new();
-//! let options = StaticOptions::default();
-//! solve_statics(&mut context, &mut q, &options, &mut |_, _| ControlFlow::Continue(()))?;
+//! LoadSteps::new(&mut context, Vec::new(), &StaticOptions::default())?.finish()?;
 //!
 //! // A pure moment bends a straight beam into an arc of angle M L / EI.
 //! let angle = context.node_state(tip).psi.z;
@@ -71,11 +69,12 @@
 //!
 //! // A small swing returns after 2π √(l/g).
 //! let period = std::f64::consts::TAU * (length / g).sqrt();
-//! let mut progress = Progress::new(start(&context, 0.0, &[0.01], &[0.0])?);
-//! let options = DynamicOptions::new(period, period / 500.0);
-//! integrate(&mut context, &mut progress, &options, &mut |_, _| ControlFlow::Continue(()))?;
-//! let angle = progress.state.q[0];
-//! assert!((angle - 0.01).abs() < 1e-6);
+//! let state = start(&context, 0.0, &[0.01], &[0.0])?;
+//! let mut run = Simulation::new(&mut context, state, &DynamicOptions::new(period, period / 500.0))?;
+//! while let Some(step) = run.step()? {
+//!     assert!(step.progress.state.q[0].abs() < 0.0101);
+//! }
+//! assert!((run.state().q[0] - 0.01).abs() < 1e-6);
 //! # Ok(())
 //! # }
 //! ```
@@ -130,12 +129,11 @@ pub mod prelude {
     pub use pullback_elements::body::{PointMass, RigidBody};
     pub use pullback_elements::joint::{Joint, JointCoordinate, Pose};
     pub use pullback_elements::load::{LoadKind, NodalLoad};
-    pub use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
+    pub use pullback_elements::model::{Context, Dof, Line, Model, ModelBuilder, NodeId, Straight};
     pub use pullback_elements::time::{Constant, Proportional};
-    pub use pullback_integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
-    pub use pullback_integrators::statics::{StaticOptions, equilibrium, solve_statics};
+    pub use pullback_integrators::dynamics::{DynamicOptions, Scheme, Simulation, start};
+    pub use pullback_integrators::statics::{LoadSteps, StaticOptions, equilibrium};
     pub use pullback_manifold::scalar::Scalar;
     pub use pullback_manifold::so3::Quaternion;
     pub use pullback_manifold::system::Quantity;
-    pub use std::ops::ControlFlow;
 }

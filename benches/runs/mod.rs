@@ -5,10 +5,10 @@ use super::models::{falling, flying, robot_arm, struck};
 use super::{average, product, seconds};
 use criterion::Criterion;
 use pullback::integrators::dynamics::{
-    DynamicOptions, Predictor, Progress, StepReport, Summary, Tangent, integrate, start,
+    DynamicOptions, Predictor, Progress, Simulation, Summary, Tangent, start,
 };
 use pullback::integrators::linear_solver::{AutoSolver, LinearSolver, Symmetry};
-use pullback::manifold::system::System;
+use pullback::manifold::system::{Charts, Energetics, System};
 use pullback::manifold::system::{Evaluation, Point, Weights};
 use pullback::prelude::*;
 use std::hint::black_box;
@@ -17,10 +17,10 @@ use std::time::Instant;
 /// Seconds of a whole run, everything included, and what it did.
 fn run(model: &mut Context, options: &DynamicOptions) -> (f64, Progress) {
     let start_time = Instant::now();
-    let mut progress = Progress::new(start(model, 0.0, &[], &[]).expect("a valid start"));
-    let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(model, &mut progress, options, onward).expect("converges");
-    (start_time.elapsed().as_secs_f64(), progress)
+    let state = start(model, 0.0, &[], &[]).expect("a valid start");
+    let mut run = Simulation::new(model, state, options).expect("a valid start");
+    run.finish().expect("converges");
+    (start_time.elapsed().as_secs_f64(), run.progress().clone())
 }
 
 /// Microseconds per element: of a whole run over its iterations, and of the parts of a step.
@@ -83,8 +83,11 @@ fn costs(make: &dyn Fn(usize) -> Context, elements: usize, options: &DynamicOpti
             .expect(inside);
     });
     let tangent = seconds(count, || {
-        let out = Evaluation::with_tangent(&mut r, weights, &mut S);
-        model.evaluate_from(at, at, out).expect(inside);
+        let out = Evaluation {
+            previous: Some(at),
+            ..Evaluation::with_tangent(&mut r, weights, &mut S)
+        };
+        model.evaluate(at, out).expect(inside);
     });
     let energies = seconds(count, || {
         black_box(model.energies(at).expect(inside));

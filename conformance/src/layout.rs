@@ -97,8 +97,8 @@ impl Layout {
             let all = pattern.unknowns(block);
             let mut first = all.start;
             while first < all.end {
-                let kind = system.quantity(first);
-                let end = (first..all.end).find(|&i| system.quantity(i) != kind);
+                let kind = system.coordinate_info(first).quantity;
+                let end = (first..all.end).find(|&i| system.coordinate_info(i).quantity != kind);
                 let range = first..end.unwrap_or(all.end);
                 let names = [range.start, range.end - 1].map(|i| system.name(i));
                 groups.push(Group {

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::abilities::kinks;
 use crate::linear_solver::{LinearError, null_vector};
 use crate::statics::{Event, Iteration};
 use pullback_manifold::system::{Quantity, System, SystemError};
@@ -105,8 +106,8 @@ pub(crate) struct FailureContext<'a> {
 
 impl FailedStep {
     /// Reports a failure. `steps` and `rejected` count those before this attempt.
-    pub(crate) fn new<Y: System + ?Sized>(
-        system: &Y,
+    pub(crate) fn new(
+        system: &mut dyn System,
         context: FailureContext<'_>,
         parameter: StepParameter,
         [from, to]: [f64; 2],
@@ -136,7 +137,7 @@ impl FailedStep {
         };
         let mut worst: [Option<(usize, f64)>; 3] = [None; 3];
         for (i, r) in context.r.iter().enumerate() {
-            let entry = &mut worst[system.quantity(i).index()];
+            let entry = &mut worst[system.coordinate_info(i).quantity.index()];
             if entry.is_none_or(|(_, largest)| r.abs() > largest) {
                 *entry = Some((i, r.abs()));
             }
@@ -159,10 +160,12 @@ impl FailedStep {
             // An evaluation error gives the reason itself.
             singularity_warnings: match cause {
                 Cause::System(_) => Vec::new(),
-                _ => system.singularity_warnings(),
+                _ => {
+                    (system.charts()).map_or_else(Vec::new, |charts| charts.singularity_warnings())
+                }
             },
             kink: match parameter {
-                StepParameter::Load => (system.kinks().into_iter())
+                StepParameter::Load => (kinks(system).into_iter())
                     .find(|k| (from.min(to)..=from.max(to)).contains(k) && *k != from),
                 StepParameter::Time => None,
             },
@@ -221,7 +224,7 @@ impl FailedStep {
 }
 
 /// The largest components of the null vector, with names.
-pub(crate) fn mechanism<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<(String, f64)> {
+pub(crate) fn mechanism(system: &dyn System, values: &[f64]) -> Vec<(String, f64)> {
     let Some(null) = null_vector(system.pattern(), values) else {
         return Vec::new();
     };

@@ -13,6 +13,7 @@
 
 #![warn(clippy::unwrap_used)]
 
+mod abilities;
 mod convergence;
 pub mod dynamics;
 mod failure;

@@ -1,6 +1,6 @@
 //! Scales of coordinates, and detection of residuals that are rounding errors.
 
-use pullback_manifold::system::{Quantity, System};
+use pullback_manifold::system::{CoordinateInfo, Quantity, System};
 
 /// Largest residual per quantity in equilibrium. A quantity without loads and reactions must vanish
 /// to rounding errors: the first residual would be a reference, but a stiff spring that is out of
@@ -31,11 +31,11 @@ pub(crate) fn allowed(
 const TERMS: f64 = 16.0;
 
 /// 1 / typical size of each coordinate; zero for multipliers, which are tested by their residuals.
-pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
+pub(crate) fn inverse_scales(system: &dyn System) -> Vec<f64> {
     let scales = system.scales().coordinate;
-    let scale = |i: usize| match system.is_multiplier(i) {
+    let scale = |i: usize| match system.coordinate_info(i).is_multiplier {
         true => 0.0,
-        false => 1.0 / scales[system.quantity(i).index()],
+        false => 1.0 / scales[system.coordinate_info(i).quantity.index()],
     };
     (0..system.pattern().dim()).map(scale).collect()
 }
@@ -46,14 +46,16 @@ pub(crate) fn inverse_scales<Y: System + ?Sized>(system: &Y) -> Vec<f64> {
 /// All multipliers count as the largest: they are solved for together, and a vanishing one has the
 /// rounding errors of the others. `sizes` and `floor` are scratch, one number per coordinate.
 #[allow(non_snake_case)]
-pub(crate) fn is_rounding<Y: System + ?Sized>(
-    system: &Y,
+pub(crate) fn is_rounding(
+    system: &dyn System,
     S: &[f64],
     q: &[f64],
     r: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> bool {
-    let mut multipliers = (0..q.len()).filter(|&i| system.is_multiplier(i)).peekable();
+    let mut multipliers = (0..q.len())
+        .filter(|&i| system.coordinate_info(i).is_multiplier)
+        .peekable();
     let gaps = match multipliers.peek() {
         Some(_) => rounding_of_gaps(system, S, q, [&mut *sizes, &mut *floor]),
         None => 0.0,
@@ -67,7 +69,13 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
         (largest, &nothing),
         [&mut *sizes, &mut *floor],
     );
-    let least = |i: usize| if system.is_multiplier(i) { gaps } else { 0.0 };
+    let least = |i: usize| {
+        if system.coordinate_info(i).is_multiplier {
+            gaps
+        } else {
+            0.0
+        }
+    };
     (r.iter().zip(&*floor).enumerate())
         .all(|(i, (r, floor))| r.abs() <= TERMS * floor.max(least(i)))
 }
@@ -76,36 +84,44 @@ pub(crate) fn is_rounding<Y: System + ?Sized>(
 /// below their scales: the gap after the prediction may be far below by chance, and at the origin
 /// all of it is zero.
 #[allow(non_snake_case)]
-pub(crate) fn rounding_of_gaps<Y: System + ?Sized>(
-    system: &Y,
+pub(crate) fn rounding_of_gaps(
+    system: &dyn System,
     S: &[f64],
     q: &[f64],
     [sizes, floor]: [&mut [f64]; 2],
 ) -> f64 {
     let scales = system.scales().coordinate;
-    let least = |i: usize| scales[system.quantity(i).index()];
+    let least = |i: usize| scales[system.coordinate_info(i).quantity.index()];
     find_rounding(system, S, q, (0.0, &least), [&mut *sizes, &mut *floor]);
-    let gaps = (0..q.len()).filter(|&i| system.is_multiplier(i));
+    let gaps = (0..q.len()).filter(|&i| system.coordinate_info(i).is_multiplier);
     gaps.fold(0.0, |most, i| f64::max(most, floor[i]))
 }
 
 /// Writes the rounding error of each residual, ε Σ_j |S_ij| |q_j|, to `floor`; multipliers count as
 /// `multiplier`.
 ///
-/// Coordinates count with their [`System::magnitude`], and at least with `least` of them: a small
+/// Coordinates count with their [`CoordinateInfo::magnitude`], and at least with `least` of them: a small
 /// displacement is the difference of positions that are not small.
 #[allow(non_snake_case)]
-fn find_rounding<Y: System + ?Sized>(
-    system: &Y,
+fn find_rounding(
+    system: &dyn System,
     S: &[f64],
     q: &[f64],
     (multiplier, least): (f64, &dyn Fn(usize) -> f64),
     [sizes, floor]: [&mut [f64]; 2],
 ) {
     for (i, (size, q)) in sizes.iter_mut().zip(q).enumerate() {
-        *size = match system.is_multiplier(i) {
+        *size = match system.coordinate_info(i).is_multiplier {
             true => multiplier,
-            false => q.abs().max(system.magnitude(i)).max(least(i)),
+            false => {
+                let CoordinateInfo {
+                    quantity,
+                    magnitude,
+                    ..
+                } = system.coordinate_info(i);
+                let scale = || system.scales().coordinate[quantity.index()];
+                q.abs().max(magnitude.unwrap_or_else(scale)).max(least(i))
+            }
         };
     }
     let pattern = system.pattern();

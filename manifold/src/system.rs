@@ -71,6 +71,14 @@ pub struct Evaluation<'a> {
     pub S: Option<(Weights, &'a mut [f64])>,
     /// Partial derivative ∂r/∂t at fixed q, where t is the load parameter; statics only.
     pub r_t: Option<&'a mut [f64]>,
+    /// The state at which a Newton iteration started. The tangent may use it to converge better; it
+    /// then differs by second order in the step.
+    pub previous: Option<Point<'a>>,
+    /// For consistent accelerations and multipliers, the size h of the next step, zero for impulses:
+    /// rows of multipliers hold the second time derivatives −ḧ of their equations instead of −h, and
+    /// the matrix of M alone is [M h_xᵀ; h_x 0]. Springs p that are too stiff for such a step may add
+    /// their inertia p h², which removes vibrations that the step cannot resolve.
+    pub accelerations: Option<f64>,
 }
 
 impl<'a> Evaluation<'a> {
@@ -80,20 +88,21 @@ impl<'a> Evaluation<'a> {
             r,
             S: None,
             r_t: None,
+            previous: None,
+            accelerations: None,
         }
     }
 
     /// The residual and a combined tangent.
     pub fn with_tangent(r: &'a mut [f64], weights: Weights, S: &'a mut [f64]) -> Self {
         Self {
-            r,
             S: Some((weights, S)),
-            r_t: None,
+            ..Self::residual(r)
         }
     }
 }
 
-/// Result of [`System::change_charts`].
+/// Result of [`Charts::change_charts`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ChartChanges {
     /// Number of coordinate charts that changed.
@@ -258,10 +267,34 @@ pub enum SystemError {
     },
 }
 
+/// A coordinate of a system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoordinateInfo {
+    /// Physical quantity.
+    pub quantity: Quantity,
+    /// Size of the numbers that the coordinate is added to, such as a position in space; it
+    /// determines the rounding errors. The scale of its quantity if `None`.
+    pub magnitude: Option<f64>,
+    /// Whether it is a Lagrange multiplier: an unknown without mass whose residual row is an equation
+    /// of the coordinates. Its velocity and acceleration have no meaning, and its momentum is the rate
+    /// ḣ of the equation.
+    pub is_multiplier: bool,
+}
+
+impl Default for CoordinateInfo {
+    fn default() -> Self {
+        Self {
+            quantity: Quantity::Other,
+            magnitude: None,
+            is_multiplier: false,
+        }
+    }
+}
+
 /// A second-order system in chart coordinates.
 ///
 /// Only the pattern and the evaluation are required. The defaults of the other methods suit a small
-/// system on one global chart, such as a pendulum.
+/// system on one global chart, such as a pendulum; abilities beyond that are traits of their own.
 pub trait System {
     /// Block pattern of all tangents, constant; its dimension is the number of coordinates.
     fn pattern(&self) -> &BlockPattern;
@@ -273,48 +306,45 @@ pub trait System {
     /// C or M is requested at a static point, and if a slice has the wrong length.
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError>;
 
-    /// [`System::evaluate`] in a Newton iteration that started from the state `previous`. The
-    /// tangent may use `previous` to converge better; it then differs by second order in the step.
-    /// Ignored by default.
-    ///
-    /// # Errors
-    /// As [`System::evaluate`].
-    fn evaluate_from(
-        &mut self,
-        previous: Point<'_>,
-        at: Point<'_>,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        let _ = previous;
-        self.evaluate(at, out)
-    }
-
-    /// [`System::evaluate`] for consistent accelerations and multipliers: rows of multipliers hold
-    /// the second time derivatives −ḧ of their equations instead of −h, and the matrix of M alone
-    /// is [M h_xᵀ; h_x 0]. Springs that are too stiff for a step of size `h` may add their inertia
-    /// p h², which removes vibrations the step cannot resolve; `h` is zero for impulses.
-    /// [`System::evaluate`] by default.
-    ///
-    /// # Errors
-    /// As [`System::evaluate`].
-    fn evaluate_accelerations(
-        &mut self,
-        at: Point<'_>,
-        h: f64,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        let _ = h;
-        self.evaluate(at, out)
-    }
-
-    /// Whether coordinate `i` is a Lagrange multiplier: an unknown without mass whose residual row
-    /// is an equation of the coordinates. Its velocity and acceleration have no meaning, and its
-    /// momentum is the rate ḣ of the equation. False by default.
-    fn is_multiplier(&self, i: usize) -> bool {
-        let _ = i;
+    /// Whether the tangents are symmetric, as with conservative loads.
+    fn is_symmetric(&self) -> bool {
         false
     }
 
+    /// Magnitudes found at the last evaluation.
+    fn scales(&self) -> Scales {
+        Scales::default()
+    }
+
+    /// Quantity and magnitude of coordinate `i`, and whether it is a multiplier.
+    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
+        let _ = i;
+        CoordinateInfo::default()
+    }
+
+    /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
+    fn name(&self, i: usize) -> String {
+        format!("coordinate {i}")
+    }
+
+    /// Its charts, if they change.
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        None
+    }
+
+    /// Its discontinuities, if there are any.
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        None
+    }
+
+    /// Its energies and momenta, if it provides them.
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        None
+    }
+}
+
+/// Charts of a system that change between steps.
+pub trait Charts {
     /// Changes charts where needed, after a converged step at time `t`.
     ///
     /// Transforms the coordinates `q`, a velocity-like vector `v` and any number of
@@ -325,24 +355,7 @@ pub trait System {
         q: &mut [f64],
         v: &mut [f64],
         accelerations: &mut [&mut [f64]],
-    ) -> ChartChanges {
-        let _ = (t, q, v, accelerations);
-        ChartChanges::default()
-    }
-
-    /// Amount by which the step overshot the first change of segment, in units of time; negative before
-    /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
-    /// so integrators end a step there. `None` if there is no change ahead, and by default.
-    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        let _ = (from, to);
-        None
-    }
-
-    /// Makes the next [`System::change_charts`] enter all segments whose [`System::overshoot`] is
-    /// at least `since`.
-    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        let _ = (from, to, since);
-    }
+    ) -> ChartChanges;
 
     /// Starts a run at `q` and time `t`, or restarts it after a failed step: a system with more
     /// state than its coordinates restores the state that belongs to them. Nothing by default.
@@ -350,11 +363,16 @@ pub trait System {
         let _ = (t, q);
     }
 
-    /// Warnings about nearby singular configurations, for the report of a failed step.
+    /// Warnings about nearby singular configurations, for the report of a failed step; none by
+    /// default.
     fn singularity_warnings(&self) -> Vec<String> {
         Vec::new()
     }
+}
 
+/// Discontinuities of a system, at which steps end: kinks of prescribed functions, inputs that change
+/// from outside, and segments of piecewise maps.
+pub trait Events {
     /// Times at which a derivative of a prescribed function jumps; a time step may end there but
     /// not cross them. In any order, possibly repeated; none by default.
     fn kinks(&self) -> Vec<f64> {
@@ -367,25 +385,18 @@ pub trait System {
         Vec::new()
     }
 
-    /// Energies and powers at a point in motion; `None` if the system does not provide them.
-    ///
-    /// # Errors
-    /// As [`System::evaluate`].
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        let _ = at;
-        Ok(None)
+    /// Amount by which the step overshot the first change of segment, in units of time; negative before
+    /// it. Such a change keeps values but not their derivatives, and a step across it loses its order,
+    /// so integrators end a step there. `None` if there is no change ahead, and by default.
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        let _ = (from, to);
+        None
     }
 
-    /// Writes the generalised momentum p = ∂T/∂q̇ at a point in motion to `p`; false, with `p`
-    /// unchanged, if it does not depend on t at fixed q and q̇.
-    ///
-    /// When a prescribed velocity jumps, p is continuous: the free velocities take the impulse.
-    ///
-    /// # Errors
-    /// As [`System::evaluate`].
-    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
-        let _ = (at, p);
-        Ok(false)
+    /// Makes the next [`Charts::change_charts`] enter all segments whose [`Events::overshoot`] is
+    /// at least `since`.
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        let _ = (from, to, since);
     }
 
     /// Writes the momentum to conserve across the last change of segment to `p`, before the change
@@ -401,6 +412,27 @@ pub trait System {
         let _ = (at, p);
         Ok(false)
     }
+}
+
+/// Energies, momenta and symmetries of a system.
+pub trait Energetics {
+    /// Energies and powers at a point in motion.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError>;
+
+    /// Writes the generalised momentum p = ∂T/∂q̇ at a point in motion to `p`; false, with `p`
+    /// unchanged, if it does not depend on t at fixed q and q̇.
+    ///
+    /// When a prescribed velocity jumps, p is continuous: the free velocities take the impulse.
+    ///
+    /// # Errors
+    /// As [`System::evaluate`].
+    fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
+        let _ = (at, p);
+        Ok(false)
+    }
 
     /// Symmetries of the system around the state q, q̇: a basis of the rigid motions (velocity of
     /// the origin, angular velocity) along which steady loads have constant power and no other
@@ -410,37 +442,10 @@ pub trait System {
         Vec::new()
     }
 
-    /// Rates of all coordinates at q in a rigid motion from [`System::symmetries`], or in a sum of
-    /// these.
+    /// Rates of all coordinates at q in a rigid motion from [`Energetics::symmetries`], or in a sum
+    /// of these.
     fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         let _ = (q, motion);
         rates.fill(0.0);
-    }
-
-    /// Whether the tangents are symmetric, as with conservative loads.
-    fn is_symmetric(&self) -> bool {
-        false
-    }
-
-    /// Physical quantity of coordinate `i`.
-    fn quantity(&self, i: usize) -> Quantity {
-        let _ = i;
-        Quantity::Other
-    }
-
-    /// Name of coordinate `i` for messages, such as "node 7, rotation about e3".
-    fn name(&self, i: usize) -> String {
-        format!("coordinate {i}")
-    }
-
-    /// Size of the numbers that coordinate `i` is added to, such as a position in space; it
-    /// determines the rounding errors. The scale of its quantity by default.
-    fn magnitude(&self, i: usize) -> f64 {
-        self.scales().coordinate[self.quantity(i).index()]
-    }
-
-    /// Magnitudes found at the last evaluation.
-    fn scales(&self) -> Scales {
-        Scales::default()
     }
 }

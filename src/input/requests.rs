@@ -35,7 +35,9 @@ impl VelocityRequest {
             entry,
             unknowns: match nodes {
                 Some(nodes) => model.unknowns_behind(nodes),
-                None => all.filter(|&u| !model.is_multiplier(u)).collect(),
+                None => all
+                    .filter(|&u| !model.coordinate_info(u).is_multiplier)
+                    .collect(),
             },
             of_node: false,
         }

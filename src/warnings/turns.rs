@@ -31,7 +31,7 @@ impl Turns {
     /// Starts at a state.
     pub(crate) fn new(model: &Context, state: &State) -> Self {
         let mut angles = model.single_unknowns();
-        angles.retain(|&i| model.quantity(i) == Quantity::Angle);
+        angles.retain(|&i| model.coordinate_info(i).quantity == Quantity::Angle);
         let last = angles.iter().map(|&i| state.v[i]).collect();
         Self { angles, last }
     }

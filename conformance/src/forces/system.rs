@@ -159,9 +159,8 @@ fn one(mut laws: Laws<'_>, system: &mut dyn System) -> Option<()> {
         let mut rate = vec![1e3; r.len()];
         let mut again = r.clone();
         let out = Evaluation {
-            r: &mut again,
-            S: None,
             r_t: Some(&mut rate),
+            ..Evaluation::residual(&mut again)
         };
         system.evaluate(point(state), out).ok()?;
         load_rate(&mut laws, system, &r, &rate, &sizes);
@@ -206,7 +205,8 @@ const ROUGH: f64 = 1e-4;
 /// ∂r/∂t, on steps that do not reach the next kink of a function of time.
 fn load_rate(laws: &mut Laws<'_>, system: &mut dyn System, r: &[f64], rate: &[f64], sizes: &[f64]) {
     let (state, layout) = (laws.state, laws.layout);
-    let kinks = system.kinks().into_iter().map(|k| k - state.t);
+    let kinks = (system.events()).map_or_else(Vec::new, |events| events.kinks());
+    let kinks = kinks.into_iter().map(|k| k - state.t);
     let next = kinks
         .filter(|&ahead| ahead > 0.0)
         .fold(f64::INFINITY, f64::min);

@@ -9,7 +9,7 @@ use pullback_elements::model::Context;
 use pullback_manifold::chart::Complement;
 use pullback_manifold::map::Map;
 use pullback_manifold::so3::{log_quaternion, quaternion};
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError};
+use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, SystemError};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 

@@ -9,7 +9,7 @@ use crate::{CONFIRMED, Compared, Layout, Random, Report, State, difference, syst
 use nalgebra::Vector3;
 use pullback_elements::model::Context;
 use pullback_manifold::so3::B_s;
-use pullback_manifold::system::{Energies, Point, System, SystemError};
+use pullback_manifold::system::{Charts, Energetics, Energies, Events, Point, SystemError};
 
 /// First step along the motion, as in the laws of forces.
 const FIRST: f64 = 0.05;
@@ -54,7 +54,7 @@ pub(super) fn laws(
 fn spatial(model: &mut Context, s: &State) -> Result<(Snapshot, Energies), SystemError> {
     let now = snapshot(model, s)?;
     let energies = model.energies(point(s))?;
-    Ok((now, energies.unwrap_or_default()))
+    Ok((now, energies))
 }
 
 fn transport(
@@ -262,7 +262,7 @@ fn power(
             v: &s.v + &s.a * tau,
             a: s.a.clone(),
         };
-        let energies = model.energies(point(&there)).ok().flatten()?;
+        let energies = model.energies(point(&there)).ok()?;
         Some(energies.kinetic + energies.stored)
     };
     let law = "d(T + U)/dt = supplied - dissipated - v.r";

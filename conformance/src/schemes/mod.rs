@@ -21,11 +21,10 @@ pub use problems::Known;
 use crate::Report;
 use problems::{Polynomial, Turning};
 use pullback_integrators::dynamics::{
-    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, State, integrate, start,
+    DynamicOptions, DynamicsError, NewtonOptions, Progress, Scheme, Simulation, State, start,
 };
 use pullback_integrators::spectrum::{Numbers, amplification, characteristic, logarithmic};
 use pullback_manifold::system::System;
-use std::ops::ControlFlow;
 
 /// Measures what a scheme claims.
 pub fn scheme(scheme: &Scheme) -> Report {
@@ -59,9 +58,10 @@ fn run<Y: System>(
         },
         ..DynamicOptions::new(to, (to - progress.state.t) / steps as f64)
     };
-    integrate(system, progress, &options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })
+    let mut run = Simulation::resume(system, progress.clone(), &options)?;
+    let outcome = run.finish();
+    progress.clone_from(run.progress());
+    outcome
 }
 
 /// Errors of position, velocity and acceleration at the end of the known motion.
@@ -151,15 +151,13 @@ fn cubic(report: &mut Report, scheme: &Scheme) {
     let h = to / f64::from(steps);
     let late = system.acceleration(scheme.lateness() * h);
     let run = start(&system, 0.0, &[q], &[v]).and_then(|state| {
-        let mut progress = Progress::new(state);
         // Accelerations at the start first.
         let begin = DynamicOptions {
             scheme: *scheme,
             ..DynamicOptions::new(0.0, h)
         };
-        integrate(&mut system, &mut progress, &begin, &mut |_, _| {
-            ControlFlow::Continue(())
-        })?;
+        let first = Simulation::new(&mut system, state, &begin)?;
+        let mut progress = first.progress().clone();
         progress.state.algorithmic[0] = late;
         run(&mut system, scheme, &mut progress, to, steps as usize)?;
         Ok(progress.state)

@@ -6,7 +6,9 @@ use super::run;
 use crate::Report;
 use pullback_integrators::dynamics::{DynamicsError, Progress, Scheme, start};
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Point, Quantity, System, SystemError};
+use pullback_manifold::system::{
+    CoordinateInfo, Energetics, Energies, Evaluation, Point, Quantity, System, SystemError,
+};
 
 /// A mass on a circle that a multiplier holds it to, with a spring to the centre line y = 0, damping and
 /// a driving force, in Cartesian coordinates:
@@ -89,42 +91,39 @@ impl System for Circle {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        self.fill(at, out, false);
+        let accelerations = out.accelerations.is_some();
+        self.fill(at, out, accelerations);
         Ok(())
     }
 
-    fn evaluate_accelerations(
-        &mut self,
-        at: Point<'_>,
-        _: f64,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        self.fill(at, out, true);
-        Ok(())
-    }
-
-    fn is_multiplier(&self, i: usize) -> bool {
-        i == 2
-    }
-
-    fn quantity(&self, i: usize) -> Quantity {
-        if i == 2 {
-            Quantity::Other
-        } else {
-            Quantity::Length
+    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
+        let is_multiplier = i == 2;
+        CoordinateInfo {
+            quantity: match is_multiplier {
+                true => Quantity::Other,
+                false => Quantity::Length,
+            },
+            is_multiplier,
+            ..CoordinateInfo::default()
         }
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Energetics for Circle {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let (v, f) = (at.v, Self::force(at.t));
         let square = v[0] * v[0] + v[1] * v[1];
-        Ok(Some(Energies {
+        Ok(Energies {
             kinetic: 0.5 * MASS * square,
             stored: 0.5 * SPRING * at.q[1] * at.q[1],
             supplied: f[0] * v[0] + f[1] * v[1],
             dissipated: DAMPING * square,
             ..Energies::default()
-        }))
+        })
     }
 }
 

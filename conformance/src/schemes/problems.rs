@@ -3,7 +3,9 @@
 #![allow(non_snake_case)]
 
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{ChartChanges, Energies, Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{
+    ChartChanges, Charts, Energetics, Energies, Evaluation, Point, System, SystemError,
+};
 use std::f64::consts::{PI, TAU};
 
 /// Two masses that depend on position, coupled by springs and gyroscopic forces, with damping and a pull
@@ -139,7 +141,17 @@ impl System for Known {
         Ok(())
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Energetics for Known {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let [x, v, _] = self.position([at.q, at.v, at.a]);
         let mut out = Energies {
             stored: 0.5 * SPRING * (x[0] - x[1]).powi(2),
@@ -153,9 +165,11 @@ impl System for Known {
                 out.dissipated += DAMPING * v[i] * v[i];
             }
         }
-        Ok(Some(out))
+        Ok(out)
     }
+}
 
+impl Charts for Known {
     fn change_charts(
         &mut self,
         _: f64,
@@ -224,16 +238,28 @@ impl System for Turning {
         Ok(())
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Energetics for Turning {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let v = at.v[0];
-        Ok(Some(Energies {
+        Ok(Energies {
             kinetic: 0.5 * v * v,
             stored: 4.0 * (1.0 - at.q[0].cos()),
             dissipated: 0.1 * v * v,
             ..Energies::default()
-        }))
+        })
     }
+}
 
+impl Charts for Turning {
     fn change_charts(
         &mut self,
         _: f64,
@@ -305,12 +331,18 @@ impl System for Polynomial {
         Ok(())
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Energetics for Polynomial {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let v = at.v[0];
-        Ok(Some(Energies {
+        Ok(Energies {
             kinetic: 0.5 * v * v,
             supplied: self.acceleration(at.t) * v,
             ..Energies::default()
-        }))
+        })
     }
 }

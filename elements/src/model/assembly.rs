@@ -208,7 +208,7 @@ impl Context {
         let statics = at.is_static();
         let rates = out.r_t.is_some();
         self.work.assemblies += 1;
-        let Evaluation { r, mut S, r_t } = out;
+        let Evaluation { r, mut S, r_t, .. } = out;
         if let Some((weights, values)) = &S {
             check_length("tangent S", self.model.pattern.len(), values.len())?;
             if statics && !weights.is_static() {

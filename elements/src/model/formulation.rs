@@ -247,9 +247,13 @@ impl Context {
         at: Point<'_>,
         out: Evaluation<'_>,
     ) -> Result<(), SystemError> {
-        let Evaluation { r, S, r_t } = out;
+        let Evaluation { r, S, r_t, .. } = out;
         let Some((weights, S)) = S else {
-            return self.assemble(at, Evaluation { r, S: None, r_t });
+            let out = Evaluation {
+                r_t,
+                ..Evaluation::residual(r)
+            };
+            return self.assemble(at, out);
         };
         let mut parts = std::mem::take(&mut self.work.parts);
         let one = |C, M| Weights { K: 0.0, C, M };
@@ -260,9 +264,8 @@ impl Context {
                 .and_then(|()| self.assemble(at, Evaluation::with_tangent(r, weights, part)));
         }
         let whole = Evaluation {
-            r,
-            S: Some((weights, &mut *S)),
             r_t,
+            ..Evaluation::with_tangent(r, weights, S)
         };
         outcome = outcome.and_then(|()| self.assemble(at, whole));
         if outcome.is_ok() {

@@ -158,9 +158,11 @@ impl Context {
             .multiply_add(1.0, &sizes, &vec![1.0; n], &mut mass);
         let mut tied = vec![false; n];
         let pattern = &self.model.pattern;
-        for j in
-            (0..pattern.blocks()).filter(|&j| pattern.unknowns(j).any(|u| self.is_multiplier(u)))
-        {
+        for j in (0..pattern.blocks()).filter(|&j| {
+            pattern
+                .unknowns(j)
+                .any(|u| self.coordinate_info(u).is_multiplier)
+        }) {
             for (i, _) in pattern.column(j) {
                 tied[pattern.unknowns(i)].fill(true);
             }

@@ -311,7 +311,7 @@ impl Context {
 
     /// Names of the unknowns with the largest entries of a vector, largest first.
     pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
-        let scale = |i: usize| match self.quantity(i) {
+        let scale = |i: usize| match self.coordinate_info(i).quantity {
             Quantity::Length => self.model.length,
             _ => 1.0,
         };

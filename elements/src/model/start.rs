@@ -6,7 +6,7 @@
 use super::enforced::Equations;
 use super::{Context, Model, ModelError, Node, NodeId};
 use nalgebra::{DMatrix, DVector};
-use pullback_manifold::system::{Quantity, System, SystemError};
+use pullback_manifold::system::{Charts, Quantity, System, SystemError};
 use std::collections::HashMap;
 
 /// Largest scaled residual of satisfied equations.

@@ -145,7 +145,7 @@ impl Context {
     /// A state near q: q itself, or q with changes without symmetry.
     fn near(&self, q: &[f64], number: usize) -> Vec<f64> {
         let size = |i: usize| match self.model.quantities[self.model.coordinates[i]] {
-            _ if number == 0 || self.is_multiplier(i) => 0.0,
+            _ if number == 0 || self.coordinate_info(i).is_multiplier => 0.0,
             Quantity::Length => 0.02 * self.model.length,
             Quantity::Angle => 0.1,
             Quantity::Other => 0.0,

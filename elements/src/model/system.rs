@@ -1,11 +1,11 @@
 //! The model as a [`System`], for integrators.
 
-use super::{Context, Source};
+use super::Context;
 use crate::time::Input;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{
-    ChartChanges, Energies, Evaluation, Point, Quantity, RigidRates, Scales, Symmetry, System,
-    SystemError,
+    ChartChanges, Charts, CoordinateInfo, Energetics, Energies, Evaluation, Events, Point,
+    RigidRates, Scales, Symmetry, System, SystemError,
 };
 
 impl System for Context {
@@ -14,6 +14,12 @@ impl System for Context {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
+        if let Some(previous) = out.previous {
+            self.expand_positions(previous.t, previous.q)?;
+            std::mem::swap(&mut self.work.x, &mut self.work.previous);
+        }
+        self.work.has_previous = out.previous.is_some();
+        self.work.acceleration_step = out.accelerations;
         if self.has_spins() && !at.is_static() && out.S.is_some() {
             self.evaluate_spinning(at, out)
         } else {
@@ -21,36 +27,41 @@ impl System for Context {
         }
     }
 
-    fn evaluate_from(
-        &mut self,
-        previous: Point<'_>,
-        at: Point<'_>,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        self.expand_positions(previous.t, previous.q)?;
-        std::mem::swap(&mut self.work.x, &mut self.work.previous);
-        self.work.has_previous = true;
-        let outcome = self.evaluate(at, out);
-        self.work.has_previous = false;
-        outcome
+    fn is_symmetric(&self) -> bool {
+        self.model.elements.iter().all(|e| e.element.is_symmetric())
     }
 
-    fn evaluate_accelerations(
-        &mut self,
-        at: Point<'_>,
-        h: f64,
-        out: Evaluation<'_>,
-    ) -> Result<(), SystemError> {
-        self.work.acceleration_step = Some(h);
-        let outcome = self.evaluate(at, out);
-        self.work.acceleration_step = None;
-        outcome
+    fn scales(&self) -> Scales {
+        self.work.scales
     }
 
-    fn is_multiplier(&self, i: usize) -> bool {
-        self.model.multipliers[self.model.coordinates[i]]
+    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
+        let c = self.model.coordinates[i];
+        CoordinateInfo {
+            quantity: self.model.quantities[c],
+            magnitude: Some(self.model.magnitudes[i]),
+            is_multiplier: self.model.multipliers[c],
+        }
     }
 
+    fn name(&self, i: usize) -> String {
+        self.coordinate_name(self.model.coordinates[i])
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Charts for Context {
     fn change_charts(
         &mut self,
         t: f64,
@@ -67,30 +78,22 @@ impl System for Context {
         changes
     }
 
-    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
-        self.find_overshoot(from, to)
-    }
-
-    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
-        self.enter_segments(from, to, since);
-    }
-
     fn start(&mut self, t: f64, q: &[f64]) {
         self.start_element_charts(t, q);
     }
 
     fn singularity_warnings(&self) -> Vec<String> {
-        let warning = |&n: &u32| {
-            let node = &self.model.nodes[n as usize];
-            match &node.source {
-                Source::Mapped(d) => (self.state.maps[d.index].singularity_warning())
-                    .map(|why| format!("joint at node {}: {why}", node.name)),
-                Source::Own => None,
-            }
-        };
-        self.model.dependent.iter().filter_map(warning).collect()
+        let mut warnings = Vec::new();
+        for (&n, map) in self.model.dependent.iter().zip(&self.state.maps) {
+            let name = &self.model.nodes[n as usize].name;
+            let why = map.singularity_warning();
+            warnings.extend(why.map(|why| format!("joint at node {name}: {why}")));
+        }
+        warnings
     }
+}
 
+impl Events for Context {
     fn kinks(&self) -> Vec<f64> {
         let driven = self
             .model
@@ -105,10 +108,23 @@ impl System for Context {
         self.model.inputs.iter().map(Input::get).collect()
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn overshoot(&mut self, from: Point<'_>, to: Point<'_>) -> Option<f64> {
+        self.find_overshoot(from, to)
+    }
+
+    fn change_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.enter_segments(from, to, since);
+    }
+
+    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
+        self.mean_momentum(at, p)
+    }
+}
+
+impl Energetics for Context {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         self.enter_element_charts();
-        self.evaluate_energies(at, false)
-            .map(|out| Some(out.energies))
+        Ok(self.evaluate_energies(at, false)?.energies)
     }
 
     fn momentum(&mut self, at: Point<'_>, p: &mut [f64]) -> Result<bool, SystemError> {
@@ -121,29 +137,5 @@ impl System for Context {
 
     fn rigid_rates(&self, q: &[f64], motion: &RigidRates, rates: &mut [f64]) {
         self.write_rigid_rates(q, motion, rates);
-    }
-
-    fn kept_momentum(&mut self, at: Option<Point<'_>>, p: &mut [f64]) -> Result<bool, SystemError> {
-        self.mean_momentum(at, p)
-    }
-
-    fn is_symmetric(&self) -> bool {
-        self.model.elements.iter().all(|e| e.element.is_symmetric())
-    }
-
-    fn quantity(&self, i: usize) -> Quantity {
-        self.model.quantities[self.model.coordinates[i]]
-    }
-
-    fn name(&self, i: usize) -> String {
-        self.coordinate_name(self.model.coordinates[i])
-    }
-
-    fn magnitude(&self, i: usize) -> f64 {
-        self.model.magnitudes[i]
-    }
-
-    fn scales(&self) -> Scales {
-        self.work.scales
     }
 }

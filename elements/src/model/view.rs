@@ -5,7 +5,7 @@ use super::slots::Complement;
 use super::{Context, ElementEntry, Model, NONE, Node, NodeForm, Source};
 use crate::element::{Element, ElementError};
 use nalgebra::Vector3;
-use pullback_manifold::system::{Point, Quantity, System, SystemError};
+use pullback_manifold::system::{Charts, Point, Quantity, SystemError};
 use std::ops::Range;
 
 impl Node {

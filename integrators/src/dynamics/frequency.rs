@@ -15,8 +15,8 @@ const SETTLED: f64 = 1e-9;
 /// The largest stable step of a conditionally stable scheme, from the largest frequency at this state;
 /// rejects a step beyond it. The frequency is approached from below, to about six digits. If the motion
 /// stiffens the system later, it is not evaluated again; the energy balance shows the instability.
-pub(super) fn check_step<Y: System + ?Sized>(
-    system: &mut Y,
+pub(super) fn check_step(
+    system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &State,
     scheme: &Scheme,
@@ -42,7 +42,7 @@ pub(super) fn check_step<Y: System + ?Sized>(
     let mut K = vec![0.0; S.len()];
     tangent(Weights::STATIC, &mut K)?;
     tangent(Weights::MASS, S)?;
-    let massless = |system: &Y, source| DynamicsError::Massless {
+    let massless = |system: &dyn System, source| DynamicsError::Massless {
         scheme: scheme.name,
         source,
         mechanism: mechanism(system, S),
@@ -68,8 +68,8 @@ pub(super) fn check_step<Y: System + ?Sized>(
 
 /// The largest ω² of K x = ω² M x by Lanczos' method with M⁻¹K in the scalar product of M, which is
 /// already factorised.
-fn largest<Y: System + ?Sized>(
-    system: &Y,
+fn largest(
+    system: &dyn System,
     solver: &mut dyn LinearSolver,
     [K, M]: [&[f64]; 2],
 ) -> Result<f64, LinearError> {
@@ -118,7 +118,7 @@ fn largest<Y: System + ?Sized>(
     Ok(found.max(top(&alphas, &betas)))
 }
 
-fn diagonal<Y: System + ?Sized>(system: &Y, values: &[f64]) -> Vec<f64> {
+fn diagonal(system: &dyn System, values: &[f64]) -> Vec<f64> {
     let pattern = system.pattern();
     let mut out = Vec::with_capacity(pattern.dim());
     for node in 0..pattern.blocks() {

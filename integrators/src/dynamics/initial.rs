@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{DynamicsError, State};
+use crate::abilities::{energies, kept_momentum, momentum};
 use crate::failure::mechanism;
 use crate::linear_solver::{LinearError, LinearSolver};
 use pullback_manifold::sparse::BlockPattern;
@@ -16,12 +17,7 @@ use pullback_manifold::system::{Evaluation, Point, System, Weights};
 /// # Errors
 /// [`DynamicsError::Initial`] if a vector has the wrong length or is not finite. An empty vector
 /// means zeros.
-pub fn start<Y: System + ?Sized>(
-    system: &Y,
-    t: f64,
-    q: &[f64],
-    v: &[f64],
-) -> Result<State, DynamicsError> {
+pub fn start(system: &dyn System, t: f64, q: &[f64], v: &[f64]) -> Result<State, DynamicsError> {
     let n = system.pattern().dim();
     let take = |what: &'static str, x: &[f64]| {
         let problem = if x.is_empty() {
@@ -58,8 +54,8 @@ pub fn start<Y: System + ?Sized>(
 ///
 /// Accelerations that the state already has are corrected, with r and ḧ at these: coordinates
 /// without mass keep theirs, as only a step can determine them.
-pub(super) fn accelerate<Y: System + ?Sized>(
-    system: &mut Y,
+pub(super) fn accelerate(
+    system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &mut State,
     h: f64,
@@ -67,7 +63,7 @@ pub(super) fn accelerate<Y: System + ?Sized>(
 ) -> Result<(), DynamicsError> {
     let n = state.q.len();
     state.a.resize(n, 0.0);
-    let multipliers = |i: &usize| system.is_multiplier(*i);
+    let multipliers = |i: &usize| system.coordinate_info(*i).is_multiplier;
     let multipliers: Vec<usize> = (0..n).filter(multipliers).collect();
     for &i in &multipliers {
         (state.q[i], state.v[i], state.a[i]) = (0.0, 0.0, 0.0);
@@ -95,8 +91,8 @@ pub(super) fn accelerate<Y: System + ?Sized>(
 }
 
 /// Whether dampers dissipate power at a state.
-fn is_damped<Y: System + ?Sized>(system: &mut Y, state: &State) -> Result<bool, DynamicsError> {
-    let energies = system.energies(point(state));
+fn is_damped(system: &mut dyn System, state: &State) -> Result<bool, DynamicsError> {
+    let energies = energies(system, point(state));
     let energies = energies.map_err(|source| DynamicsError::System { t: state.t, source })?;
     Ok(energies.is_some_and(|now| now.dissipated > 0.0))
 }
@@ -125,9 +121,9 @@ fn point(state: &State) -> Point<'_> {
 /// Applies the impulse at a jump of a prescribed velocity: the momentum of the free coordinates is
 /// continuous, so their velocities jump by M⁻¹ (p₋ − p₊), with p₊ from the new prescribed and the
 /// old free velocities. At a change of segment this is repeated until p equals
-/// [`System::kept_momentum`]. Returns the number of impulses.
-pub(super) fn apply_impulse<Y: System + ?Sized>(
-    system: &mut Y,
+/// [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum). Returns the number of impulses.
+pub(super) fn apply_impulse(
+    system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &mut State,
     (before, driven): (&[f64], bool),
@@ -141,8 +137,8 @@ pub(super) fn apply_impulse<Y: System + ?Sized>(
     while count < most {
         let at = Point { t, ..point(state) };
         let known = match driven {
-            true => system.momentum(at, missing),
-            false => system.kept_momentum(Some(at), missing),
+            true => momentum(system, at, missing),
+            false => kept_momentum(system, Some(at), missing),
         };
         known.map_err(|source| DynamicsError::System { t, source })?;
         let size = largest(before).max(largest(missing));
@@ -156,7 +152,7 @@ pub(super) fn apply_impulse<Y: System + ?Sized>(
         solve_mass(system, solver, state, (h, damping), buffers, Some(missing))?;
         // For a multiplier, this is the impulse of its constraint.
         for (i, dv) in r.iter_mut().enumerate() {
-            if system.is_multiplier(i) {
+            if system.coordinate_info(i).is_multiplier {
                 *dv = 0.0;
             }
         }
@@ -187,8 +183,8 @@ const FINE: f64 = 1e-14;
 ///
 /// Without a solution the velocities stay: coordinates with neither mass nor damping are left to
 /// the first step.
-fn solve_rates<Y: System + ?Sized>(
-    system: &mut Y,
+fn solve_rates(
+    system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &mut State,
     [r, S]: [&mut [f64]; 2],
@@ -197,8 +193,11 @@ fn solve_rates<Y: System + ?Sized>(
     let pattern = system.pattern().clone();
     let mut evaluate = |v: &[f64], [K, C, M]: [f64; 3], r: &mut [f64], S: &mut [f64]| {
         let at = Point { t: *t, q, v, a };
-        let out = Evaluation::with_tangent(r, Weights { K, C, M }, S);
-        let outcome = system.evaluate_accelerations(at, 0.0, out);
+        let out = Evaluation {
+            accelerations: Some(0.0),
+            ..Evaluation::with_tangent(r, Weights { K, C, M }, S)
+        };
+        let outcome = system.evaluate(at, out);
         outcome.map_err(|source| DynamicsError::System { t: *t, source })
     };
     evaluate(v, [0.0, 0.0, 1.0], r, S)?;
@@ -265,8 +264,8 @@ fn keep(x: &mut [f64], massless: &[bool], these: bool) {
 /// If coordinates without mass make M singular, it is replaced by M + h C + h² K with the next step
 /// h, which balances their forces to the accuracy of a first step. If their rows of M are zero,
 /// only these rows are replaced, and all other accelerations are exact.
-fn solve_mass<Y: System + ?Sized>(
-    system: &mut Y,
+fn solve_mass(
+    system: &mut dyn System,
     solver: &mut dyn LinearSolver,
     state: &State,
     (h, damping): (f64, f64),
@@ -278,9 +277,12 @@ fn solve_mass<Y: System + ?Sized>(
     let mut M = Vec::new();
     for (C, K) in [(damping, 0.0), (h, h * h)] {
         let at = point(state);
-        let out = Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S);
+        let out = Evaluation {
+            accelerations: Some(if b.is_some() { 0.0 } else { h }),
+            ..Evaluation::with_tangent(r, Weights { K, C, M: 1.0 }, S)
+        };
         system
-            .evaluate_accelerations(at, if b.is_some() { 0.0 } else { h }, out)
+            .evaluate(at, out)
             .map_err(|source| DynamicsError::System { t, source })?;
         if let Some(b) = b {
             r.copy_from_slice(b);

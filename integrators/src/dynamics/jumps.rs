@@ -7,14 +7,15 @@ use super::run::Run;
 use super::step::Stepper;
 use super::stops::Stop;
 use super::{DynamicsError, Progress, State};
+use crate::abilities::{inputs, momentum};
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Energies, Point, System};
 
-impl Run<'_> {
+impl Run {
     /// Continues after a kink.
-    pub(super) fn pass<Y: System + ?Sized>(
+    pub(super) fn pass(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         stop: Stop,
@@ -26,7 +27,7 @@ impl Run<'_> {
             v,
             a,
         };
-        let known = system.momentum(before, &mut self.momentum);
+        let known = momentum(system, before, &mut self.momentum);
         let known = known.map_err(|source| DynamicsError::System { t: *t, source })?;
         *t = stop.right;
         if known {
@@ -38,13 +39,13 @@ impl Run<'_> {
     }
 
     /// Continues after a change of inputs. Inputs have no rate, so velocities do not change.
-    pub(super) fn take_inputs<Y: System + ?Sized>(
+    pub(super) fn take_inputs(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
-        let inputs = system.inputs();
+        let inputs = inputs(system);
         if inputs == progress.inputs {
             return Ok(());
         }
@@ -54,9 +55,9 @@ impl Run<'_> {
     }
 
     /// Applies the impulse that conserves the momentum; updates accelerations and energies.
-    pub(super) fn jump<Y: System + ?Sized>(
+    pub(super) fn jump(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         t: f64,
@@ -89,9 +90,9 @@ impl Run<'_> {
     }
 
     /// Updates accelerations and energies after a jump; `supplied` says that supports do its work.
-    fn renew<Y: System + ?Sized>(
+    fn renew(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         supplied: bool,

@@ -19,6 +19,7 @@ mod projection;
 mod run;
 pub mod scheme;
 mod segment_changes;
+mod simulation;
 mod stages;
 mod step;
 mod stops;
@@ -28,8 +29,8 @@ pub use initial::start;
 pub use invariants::Invariants;
 pub use options::{Adaptivity, DynamicOptions};
 pub use progress::{EnergyBalance, Progress, StepReport, Summary};
-pub use run::{integrate, integrate_with};
 pub use scheme::Scheme;
+pub use simulation::{Simulation, Snapshot, integrate, integrate_with};
 pub(crate) use step::Stepper;
 pub use step::{Predictor, Tangent};
 

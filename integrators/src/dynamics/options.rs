@@ -64,10 +64,10 @@ pub struct Adaptivity {
 const UNDAMPED: f64 = 1e-6;
 
 /// Rejects invalid options and initial states.
-pub(super) fn check<Y: System + ?Sized>(
+pub(super) fn check(
     options: &DynamicOptions,
     progress: &Progress,
-    system: &Y,
+    system: &dyn System,
 ) -> Result<(), DynamicsError> {
     let positive = "it must be positive and finite";
     let mut sizes = vec![("step", options.step), ("min_step", options.min_step)];
@@ -104,7 +104,7 @@ pub(super) fn check<Y: System + ?Sized>(
         });
     }
     let rho = options.scheme.spectral_radius();
-    let multiplier = (0..system.pattern().dim()).find(|&i| system.is_multiplier(i));
+    let multiplier = (0..system.pattern().dim()).find(|&i| system.coordinate_info(i).is_multiplier);
     if let Some(i) = multiplier.filter(|_| rho > 1.0 - UNDAMPED) {
         return Err(DynamicsError::Undamped {
             scheme: options.scheme.name,

@@ -24,6 +24,7 @@
 
 use super::invariants::Invariants;
 use super::{DynamicsError, Scheme, State};
+use crate::abilities::{change_charts, momentum, rigid_rates, symmetries};
 use pullback_manifold::system::{
     Energies, Evaluation, Point, RigidRates, Symmetry, System, Weights,
 };
@@ -92,20 +93,20 @@ impl InvariantProjection {
     }
 
     /// Invariants of a state, until the end of a span of times.
-    pub(super) fn set_target<Y: System + ?Sized>(
+    pub(super) fn set_target(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         scheme: &Scheme,
         state: &State,
         until: f64,
         buffers: [&mut [f64]; 2],
     ) -> Result<Invariants, DynamicsError> {
         let now = energies(system, scheme, state, state.t)?;
-        let symmetries = system.symmetries([state.t, until], &state.q, &state.v);
+        let symmetries = symmetries(system, [state.t, until], &state.q, &state.v);
         self.momentum(system, state, (&now, state.t), buffers)?;
         let mut kept = Invariants::of(&now);
         for Symmetry { motion, force } in symmetries {
-            system.rigid_rates(&state.q, &motion, &mut self.field);
+            rigid_rates(system, &state.q, &motion, &mut self.field);
             kept.motions.push(motion);
             kept.momenta.push(dot(&self.field, &self.p));
             kept.forces.push(force);
@@ -114,9 +115,9 @@ impl InvariantProjection {
     }
 
     /// Restores the invariants of a state at the end of a step of size h; returns its energies.
-    pub(super) fn restore<Y: System + ?Sized>(
+    pub(super) fn restore(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         scheme: &Scheme,
         state: &mut State,
         kept: &mut Invariants,
@@ -168,7 +169,7 @@ impl InvariantProjection {
                     algorithmic,
                     ..
                 } = state;
-                system.change_charts(t, q, v, &mut [a, algorithmic]);
+                change_charts(system, t, q, v, &mut [a, algorithmic]);
             }
             now = energies(system, scheme, state, t)?;
             if bounded && !stale {
@@ -221,9 +222,9 @@ impl InvariantProjection {
     /// Writes the mass matrix to `S` and the generalised momentum at a time: just before a kink that
     /// the state has reached, where a prescribed velocity may jump. Whether a motion is prescribed: the
     /// kinetic energy T = ½ q̇·M q̇ + b·q̇ + c, with p = M q̇ + b, then has a constant c.
-    fn momentum<Y: System + ?Sized>(
+    fn momentum(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         state: &State,
         (now, t): (&Energies, f64),
         [r, S]: [&mut [f64]; 2],
@@ -232,7 +233,7 @@ impl InvariantProjection {
         let out = Evaluation::with_tangent(r, Weights::MASS, S);
         self.evaluations += 1;
         system.evaluate(point(state, t), out).map_err(failed)?;
-        let known = system.momentum(point(state, t), &mut self.p);
+        let known = momentum(system, point(state, t), &mut self.p);
         self.field.fill(0.0);
         system
             .pattern()
@@ -242,7 +243,7 @@ impl InvariantProjection {
             return Ok(false);
         }
         for (i, p) in self.p.iter_mut().enumerate() {
-            if system.is_multiplier(i) {
+            if system.coordinate_info(i).is_multiplier {
                 *p = 0.0;
             }
         }
@@ -254,21 +255,20 @@ impl InvariantProjection {
 
     /// The orthonormal basis of the symmetries, and the rest w of the velocities; returns the error
     /// of the momenta relative to the sizes of their parts.
-    fn split<Y: System + ?Sized>(
+    fn split(
         &mut self,
-        system: &Y,
+        system: &mut dyn System,
         state: &State,
         kept: &Invariants,
         M: &[f64],
     ) -> f64 {
-        let pattern = system.pattern();
         self.rank = 0;
         self.w.copy_from_slice(&state.v);
         let mut missing = 0.0_f64;
         for (xi, j) in kept.motions.iter().zip(&kept.momenta) {
             let (done, rest) = self.basis.split_at_mut(self.rank);
             let Some(d) = rest.first_mut() else { break };
-            system.rigid_rates(&state.q, xi, &mut d.e);
+            rigid_rates(system, &state.q, xi, &mut d.e);
             (d.xi, d.j) = (*xi, *j);
             let parts: f64 = d.e.iter().zip(&self.p).map(|(e, p)| (e * p).abs()).sum();
             let off = (d.j - dot(&d.e, &self.p)).abs();
@@ -279,7 +279,7 @@ impl InvariantProjection {
             // Twice, against rounding errors.
             for _ in 0..2 {
                 d.Me.fill(0.0);
-                pattern.multiply_add(1.0, M, &d.e, &mut d.Me);
+                system.pattern().multiply_add(1.0, M, &d.e, &mut d.Me);
                 if length.is_nan() {
                     length = dot(&d.e, &d.Me).max(0.0).sqrt();
                 }
@@ -291,7 +291,7 @@ impl InvariantProjection {
                 }
             }
             d.Me.fill(0.0);
-            pattern.multiply_add(1.0, M, &d.e, &mut d.Me);
+            system.pattern().multiply_add(1.0, M, &d.e, &mut d.Me);
             let left = dot(&d.e, &d.Me).max(0.0).sqrt();
             if left <= DEPENDENT * length {
                 continue;
@@ -310,7 +310,7 @@ impl InvariantProjection {
 
     /// Derivatives of the energy by rotations along the symmetries: J([ξ, Ω]), J the target
     /// momenta. As [ξ, Ω] is a symmetry as well, it is a sum of the basis.
-    fn turns<Y: System + ?Sized>(&mut self, system: &Y, q: &[f64], gammas: &mut [f64; 6]) {
+    fn turns(&mut self, system: &mut dyn System, q: &[f64], gammas: &mut [f64; 6]) {
         let mut Omega = [0.0; 6];
         let mut momentum = 0.0;
         for d in &self.basis[..self.rank] {
@@ -321,7 +321,7 @@ impl InvariantProjection {
             if d.xi[3..].iter().all(|x| *x == 0.0) {
                 continue;
             }
-            system.rigid_rates(q, &bracket(&d.xi, &Omega), &mut self.field);
+            rigid_rates(system, q, &bracket(&d.xi, &Omega), &mut self.field);
             let (mut sum, mut length) = (0.0, 0.0);
             for along in &self.basis[..self.rank] {
                 let part = dot(&self.field, &along.Me);
@@ -368,13 +368,13 @@ fn point(state: &State, t: f64) -> Point<'_> {
     }
 }
 
-pub(super) fn energies<Y: System + ?Sized>(
-    system: &mut Y,
+pub(super) fn energies(
+    system: &mut dyn System,
     scheme: &Scheme,
     state: &State,
     t: f64,
 ) -> Result<Energies, DynamicsError> {
-    let known = system.energies(point(state, t));
+    let known = crate::abilities::energies(system, point(state, t));
     let known = known.map_err(|source| DynamicsError::System { t, source })?;
     known.ok_or(DynamicsError::NoEnergy {
         scheme: scheme.name,

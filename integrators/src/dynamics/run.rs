@@ -10,81 +10,16 @@ use super::segment_changes::SegmentChanges;
 use super::step::{Stepper, rebase};
 use super::stops::{Stop, Stops, equal_steps, first_end};
 use super::{DynamicOptions, DynamicsError, EnergyBalance, Progress, State, StepReport, Summary};
+use crate::abilities::{self, change_charts, inputs, start, symmetries};
 use crate::failure::{Cost, FailedStep, Failure, FailureContext, StepParameter};
-use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
+use crate::linear_solver::{LinearSolver, Symmetry};
 use pullback_manifold::system::{Energies, Point, System};
-use std::ops::ControlFlow;
-
-/// Integrates the equations of motion from `progress`, with the default solver.
-///
-/// The observer is called after each accepted step and may stop the run.
-///
-/// # Errors
-/// [`DynamicsError`]; `progress` is then at the last accepted step.
-pub fn integrate<Y: System + ?Sized>(
-    system: &mut Y,
-    progress: &mut Progress,
-    options: &DynamicOptions,
-    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
-) -> Result<(), DynamicsError> {
-    integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
-}
-
-/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
-/// own for the larger matrix.
-///
-/// # Errors
-/// As [`integrate`].
-pub fn integrate_with<Y: System + ?Sized>(
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    progress: &mut Progress,
-    options: &DynamicOptions,
-    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
-) -> Result<(), DynamicsError> {
-    check(options, progress, system)?;
-    // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
-    solver
-        .analyse(system.pattern(), Symmetry::General)
-        .map_err(|source| DynamicsError::Analysis { source })?;
-    let mut run = Run {
-        stepper: Stepper::new(system, options)?,
-        momentum: vec![0.0; system.pattern().dim()],
-        missing: vec![0.0; system.pattern().dim()],
-        stops: Stops::new(system, progress.state.t, options),
-        segment_changes: SegmentChanges::default(),
-        projection: (options.scheme.keeps_energy())
-            .then(|| InvariantProjection::new(system.pattern().dim())),
-        options,
-    };
-    run.begin(system, solver, progress)?;
-    while progress.state.t < options.to {
-        run.take_inputs(system, solver, progress)?;
-        let h = run.attempt(system, solver, progress)?;
-        let Some(step_size) = h else { continue };
-        let chart_changes = run.accept(system, solver, progress, step_size)?;
-        let iterations = run.stepper.iterations();
-        progress.summary.iterations += iterations;
-        progress.summary.finished = progress.state.t >= options.to;
-        let report = StepReport {
-            progress,
-            step_size,
-            iterations,
-            residuals: &run.stepper.history,
-            chart_changes,
-        };
-        if observer(system, &report).is_break() {
-            return Ok(());
-        }
-    }
-    progress.summary.finished = true;
-    Ok(())
-}
 
 /// Number of steps ahead for which symmetries are found if there is no kink.
 const FAR: f64 = 1e3;
 
-pub(super) struct Run<'a> {
+/// The engine of a run: all that a step needs beside the system, the solver and the progress.
+pub(super) struct Run {
     pub(super) stepper: Stepper,
     /// Times at which a step must end.
     stops: Stops,
@@ -95,20 +30,90 @@ pub(super) struct Run<'a> {
     /// Projection onto the invariants, if the scheme has one.
     pub(super) projection: Option<InvariantProjection>,
     pub(super) segment_changes: SegmentChanges,
-    pub(super) options: &'a DynamicOptions,
+    pub(super) options: DynamicOptions,
 }
 
-impl Run<'_> {
-    /// Charts, accelerations and energies before the first step.
-    fn begin<Y: System + ?Sized>(
+/// An accepted step.
+pub(super) struct Accepted {
+    pub step_size: f64,
+    pub iterations: usize,
+    pub chart_changes: usize,
+}
+
+impl Run {
+    /// The engine at the state of `progress`, ready for its next step.
+    pub(super) fn new(
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+        options: &DynamicOptions,
+    ) -> Result<Self, DynamicsError> {
+        check(options, progress, system)?;
+        // Gyroscopic and centrifugal tangents are not symmetric, even if the stiffness is.
+        solver
+            .analyse(system.pattern(), Symmetry::General)
+            .map_err(|source| DynamicsError::Analysis { source })?;
+        let n = system.pattern().dim();
+        let mut run = Self {
+            stepper: Stepper::new(system, options)?,
+            momentum: vec![0.0; n],
+            missing: vec![0.0; n],
+            stops: Stops::new(system, progress.state.t, options),
+            segment_changes: SegmentChanges::default(),
+            projection: (options.scheme.keeps_energy()).then(|| InvariantProjection::new(n)),
+            options: *options,
+        };
+        run.begin(system, solver, progress)?;
+        Ok(run)
+    }
+
+    /// The next accepted step; `None` at the end of the run.
+    pub(super) fn next(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        progress: &mut Progress,
+    ) -> Result<Option<Accepted>, DynamicsError> {
+        while progress.state.t < self.options.to {
+            self.take_inputs(system, solver, progress)?;
+            let Some(step_size) = self.attempt(system, solver, progress)? else {
+                continue;
+            };
+            let chart_changes = self.accept(system, solver, progress, step_size)?;
+            let iterations = self.stepper.iterations();
+            progress.summary.iterations += iterations;
+            progress.summary.finished = progress.state.t >= self.options.to;
+            return Ok(Some(Accepted {
+                step_size,
+                iterations,
+                chart_changes,
+            }));
+        }
+        progress.summary.finished = true;
+        Ok(None)
+    }
+
+    /// The report of a step on a progress.
+    pub(super) fn report<'a>(&'a self, progress: &'a Progress, step: &Accepted) -> StepReport<'a> {
+        StepReport {
+            progress,
+            step_size: step.step_size,
+            iterations: step.iterations,
+            residuals: &self.stepper.history,
+            chart_changes: step.chart_changes,
+        }
+    }
+
+    /// Charts, accelerations and energies before the first step.
+    fn begin(
+        &mut self,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let fresh = progress.state.a.is_empty();
         // A continued run may have another step.
-        let DynamicOptions { step, min_step, .. } = *self.options;
+        let DynamicOptions { step, min_step, .. } = self.options;
         if self.options.adaptivity.is_none() {
             progress.next_step = progress.next_step.min(step);
         }
@@ -123,14 +128,14 @@ impl Run<'_> {
             algorithmic,
         } = &mut progress.state;
         // A system without this state chooses its charts; an accepted state keeps its charts.
-        system.start(*t, q);
+        start(system, *t, q);
         let mut none: [&mut [f64]; 0] = [];
         let mut both: [&mut [f64]; 2] = [a, algorithmic];
         let vectors: &mut [&mut [f64]] = if fresh { &mut none } else { &mut both };
-        let changed = system.change_charts(*t, q, v, vectors).charts;
+        let changed = change_charts(system, *t, q, v, vectors).charts;
         if fresh {
             progress.summary.chart_changes += changed;
-            progress.inputs = system.inputs();
+            progress.inputs = inputs(system);
             progress.state.a = vec![0.0; progress.state.q.len()];
         }
         let t = progress.state.t;
@@ -148,7 +153,7 @@ impl Run<'_> {
             // A system that is new to a run finds its symmetries again.
             Some(kept) if self.projection.is_some() && !kept.motions.is_empty() => {
                 let span = [*t, self.next_kink(*t)];
-                system.symmetries(span, q, v);
+                symmetries(system, span, q, v);
             }
             Some(_) if self.projection.is_some() => {}
             _ => self.set_target(system, progress)?,
@@ -162,9 +167,9 @@ impl Run<'_> {
     }
 
     /// Starts the energy balance at the present state.
-    pub(super) fn open_balance<Y: System + ?Sized>(
+    pub(super) fn open_balance(
         &self,
-        system: &mut Y,
+        system: &mut dyn System,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let now = self.energies(system, &progress.state, progress.state.t)?;
@@ -183,9 +188,9 @@ impl Run<'_> {
     }
 
     /// Sets the invariants of this state as the target of the projection.
-    pub(super) fn set_target<Y: System + ?Sized>(
+    pub(super) fn set_target(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
         let until = self.next_kink(progress.state.t);
@@ -201,9 +206,9 @@ impl Run<'_> {
     }
 
     /// Updates the accelerations of the state; see [`accelerate`].
-    pub(super) fn accelerate<Y: System + ?Sized>(
+    pub(super) fn accelerate(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
@@ -214,9 +219,9 @@ impl Run<'_> {
         accelerate(system, solver, &mut progress.state, h, [r, S])
     }
 
-    pub(super) fn energies<Y: System + ?Sized>(
+    pub(super) fn energies(
         &self,
-        system: &mut Y,
+        system: &mut dyn System,
         state: &State,
         t: f64,
     ) -> Result<Option<Energies>, DynamicsError> {
@@ -229,20 +234,18 @@ impl Run<'_> {
             v: &state.v,
             a: &state.a,
         };
-        system
-            .energies(at)
-            .map_err(|source| DynamicsError::System { t, source })
+        abilities::energies(system, at).map_err(|source| DynamicsError::System { t, source })
     }
 
     /// One attempt at a step; its size if it may be accepted, `None` if a smaller one is needed.
-    fn attempt<Y: System + ?Sized>(
+    fn attempt(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<Option<f64>, DynamicsError> {
         let from = progress.state.t;
-        let stop = self.stops.next(from, self.options);
+        let stop = self.stops.next(from, &self.options);
         let count = equal_steps(stop.left - from, progress.next_step);
         let h = (stop.left - from) / count;
         // A step ends before a kink: functions of time are evaluated on its left.
@@ -305,9 +308,9 @@ impl Run<'_> {
     }
 
     /// Halves the step after a failure, or ends the run.
-    fn halve<Y: System + ?Sized>(
+    fn halve(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         progress: &mut Progress,
         failure: Failure,
         span: [f64; 2],
@@ -343,9 +346,9 @@ impl Run<'_> {
     }
 
     /// Accepts the new state and updates charts, and accelerations after a kink.
-    fn accept<Y: System + ?Sized>(
+    fn accept(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         h: f64,
@@ -375,7 +378,7 @@ impl Run<'_> {
             a,
             algorithmic,
         } = &mut progress.state;
-        let changes = system.change_charts(*t, q, v, &mut [a, algorithmic]);
+        let changes = change_charts(system, *t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
         let segments_changed = self.segments_changed(system, left)?;
         if let (true, Some(kept), Some(now)) = (segments_changed, &mut progress.invariants, &now) {
@@ -410,7 +413,7 @@ impl Run<'_> {
         if self.options.adaptivity.is_none() {
             progress.easy += 1;
             let nominal = self.options.step;
-            let stop = self.stops.next(progress.state.t, self.options);
+            let stop = self.stops.next(progress.state.t, &self.options);
             let rest = equal_steps(stop.left - progress.state.t, progress.next_step);
             // With an odd number of steps left, doubled steps would miss the times of the steps
             // before they were halved.
@@ -428,9 +431,9 @@ impl Run<'_> {
     /// The powers at both ends may be those of dampers that relax within a small part of the step. This
     /// one is the dissipation of the trapezoidal rule in a linear system, for any step. `None` if the
     /// system cannot be evaluated there: a converged step must not fail by its energy balance.
-    fn mean_dissipation<Y: System + ?Sized>(
+    fn mean_dissipation(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         state: &State,
         end: f64,
     ) -> Option<f64> {
@@ -450,19 +453,21 @@ impl Run<'_> {
         }
         let t = 0.5 * (state.t + end);
         let a = &next.a;
-        let mean = system.energies(Point { t, q, v, a });
+        let mean = abilities::energies(system, Point { t, q, v, a });
         Some(mean.ok()??.dissipated)
     }
 
     /// Largest local error of the coordinates over their scales (Zienkiewicz & Xie 1991).
-    fn local_error<Y: System + ?Sized>(&self, system: &Y, state: &State, h: f64) -> f64 {
+    fn local_error(&self, system: &dyn System, state: &State, h: f64) -> f64 {
         let factor = self.options.scheme.error_factor().unwrap_or(0.0) * h * h;
         let scales = system.scales().coordinate;
         let new = &self.stepper.next.algorithmic;
         let change = state.algorithmic.iter().zip(new).enumerate();
         let sizes = change
-            .filter(|(i, _)| !system.is_multiplier(*i))
-            .map(|(i, (old, new))| factor * (new - old).abs() / scales[system.quantity(i).index()]);
+            .filter(|(i, _)| !system.coordinate_info(*i).is_multiplier)
+            .map(|(i, (old, new))| {
+                factor * (new - old).abs() / scales[system.coordinate_info(i).quantity.index()]
+            });
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }
 }

@@ -3,6 +3,7 @@
 use super::run::Run;
 use super::step::rebase;
 use super::{DynamicsError, Progress, State};
+use crate::abilities::{change_charts, change_segments, kept_momentum};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::{Point, System};
@@ -33,13 +34,13 @@ fn point(state: &State) -> Point<'_> {
     Point { t: *t, q, v, a }
 }
 
-impl Run<'_> {
+impl Run {
     /// Repeats the step from `progress` until it ends at the first change of segment within it
     /// ([`System::overshoot`]), not later than `last`; returns the end of the step. `None` if the
     /// change is at the beginning, where the next attempt makes it.
-    pub(super) fn locate<Y: System + ?Sized>(
+    pub(super) fn locate(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
         [to, last]: [f64; 2],
@@ -53,7 +54,10 @@ impl Run<'_> {
         self.segment_changes.since = -met;
         let (mut end, mut near) = (to, NEAR * h);
         for _ in 0..ATTEMPTS {
-            let overshoot = system.overshoot(point(&progress.state), point(&self.stepper.next));
+            let (start, next) = (point(&progress.state), point(&self.stepper.next));
+            let overshoot = system
+                .events()
+                .and_then(|events| events.overshoot(start, next));
             let Some(overshoot) = overshoot.filter(|by| *by > -near && by.abs() > met) else {
                 break;
             };
@@ -64,7 +68,7 @@ impl Run<'_> {
                 }
                 self.segment_changes.begun = Some(from);
                 let begin = end - from - short;
-                system.change_segments(point(&progress.state), point(&self.stepper.next), begin);
+                change_segments(system, start, next, begin);
                 return Ok(None);
             }
             if target > last {
@@ -80,33 +84,28 @@ impl Run<'_> {
     }
 
     /// Counts short steps, and makes the changes at the end of the accepted step.
-    pub(super) fn finish_step<Y: System + ?Sized>(
-        &mut self,
-        system: &mut Y,
-        progress: &mut Progress,
-        h: f64,
-    ) {
+    pub(super) fn finish_step(&mut self, system: &mut dyn System, progress: &mut Progress, h: f64) {
         let is_short = h < NEAR * progress.next_step;
         progress.short = if is_short { progress.short + 1 } else { 0 };
         // The buffers of the step hold the previous state.
         let (from, to) = (point(&self.stepper.next), point(&progress.state));
-        system.change_segments(from, to, self.segment_changes.since);
+        change_segments(system, from, to, self.segment_changes.since);
     }
 
     /// Whether the last change of charts changed a segment; the momentum to conserve is then known.
-    pub(super) fn segments_changed<Y: System + ?Sized>(
+    pub(super) fn segments_changed(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         t: f64,
     ) -> Result<bool, DynamicsError> {
-        let known = system.kept_momentum(None, &mut self.momentum);
+        let known = kept_momentum(system, None, &mut self.momentum);
         known.map_err(|source| DynamicsError::System { t, source })
     }
 
     /// Makes the changes of segment at the beginning of a step.
-    pub(super) fn change_segments_at_start<Y: System + ?Sized>(
+    pub(super) fn change_segments_at_start(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         progress: &mut Progress,
     ) -> Result<(), DynamicsError> {
@@ -118,7 +117,7 @@ impl Run<'_> {
             algorithmic,
         } = &mut progress.state;
         let t = *t;
-        let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
+        let changes = change_charts(system, t, q, v, &mut [a, algorithmic]);
         progress.summary.chart_changes += changes.charts;
         if !self.segments_changed(system, t)? {
             return Ok(());

@@ -71,8 +71,8 @@ pub(crate) struct Stepper {
 }
 
 impl Stepper {
-    pub(crate) fn new<Y: System + ?Sized>(
-        system: &Y,
+    pub(crate) fn new(
+        system: &dyn System,
         options: &DynamicOptions,
     ) -> Result<Self, DynamicsError> {
         let (scheme, newton) = (&options.scheme, options.newton);
@@ -93,9 +93,10 @@ impl Stepper {
             before: zeros(),
         };
         let count = scheme.stages().len();
-        let is_other = |i: &usize| system.quantity(*i) == Quantity::Other;
+        let is_other = |i: &usize| system.coordinate_info(*i).quantity == Quantity::Other;
         let mut others = (0..n).filter(is_other).peekable();
-        let gaps = others.peek().is_some() && others.all(|i| system.is_multiplier(i));
+        let gaps =
+            others.peek().is_some() && others.all(|i| system.coordinate_info(i).is_multiplier);
         Ok(Self {
             r: zeros(),
             S: vec![0.0; system.pattern().len()],
@@ -109,7 +110,7 @@ impl Stepper {
             history: Vec::with_capacity(count * (newton.max_iterations.min(100) + 1)),
             evaluations: 0,
             factorisations: 0,
-            quantities: (0..n).map(|i| system.quantity(i)).collect(),
+            quantities: (0..n).map(|i| system.coordinate_info(i).quantity).collect(),
             inverse_scale: inverse_scales(system),
             gaps,
             room: [zeros(), zeros()],
@@ -118,9 +119,9 @@ impl Stepper {
     }
 
     /// Makes a step from `state` to the time `t`; the result is in `next`, `state` stays unchanged.
-    pub(crate) fn step<Y: System + ?Sized>(
+    pub(crate) fn step(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         scheme: &Scheme,
         state: &State,
@@ -148,9 +149,9 @@ impl Stepper {
     }
 
     /// Newton's method for the stages of a group.
-    fn balance<Y: System + ?Sized>(
+    fn balance(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         step: Attempt<'_>,
         group: &Group,
@@ -225,9 +226,9 @@ impl Stepper {
 
     /// Writes the residuals of the stages of a group to `dq`; returns their largest entries per
     /// quantity, with tangents if requested.
-    fn evaluate<Y: System + ?Sized>(
+    fn evaluate(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         step: Attempt<'_>,
         group: &Group,
         first: bool,
@@ -283,9 +284,9 @@ impl Stepper {
     }
 
     /// Residual of a stage and a tangent; the first iteration of a step comes `from` another time.
-    fn stage<Y: System + ?Sized>(
+    fn stage(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         k: usize,
         from: Option<f64>,
         weights: Option<Weights>,
@@ -299,21 +300,18 @@ impl Stepper {
         };
         let out = Evaluation {
             r: &mut self.r,
+            // The tangent may use the stresses of the previous iterate: large corrections of a slender
+            // structure produce spurious stresses.
+            previous: weights.map(|_| Point {
+                t: from.unwrap_or(state.t),
+                q: before,
+                ..at
+            }),
             S: weights.map(|w| (w, &mut self.S[..])),
             r_t: None,
+            accelerations: None,
         };
-        // The tangent may use the stresses of the previous iterate: large corrections of a slender
-        // structure produce spurious stresses.
-        let from = Point {
-            t: from.unwrap_or(state.t),
-            q: before,
-            ..at
-        };
-        match weights {
-            Some(_) => system.evaluate_from(from, at, out),
-            None => system.evaluate(at, out),
-        }
-        .map_err(Failure::System)?;
+        system.evaluate(at, out).map_err(Failure::System)?;
         match self.r.iter().position(|r| !r.is_finite()) {
             None => Ok(()),
             Some(i) => Err(Failure::System(SystemError::NotFinite {
@@ -324,9 +322,9 @@ impl Stepper {
 
     /// Residual of a stage and its tangent by coordinates: coupled stages have tangents by
     /// accelerations, in which the weight of the stage's own stiffness may be zero.
-    fn by_coordinates<Y: System + ?Sized>(
+    fn by_coordinates(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         Attempt { scheme, h, .. }: Attempt<'_>,
         k: usize,
     ) -> Result<(), Failure> {
@@ -339,9 +337,9 @@ impl Stepper {
     }
 
     /// Whether the residuals of a group are rounding errors.
-    fn is_rounding<Y: System + ?Sized>(
+    fn is_rounding(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         step: Attempt<'_>,
         group: &Group,
     ) -> Result<bool, Failure> {

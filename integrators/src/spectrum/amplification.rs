@@ -82,7 +82,7 @@ pub fn amplification(scheme: &Scheme, Omega: f64) -> Result<[[f64; 3]; 3], Dynam
             };
             let cost = Cost::default();
             let time = StepParameter::Time;
-            let step = FailedStep::new(&system, context, time, [0.0, 1.0], 0, 0, cost);
+            let step = FailedStep::new(&mut system, context, time, [0.0, 1.0], 0, 0, cost);
             return Err(DynamicsError::Step(Box::new(step)));
         }
         let State {

@@ -3,14 +3,16 @@
 #![allow(non_snake_case)]
 
 use super::error::StaticsError;
+use super::fixed_load::{Known, analyse, correct, predict, settle};
 use super::newton::Newton;
 use super::stability::unstable;
 use super::start::begin;
-use super::{Iteration, NewtonOptions, Step};
+use super::{Converged, NewtonOptions, Step};
+use crate::abilities::{change_charts, start};
 use crate::failure::Failure;
-use crate::linear_solver::{AutoSolver, LinearSolver, Symmetry};
-use pullback_manifold::system::{ChartChanges, System};
-use std::ops::ControlFlow;
+use crate::linear_solver::{AutoSolver, LinearSolver};
+use pullback_manifold::system::System;
+use std::ops::{ControlFlow, DerefMut};
 
 /// Load range and step sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,12 +80,90 @@ pub struct Summary {
     pub finished: bool,
 }
 
-/// Follows the equilibrium of `system` from `q` over the load range, with the default solver. Loads
-/// at the start are balanced first, as step 0.
+/// Equilibrium under growing loads, step by step.
+///
+/// ```text
+/// let mut run = LoadSteps::new(&mut context, Vec::new(), &options)?;
+/// while let Some(step) = run.step()? { … }
+/// ```
+///
+/// Loads at the start are balanced first, as step 0.
+pub struct LoadSteps<S> {
+    system: S,
+    solver: AutoSolver,
+    run: Run,
+    q: Vec<f64>,
+}
+
+impl<S> LoadSteps<S>
+where
+    S: DerefMut,
+    S::Target: System + Sized,
+{
+    /// A run from the coordinates `q`; missing ones are zero.
+    ///
+    /// # Errors
+    /// [`StaticsError`] for invalid options.
+    pub fn new(
+        mut system: S,
+        mut q: Vec<f64>,
+        options: &StaticOptions,
+    ) -> Result<Self, StaticsError> {
+        let mut solver = AutoSolver::new();
+        let run = Run::new(&mut *system, &mut solver, &mut q, options)?;
+        Ok(Self {
+            system,
+            solver,
+            run,
+            q,
+        })
+    }
+
+    /// The next equilibrium; `None` at the end of the load range.
+    ///
+    /// # Errors
+    /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
+    pub fn step(&mut self) -> Result<Option<Step<'_>>, StaticsError> {
+        let step = (self.run).next(&mut *self.system, &mut self.solver, &mut self.q)?;
+        Ok(step.map(|step| step.report(&self.q, &self.run.newton.history)))
+    }
+
+    /// All steps to the end of the load range.
+    ///
+    /// # Errors
+    /// As [`LoadSteps::step`].
+    pub fn finish(&mut self) -> Result<(), StaticsError> {
+        while self.step()?.is_some() {}
+        Ok(())
+    }
+
+    /// The present coordinates.
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Counters so far.
+    pub fn summary(&self) -> &Summary {
+        &self.run.summary
+    }
+
+    /// The system, at the present equilibrium.
+    pub fn system(&self) -> &S::Target {
+        &self.system
+    }
+
+    /// The system, for questions that evaluate it.
+    pub fn system_mut(&mut self) -> &mut S::Target {
+        &mut self.system
+    }
+}
+
+/// Follows the equilibrium of `system` from `q` over the load range, with the default solver: all
+/// steps of [`LoadSteps`]. The observer is called after each and may stop the run.
 ///
 /// # Errors
 /// [`StaticsError`] with the failed step, its load, the cause and the residuals.
-pub fn solve_statics<Y: System + ?Sized>(
+pub fn solve_statics<Y: System>(
     system: &mut Y,
     q: &mut Vec<f64>,
     options: &StaticOptions,
@@ -96,14 +176,13 @@ pub fn solve_statics<Y: System + ?Sized>(
 ///
 /// # Errors
 /// As [`solve_statics`].
-pub fn equilibrium<Y: System + ?Sized>(
-    system: &mut Y,
+pub fn equilibrium(
+    system: &mut dyn System,
     options: &StaticOptions,
 ) -> Result<Vec<f64>, StaticsError> {
-    let mut q = Vec::new();
-    solve_statics(system, &mut q, options, &mut |_, _| {
-        ControlFlow::Continue(())
-    })?;
+    let (mut solver, mut q) = (AutoSolver::new(), Vec::new());
+    let mut run = Run::new(system, &mut solver, &mut q, options)?;
+    while run.next(system, &mut solver, &mut q)?.is_some() {}
     Ok(q)
 }
 
@@ -111,200 +190,190 @@ pub fn equilibrium<Y: System + ?Sized>(
 ///
 /// # Errors
 /// As [`solve_statics`].
-pub fn solve_statics_with<Y: System + ?Sized>(
+pub fn solve_statics_with<Y: System>(
     solver: &mut dyn LinearSolver,
     system: &mut Y,
     q: &mut Vec<f64>,
     options: &StaticOptions,
     observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
 ) -> Result<Summary, StaticsError> {
-    check(options)?;
-    q.resize(system.pattern().dim(), 0.0);
-    analyse(solver, system)?;
-    let mut newton = Newton::new(system, &options.newton);
-    let mut summary = Summary {
-        t: options.from,
-        ..Summary::default()
-    };
-    let direction = (options.to - options.from).signum();
-    let mut dt = direction * options.first_step.abs().min(options.max_step.abs());
-    let mut start = q.clone();
-    let beginning = begin(&mut newton, solver, system, q, &mut summary, observer)?;
-    if beginning.flow.is_break() {
-        return Ok(summary);
-    }
-    let mut known = beginning.known;
-    loop {
-        let rest = options.to - summary.t;
-        // The last step absorbs a tiny remainder.
-        let last = rest.abs() <= dt.abs() * (1.0 + 1e-9);
-        let t = if last { options.to } else { summary.t + dt };
-        start.copy_from_slice(q);
-        newton.history.clear();
-        let predicted = predict(&mut newton, solver, system, q, [summary.t, t], known);
-        // A smaller step would begin with the same tangent, unless this one was extrapolated.
-        let exact = known != Known::Evaluated || summary.steps == 0;
-        let hopeless = exact && matches!(predicted, Err(Failure::Linear(_)));
-        let outcome = predicted
-            .and_then(|()| {
-                let previous = Some((summary.t, start.as_slice()));
-                correct(&mut newton, solver, system, q, t, previous)
-            })
-            .and_then(|()| settle(&mut newton, solver, system, q, t));
-        summary.evaluations = newton.evaluations;
-        summary.factorisations = newton.factorisations;
-        match outcome {
-            Ok(chart_changes) => {
-                let iterations = newton.iterations();
-                summary.steps += 1;
-                summary.iterations += iterations;
-                summary.chart_changes += chart_changes;
-                let step_size = t - summary.t;
-                summary.t = t;
-                // The next step begins with this factorisation, made at the iterate before the
-                // last. A singular tangent fails the next step, if any.
-                known = Known::Evaluated;
-                let mut stability = None;
-                if system.is_symmetric() && newton.factorise(solver).is_ok() {
-                    known = Known::Factorised;
-                    stability = unstable(&newton, solver, system);
-                }
-                summary.factorisations = newton.factorisations;
-                let report = Step {
-                    number: summary.steps,
-                    t,
-                    step_size,
-                    q,
-                    iterations,
-                    residuals: &newton.history,
-                    chart_changes,
-                    event: None,
-                    unstable: stability,
-                };
-                let flow = observer(system, &report);
-                if last {
-                    summary.finished = true;
-                    return Ok(summary);
-                }
-                if flow.is_break() {
-                    return Ok(summary);
-                }
-                if iterations <= options.easy {
-                    dt = direction * (2.0 * dt.abs()).min(options.max_step.abs());
-                }
-            }
-            Err(failure) => {
-                summary.rejected += 1;
-                known = Known::Nothing;
-                let mut failed = newton.fail(system, failure, &summary, t);
-                q.copy_from_slice(&start);
-                system.start(summary.t, q);
-                system.change_charts(summary.t, q, &mut [], &mut []);
-                dt = 0.5 * (t - summary.t);
-                if hopeless {
-                    return Err(StaticsError::Step(failed));
-                }
-                if dt.abs() < options.min_step.abs() || dt == 0.0 {
-                    failed.min_step = Some(options.min_step);
-                    return Err(StaticsError::Step(failed));
-                }
-            }
-        }
-    }
-}
-
-/// State of the tangent at the beginning of a step.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Known {
-    Nothing,
-    Evaluated,
-    Factorised,
-}
-
-/// The first correction, with the tangent at the old load.
-fn predict<Y: System + ?Sized>(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    q: &mut [f64],
-    [from, to]: [f64; 2],
-    known: Known,
-) -> Result<(), Failure> {
-    if known == Known::Nothing {
-        newton
-            .evaluate(system, None, q, from)
-            .map_err(Failure::System)?;
-    }
-    if known != Known::Factorised {
-        newton.factorise(solver)?;
-    }
-    // δq = K⁻¹ (r + r_λ Δλ): with r_λ a prescribed support bends the whole structure, while the
-    // residual alone would first strain the element next to it.
-    for ((dq, r), rate) in newton.dq.iter_mut().zip(&newton.r).zip(&newton.r_lambda) {
-        *dq = r + rate * (to - from);
-    }
-    let residual = newton.largest(system, &newton.dq);
-    solver
-        .solve(Some(&newton.S), &mut newton.dq)
-        .map_err(Failure::Linear)?;
-    for (q, dq) in q.iter_mut().zip(&newton.dq) {
-        *q += dq;
-    }
-    newton.history.push(Iteration {
-        residual,
-        ratio: f64::INFINITY,
-        correction: newton.size(&newton.dq),
-        damping: 1.0,
-    });
-    Ok(())
-}
-
-fn correct<Y: System + ?Sized>(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    q: &mut [f64],
-    t: f64,
-    previous: Option<(f64, &[f64])>,
-) -> Result<(), Failure> {
-    let mut lambda = t;
-    newton.correct(system, solver, q, &mut lambda, None, previous)
-}
-
-/// Changes charts if needed, and restores equilibrium if the discretisation of an element depends
-/// on them, so that results do not depend on the path.
-pub(super) fn settle<Y: System + ?Sized>(
-    newton: &mut Newton,
-    solver: &mut dyn LinearSolver,
-    system: &mut Y,
-    q: &mut [f64],
-    t: f64,
-) -> Result<usize, Failure> {
-    let mut changes = 0;
-    // If equilibrium moves an element back over its border, the second round is the last.
-    for _ in 0..2 {
-        let changed = system.change_charts(t, q, &mut [], &mut []);
-        changes += changed.charts;
-        if changed == ChartChanges::default() {
+    let mut run = Run::new(system, solver, q, options)?;
+    while let Some(step) = run.next(system, solver, q)? {
+        if observer(system, &step.report(q, &run.newton.history)).is_break() {
             break;
         }
-        correct(newton, solver, system, q, t, None)?;
     }
-    Ok(changes)
+    Ok(run.summary)
 }
 
-pub(super) fn analyse<Y: System + ?Sized>(
-    solver: &mut dyn LinearSolver,
-    system: &Y,
-) -> Result<(), StaticsError> {
-    let symmetry = if system.is_symmetric() {
-        Symmetry::Symmetric
-    } else {
-        Symmetry::General
-    };
-    solver
-        .analyse(system.pattern(), symmetry)
-        .map_err(|source| StaticsError::Analysis { source })
+/// The engine of a run: all that a step needs beside the system, the solver and the coordinates.
+struct Run {
+    newton: Newton,
+    options: StaticOptions,
+    summary: Summary,
+    /// Coordinates at the beginning of a step.
+    start: Vec<f64>,
+    /// Next step of the load parameter.
+    dt: f64,
+    /// The tangent at the present equilibrium; `None` before the first one.
+    known: Option<Known>,
+}
+
+impl Run {
+    fn new(
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        q: &mut Vec<f64>,
+        options: &StaticOptions,
+    ) -> Result<Self, StaticsError> {
+        check(options)?;
+        q.resize(system.pattern().dim(), 0.0);
+        analyse(solver, system)?;
+        let first_step = options.first_step.abs().min(options.max_step.abs());
+        Ok(Self {
+            newton: Newton::new(system, &options.newton),
+            options: *options,
+            summary: Summary {
+                t: options.from,
+                ..Summary::default()
+            },
+            start: q.clone(),
+            dt: (options.to - options.from).signum() * first_step,
+            known: None,
+        })
+    }
+
+    /// The next equilibrium; `None` at the end of the load range.
+    fn next(
+        &mut self,
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        q: &mut [f64],
+    ) -> Result<Option<Converged>, StaticsError> {
+        if self.known.is_none() {
+            let (known, start) = begin(&mut self.newton, solver, system, q, &mut self.summary)?;
+            self.known = Some(known);
+            if start.is_some() {
+                return Ok(start);
+            }
+        }
+        while !self.summary.finished {
+            let rest = self.options.to - self.summary.t;
+            // The last step absorbs a tiny remainder.
+            let last = rest.abs() <= self.dt.abs() * (1.0 + 1e-9);
+            let t = if last {
+                self.options.to
+            } else {
+                self.summary.t + self.dt
+            };
+            let known = self.known.unwrap_or(Known::Nothing);
+            let attempt = self.attempt(system, solver, q, t, known);
+            self.summary.evaluations = self.newton.evaluations;
+            self.summary.factorisations = self.newton.factorisations;
+            match attempt {
+                Ok(chart_changes) => {
+                    self.summary.finished = last;
+                    return Ok(Some(self.accept(system, solver, t, chart_changes)));
+                }
+                Err(failure) => self.halve(system, q, t, known, failure)?,
+            }
+        }
+        Ok(None)
+    }
+
+    /// One attempt at a step to `t`; the number of changes of chart.
+    fn attempt(
+        &mut self,
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        q: &mut [f64],
+        t: f64,
+        known: Known,
+    ) -> Result<usize, StepFailure> {
+        let newton = &mut self.newton;
+        self.start.copy_from_slice(q);
+        newton.history.clear();
+        let from = self.summary.t;
+        predict(newton, solver, system, q, [from, t], known).map_err(StepFailure::Predict)?;
+        let previous = Some((from, self.start.as_slice()));
+        correct(newton, solver, system, q, t, previous)
+            .and_then(|()| settle(newton, solver, system, q, t))
+            .map_err(StepFailure::Correct)
+    }
+
+    /// Accepts the equilibrium at `t`.
+    fn accept(
+        &mut self,
+        system: &mut dyn System,
+        solver: &mut dyn LinearSolver,
+        t: f64,
+        chart_changes: usize,
+    ) -> Converged {
+        let (newton, summary) = (&mut self.newton, &mut self.summary);
+        let iterations = newton.iterations();
+        summary.steps += 1;
+        summary.iterations += iterations;
+        summary.chart_changes += chart_changes;
+        let step_size = t - summary.t;
+        summary.t = t;
+        // The next step begins with this factorisation, made at the iterate before the last. A
+        // singular tangent fails the next step, if any.
+        self.known = Some(Known::Evaluated);
+        let mut stability = None;
+        if system.is_symmetric() && newton.factorise(solver).is_ok() {
+            self.known = Some(Known::Factorised);
+            stability = unstable(newton, solver, system);
+        }
+        summary.factorisations = newton.factorisations;
+        if iterations <= self.options.easy {
+            let longest = self.options.max_step.abs();
+            self.dt = self.dt.signum() * (2.0 * self.dt.abs()).min(longest);
+        }
+        Converged {
+            number: summary.steps,
+            t,
+            step_size,
+            iterations,
+            chart_changes,
+            unstable: stability,
+        }
+    }
+
+    /// Halves the step to `t` after a failure, or ends the run.
+    fn halve(
+        &mut self,
+        system: &mut dyn System,
+        q: &mut [f64],
+        t: f64,
+        known: Known,
+        failure: StepFailure,
+    ) -> Result<(), StaticsError> {
+        // A smaller step would begin with the same tangent, unless this one was extrapolated.
+        let exact = known != Known::Evaluated || self.summary.steps == 0;
+        let hopeless = exact && matches!(failure, StepFailure::Predict(Failure::Linear(_)));
+        let (StepFailure::Predict(failure) | StepFailure::Correct(failure)) = failure;
+        self.summary.rejected += 1;
+        self.known = Some(Known::Nothing);
+        let mut failed = self.newton.fail(system, failure, &self.summary, t);
+        q.copy_from_slice(&self.start);
+        start(system, self.summary.t, q);
+        change_charts(system, self.summary.t, q, &mut [], &mut []);
+        self.dt = 0.5 * (t - self.summary.t);
+        if hopeless {
+            return Err(StaticsError::Step(failed));
+        }
+        if self.dt.abs() < self.options.min_step.abs() || self.dt == 0.0 {
+            failed.min_step = Some(self.options.min_step);
+            return Err(StaticsError::Step(failed));
+        }
+        Ok(())
+    }
+}
+
+/// The part of a step that failed.
+enum StepFailure {
+    Predict(Failure),
+    Correct(Failure),
 }
 
 fn check(options: &StaticOptions) -> Result<(), StaticsError> {

@@ -65,10 +65,10 @@ fn largest_miss(event: Event, newton: &Newton, options: &ArcLengthOptions) -> f6
 }
 
 /// The events of a step (start, end, distance), in order.
-pub(super) fn locate<Y: System + ?Sized>(
+pub(super) fn locate(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
-    system: &mut Y,
+    system: &mut dyn System,
     step: (&Position, &Position, f64),
     norm: &Norm,
     options: &ArcLengthOptions,
@@ -106,10 +106,10 @@ pub(super) fn locate<Y: System + ?Sized>(
 
 /// Regula falsi with the Illinois modification; returns the best trial, even if the last bit cannot
 /// be resolved.
-fn find<Y: System + ?Sized>(
+fn find(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
-    system: &mut Y,
+    system: &mut dyn System,
     (at, next, ds): (&Position, &Position, f64),
     norm: &Norm,
     event: Event,

@@ -8,18 +8,21 @@
 
 mod arc_length;
 mod error;
+mod fixed_load;
 mod load_steps;
 mod locate;
 mod newton;
 mod path;
+mod path_run;
 mod stability;
 mod start;
 
 pub use crate::failure::{Cause, Cost, FailedStep, StepParameter};
-pub use arc_length::{trace_path, trace_path_with};
 pub use error::StaticsError;
-pub use load_steps::{StaticOptions, Summary, equilibrium, solve_statics, solve_statics_with};
-pub use path::{ArcLengthOptions, Event, PathSummary};
+pub use load_steps::{
+    LoadSteps, StaticOptions, Summary, equilibrium, solve_statics, solve_statics_with,
+};
+pub use path::{ArcLengthOptions, Event, PathSteps, PathSummary, trace_path, trace_path_with};
 
 /// Options of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,4 +110,32 @@ pub struct Step<'a> {
     /// this state, less one for each equation with a multiplier. `None` if the tangent is not
     /// symmetric or is singular, as at a turning point, or if the solver does not provide it.
     pub unstable: Option<usize>,
+}
+
+/// An equilibrium that a step has reached.
+#[derive(Clone, Copy, Default)]
+struct Converged {
+    number: usize,
+    t: f64,
+    step_size: f64,
+    iterations: usize,
+    chart_changes: usize,
+    unstable: Option<usize>,
+}
+
+impl Converged {
+    /// The report of the step.
+    fn report<'a>(&self, q: &'a [f64], residuals: &'a [Iteration]) -> Step<'a> {
+        Step {
+            number: self.number,
+            t: self.t,
+            step_size: self.step_size,
+            q,
+            iterations: self.iterations,
+            residuals,
+            chart_changes: self.chart_changes,
+            event: None,
+            unstable: self.unstable,
+        }
+    }
 }

@@ -71,7 +71,7 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    pub(super) fn new<Y: System + ?Sized>(system: &Y, options: &NewtonOptions) -> Self {
+    pub(super) fn new(system: &dyn System, options: &NewtonOptions) -> Self {
         let n = system.pattern().dim();
         let zeros = || vec![0.0; n];
         Self {
@@ -88,7 +88,7 @@ impl Newton {
             factorisations: 0,
             unbalanced: [0.0; 3],
             gaps: 0.0,
-            has_gaps: (0..n).any(|i| system.is_multiplier(i)),
+            has_gaps: (0..n).any(|i| system.coordinate_info(i).is_multiplier),
             allowed: [0.0; 3],
             predicted: 0,
             options: *options,
@@ -104,9 +104,9 @@ impl Newton {
     }
 
     /// Residual, tangent and ∂r/∂λ; the tangent may extrapolate from a previous iterate.
-    pub(super) fn evaluate<Y: System + ?Sized>(
+    pub(super) fn evaluate(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         previous: Option<(f64, &[f64])>,
         q: &[f64],
         lambda: f64,
@@ -122,17 +122,16 @@ impl Newton {
             r: &mut self.r,
             S: Some((Weights::STATIC, &mut self.S)),
             r_t: Some(&mut self.r_lambda),
+            previous: previous.map(|(t, from)| rest(t, from)),
+            accelerations: None,
         };
-        match previous {
-            None => system.evaluate(rest(lambda, q), out),
-            Some((t, from)) => system.evaluate_from(rest(t, from), rest(lambda, q), out),
-        }
+        system.evaluate(rest(lambda, q), out)
     }
 
     /// Report of a failed step to `to`.
-    pub(super) fn fail<Y: System + ?Sized>(
+    pub(super) fn fail(
         &self,
-        system: &Y,
+        system: &mut dyn System,
         failure: Failure,
         summary: &Summary,
         to: f64,
@@ -172,10 +171,10 @@ impl Newton {
     }
 
     /// Largest entry per quantity of a residual vector.
-    pub(super) fn largest<Y: System + ?Sized>(&self, system: &Y, r: &[f64]) -> [f64; 3] {
+    pub(super) fn largest(&self, system: &dyn System, r: &[f64]) -> [f64; 3] {
         let mut largest = [0.0_f64; 3];
         for (i, r) in r.iter().enumerate() {
-            let k = system.quantity(i).index();
+            let k = system.coordinate_info(i).quantity.index();
             largest[k] = largest[k].max(r.abs());
         }
         largest
@@ -183,12 +182,7 @@ impl Newton {
 
     /// Whether the last correction left only rounding errors. A prediction, by the tangent at
     /// another load, says nothing about convergence.
-    fn is_rounding<Y: System + ?Sized>(
-        &mut self,
-        system: &Y,
-        q: &[f64],
-        residual: [f64; 3],
-    ) -> bool {
+    fn is_rounding(&mut self, system: &dyn System, q: &[f64], residual: [f64; 3]) -> bool {
         let corrections = &self.history[self.predicted..];
         ConvergencePredictor::new(corrections, true).is_stagnation(residual, self.allowed, true)
             && {
@@ -198,7 +192,7 @@ impl Newton {
     }
 
     /// Residual per quantity, and the largest of them relative to the tolerance.
-    fn test<Y: System + ?Sized>(&mut self, system: &Y) -> ([f64; 3], f64) {
+    fn test(&mut self, system: &dyn System) -> ([f64; 3], f64) {
         let largest = self.largest(system, &self.r);
         let measures = system.scales().measures();
         let mut ratio = 0.0_f64;
@@ -222,9 +216,9 @@ impl Newton {
     /// Iterates (q, λ) from their present values; if `history` is not empty, a first linear
     /// correction was made from the state `previous`. On success the tangent and r_λ at the
     /// solution are up to date.
-    pub(super) fn correct<Y: System + ?Sized>(
+    pub(super) fn correct(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         q: &mut [f64],
         lambda: &mut f64,
@@ -297,9 +291,9 @@ impl Newton {
 
     /// Steps along `dq` as far as the natural monotonicity test allows; updates q, λ and the
     /// evaluation.
-    fn damped_step<Y: System + ?Sized>(
+    fn damped_step(
         &mut self,
-        system: &mut Y,
+        system: &mut dyn System,
         solver: &mut dyn LinearSolver,
         q: &mut [f64],
         lambda: &mut f64,

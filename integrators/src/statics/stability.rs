@@ -14,10 +14,10 @@ use pullback_manifold::system::System;
 /// Number of unstable directions at the state evaluated and factorised last.
 ///
 /// `None` if the tangent is not symmetric, or the solver does not provide it.
-pub(super) fn unstable<Y: System + ?Sized>(
+pub(super) fn unstable(
     newton: &Newton,
     solver: &mut dyn LinearSolver,
-    system: &Y,
+    system: &dyn System,
 ) -> Option<usize> {
     if !system.is_symmetric() {
         return None;
@@ -31,7 +31,7 @@ pub(super) fn unstable<Y: System + ?Sized>(
         for (k, unknown) in pattern.unknowns(block).enumerate() {
             // A multiplier with a redundant equation has a diagonal entry and no others.
             let enforced = newton.S[start + k * (n + 1)] == 0.0;
-            equations += usize::from(enforced && system.is_multiplier(unknown));
+            equations += usize::from(enforced && system.coordinate_info(unknown).is_multiplier);
         }
     }
     negative.checked_sub(equations)

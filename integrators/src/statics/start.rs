@@ -4,44 +4,36 @@
 //! before they grow, and the equilibrium is reported as step 0. Without such loads nothing is
 //! solved or reported.
 
+use super::Converged;
 use super::error::StaticsError;
-use super::load_steps::{Known, Summary, settle};
+use super::fixed_load::{Known, settle};
+use super::load_steps::Summary;
 use super::newton::Newton;
 use super::stability::unstable;
-use super::{Iteration, Step};
+use crate::abilities::{change_charts, start};
 use crate::failure::Failure;
 use crate::linear_solver::LinearSolver;
 use pullback_manifold::system::System;
-use std::ops::ControlFlow;
 
-/// Result of the initial equilibrium.
-pub(super) struct Beginning {
-    pub known: Known,
-    pub flow: ControlFlow<()>,
-}
-
-/// Balances the loads at `summary.t`, from `q`, and reports the equilibrium if there are any.
+/// Balances the loads at `summary.t`, from `q`: the state of the tangent, and the equilibrium if
+/// there are any loads.
 ///
 /// # Errors
 /// [`StaticsError::Step`] with the number 0.
-pub(super) fn begin<Y: System + ?Sized>(
+pub(super) fn begin(
     newton: &mut Newton,
     solver: &mut dyn LinearSolver,
-    system: &mut Y,
+    system: &mut dyn System,
     q: &mut [f64],
     summary: &mut Summary,
-    observer: &mut dyn FnMut(&mut Y, &Step<'_>) -> ControlFlow<()>,
-) -> Result<Beginning, StaticsError> {
+) -> Result<(Known, Option<Converged>), StaticsError> {
     let t = summary.t;
-    system.start(t, q);
-    summary.chart_changes += system.change_charts(t, q, &mut [], &mut []).charts;
+    start(system, t, q);
+    summary.chart_changes += change_charts(system, t, q, &mut [], &mut []).charts;
     newton.history.clear();
     let evaluated = newton.evaluate(system, None, q, t).map_err(Failure::System);
     if evaluated.is_ok() && newton.r.iter().all(|r| *r == 0.0) {
-        return Ok(Beginning {
-            known: Known::Evaluated,
-            flow: ControlFlow::Continue(()),
-        });
+        return Ok((Known::Evaluated, None));
     }
     let mut lambda = t;
     let outcome = evaluated
@@ -61,22 +53,17 @@ pub(super) fn begin<Y: System + ?Sized>(
         known = Known::Factorised;
         stability = unstable(newton, solver, system);
     }
-    let residuals: Vec<Iteration> = newton.history.clone();
     summary.iterations = newton.iterations();
     summary.chart_changes += chart_changes;
     summary.evaluations = newton.evaluations;
     summary.factorisations = newton.factorisations;
-    let report = Step {
+    let start = Converged {
         number: 0,
         t,
         step_size: 0.0,
-        q,
         iterations: summary.iterations,
-        residuals: &residuals,
         chart_changes,
-        event: None,
         unstable: stability,
     };
-    let flow = observer(system, &report);
-    Ok(Beginning { known, flow })
+    Ok((known, Some(start)))
 }

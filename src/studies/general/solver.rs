@@ -7,7 +7,7 @@ use diffsol::{
     OdeSolverStopReason, Vector,
 };
 use pullback_integrators::dynamics::{self, DynamicOptions, Progress, State};
-use pullback_manifold::system::System;
+use pullback_manifold::system::{ChartChanges, System};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
@@ -33,7 +33,7 @@ pub fn integrate<Y: System + ?Sized>(
     observer: &mut Observer<'_, Y>,
 ) -> Result<(), GeneralError> {
     let n = system.pattern().dim();
-    if let Some(i) = (0..n).find(|&i| system.is_multiplier(i)) {
+    if let Some(i) = (0..n).find(|&i| system.coordinate_info(i).is_multiplier) {
         return Err(GeneralError::Multiplier {
             solver: how.to_string(),
             multiplier: system.name(i),
@@ -44,7 +44,7 @@ pub fn integrate<Y: System + ?Sized>(
     };
     let begun = progress.state.t;
     settle(system, progress, end - begun)?;
-    let mut kinks = system.kinks();
+    let mut kinks = (system.events()).map_or_else(Vec::new, |events| events.kinks());
     kinks.retain(|&kink| kink > begun && kink < end);
     kinks.sort_by(f64::total_cmp);
     kinks.dedup();
@@ -97,7 +97,7 @@ fn settle<Y: System + ?Sized>(
 /// largest velocity at the start.
 fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f64> {
     let scales = system.scales().coordinate;
-    let kind = |i: usize| system.quantity(i).index();
+    let kind = |i: usize| system.coordinate_info(i).quantity.index();
     let mut rates = scales.map(|scale| scale / time);
     for (i, v) in state.v.iter().enumerate() {
         rates[kind(i)] = rates[kind(i)].max(v.abs());
@@ -234,7 +234,10 @@ impl<Y: System + ?Sized> Along<'_, '_, Y> {
                 ..
             } = state;
             let system = &mut self.equations.borrow_mut().system;
-            let changes = system.change_charts(t, q, v, &mut [a, algorithmic]);
+            let changes = match system.charts() {
+                Some(charts) => charts.change_charts(t, q, v, &mut [a, algorithmic]),
+                None => ChartChanges::default(),
+            };
             progress.summary.chart_changes += changes.charts;
             if flow.is_continue() {
                 flow = (observer.go)();

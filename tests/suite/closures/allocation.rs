@@ -10,6 +10,7 @@ use pullback::integrators::dynamics::{
     DynamicOptions, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// Allocations of a run of so many steps: a double pendulum whose second body flies freely but for a
 /// joint, and is closed to a third one, which is redundant in part. It does not get far: which

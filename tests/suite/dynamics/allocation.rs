@@ -20,6 +20,7 @@ use pullback::manifold::scalar::Scalar;
 use pullback::manifold::system::Quantity;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 fn section() -> Section {
     let section = Section::diagonal(1e5, [1e5, 1e5], 1e3, [1e3, 1e3]).unwrap();

@@ -3,8 +3,7 @@
 
 use pullback::elements::model::{Context, Model};
 use pullback::input::{self, Plan};
-use pullback::integrators::dynamics::{DynamicOptions, Progress, State, integrate, start};
-use std::ops::ControlFlow;
+use pullback::integrators::dynamics::{DynamicOptions, Simulation, State, start};
 use std::sync::Arc;
 
 /// Mechanisms whose loops change their split, and beams that turn beyond their first chart.
@@ -15,33 +14,22 @@ const MODELS: [&str; 2] = [
 const STEPS: usize = 60;
 
 /// The context at the start of a model file, with its initial state and options.
-fn setup(text: &str) -> (Context, Progress, DynamicOptions) {
+fn setup(text: &str) -> (Context, State, DynamicOptions) {
     let file = input::parse("model.toml", text).unwrap();
     let job = input::job("model.toml", &file).unwrap();
     let Plan::Dynamic(plan) = job.plan else {
         panic!("a motion");
     };
     let first = start(&job.model, 0.0, &job.start.q, &job.start.v).unwrap();
-    (job.model, Progress::new(first), plan.options)
+    (job.model, first, plan.options)
 }
 
-/// The coordinates after some more steps.
-fn steps(
-    context: &mut Context,
-    progress: &mut Progress,
-    options: &DynamicOptions,
-    count: usize,
-) -> Vec<u64> {
-    let mut left = count;
-    integrate(context, progress, options, &mut |_, _| {
-        left -= 1;
-        match left {
-            0 => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
-        }
-    })
-    .unwrap();
-    let State { q, v, a, .. } = &progress.state;
+/// The state after some more steps, bit by bit.
+fn steps(run: &mut Simulation<&mut Context>) -> Vec<u64> {
+    for _ in 0..STEPS {
+        assert!(run.step().unwrap().is_some());
+    }
+    let State { q, v, a, .. } = run.state();
     let all = q.iter().chain(v).chain(a);
     all.map(|x| x.to_bits()).collect()
 }
@@ -52,17 +40,15 @@ fn a_model_is_shared_between_threads() {
     shared::<Model>();
     shared::<Context>();
     for text in MODELS {
-        let (mut context, mut progress, options) = setup(text);
+        let (mut context, first, options) = setup(text);
         let model = Arc::clone(context.model());
-        let first = progress.clone();
-        let alone = steps(&mut context, &mut progress, &options, STEPS);
+        let run = |context: &mut Context| {
+            steps(&mut Simulation::new(context, first.clone(), &options).unwrap())
+        };
+        let alone = run(&mut context);
         std::thread::scope(|scope| {
-            let threads = [0; 2].map(|_| {
-                scope.spawn(|| {
-                    let mut context = Context::new(Arc::clone(&model));
-                    steps(&mut context, &mut first.clone(), &options, STEPS)
-                })
-            });
+            let other = || run(&mut Context::new(Arc::clone(&model)));
+            let threads = [scope.spawn(other), scope.spawn(other)];
             for thread in threads {
                 assert!(thread.join().unwrap() == alone);
             }
@@ -71,17 +57,21 @@ fn a_model_is_shared_between_threads() {
 }
 
 #[test]
-fn a_clone_of_the_state_is_a_snapshot() {
+fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
     for text in MODELS {
-        let (mut context, mut progress, options) = setup(text);
-        steps(&mut context, &mut progress, &options, STEPS);
-        let (state, at) = (context.state().clone(), progress.clone());
-        let once = steps(&mut context, &mut progress, &options, STEPS);
-        // Back in the same context, and in a new one.
-        context.set_state(state.clone());
-        assert!(steps(&mut context, &mut at.clone(), &options, STEPS) == once);
-        let mut other = Context::new(Arc::clone(context.model()));
-        other.set_state(state);
-        assert!(steps(&mut other, &mut at.clone(), &options, STEPS) == once);
+        let (mut context, first, options) = setup(text);
+        let model = Arc::clone(context.model());
+        let mut run = Simulation::new(&mut context, first, &options).unwrap();
+        let before = steps(&mut run);
+        let snapshot = run.save();
+        let once = steps(&mut run);
+        assert!(once != before);
+        run.restore(&snapshot).unwrap();
+        assert!(steps(&mut run) == once);
+        // In a new context with a clone of the state.
+        let mut other = Context::new(model);
+        other.set_state(snapshot.system.state().clone());
+        let mut run = Simulation::resume(&mut other, snapshot.progress, &options).unwrap();
+        assert!(steps(&mut run) == once);
     }
 }

@@ -15,7 +15,7 @@ use pullback::elements::model::{
 use pullback::elements::time::{Constant, Pulse};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, Scheme, integrate, start};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Point, System};
+use pullback::manifold::system::{Energetics, Point, System};
 use std::ops::ControlFlow;
 
 const LENGTH: f64 = 1.0;

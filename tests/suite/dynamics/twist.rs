@@ -11,10 +11,11 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::spring::Bushing;
 use pullback::elements::time::Sine;
 use pullback::integrators::dynamics::{Progress, Scheme, integrate, start};
-use pullback::integrators::statics::StaticsError;
-use pullback::manifold::system::System;
+use pullback::integrators::statics::{StaticsError, solve_statics};
+use pullback::manifold::system::{Charts, System};
 use pullback::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 /// Torsional stiffness GJ, and moment per angle of the bushing.
 const GJ: f64 = 0.7;

@@ -7,10 +7,11 @@ use nalgebra::Matrix3;
 use pullback::elements::joint::Spline;
 use pullback::elements::joint::{Curve, JointNodes, Surface, on_curve, on_surface, revolute};
 use pullback::elements::model::NodeState;
-use pullback::integrators::dynamics::StepReport;
+use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
 
 const G: f64 = 9.81;
 

@@ -11,12 +11,13 @@ use pullback::elements::joint::{
 };
 use pullback::elements::joint::{Curve, Surface, prismatic, revolute};
 use pullback::elements::time::TimeFunction;
-use pullback::integrators::dynamics::StepReport;
+use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::so3;
 use pullback::manifold::system::Evaluation;
 use pullback::manifold::system::Point;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 const MASS: f64 = 2.0;
 

@@ -8,10 +8,11 @@ use pullback::elements::joint::{GearError, JointNodes, RevoluteNodes};
 use pullback::elements::joint::{gear, offset, revolute};
 use pullback::elements::load::CoordinateForce;
 use pullback::elements::model::ModelError;
-use pullback::integrators::dynamics::StepReport;
+use pullback::integrators::dynamics::{Progress, StepReport, integrate};
 use pullback::manifold::system::Point;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// Two rotors on the ground with a motor on the first, and a spring and damper where `acts` says so.
 fn rotors(acts: [&str; 2], gear: &str) -> String {

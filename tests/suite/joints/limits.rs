@@ -9,11 +9,12 @@ use pullback::elements::joint::{
 };
 use pullback::elements::model::NodeState;
 use pullback::elements::spring::AxialSpring;
-use pullback::integrators::dynamics::DynamicsError;
+use pullback::integrators::dynamics::{DynamicsError, Progress, integrate};
 use pullback::manifold::so3;
 use pullback::manifold::system::System;
 use pullback::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 /// A body that is the same about all axes, on whatever `hang` makes on the ground; no weight.
 fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, JointNodes) {

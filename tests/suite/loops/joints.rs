@@ -276,12 +276,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
             };
             model.energies_and_momentum(at).unwrap();
             let mut r = [0.0];
-            let out_of = Evaluation {
-                r: &mut r,
-                S: None,
-                r_t: None,
-            };
-            model.evaluate(at, out_of).unwrap();
+            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
             out.push(nodes.map(|n| model.joint_force(n).unwrap()[0]));
         });
         out
@@ -323,12 +318,7 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
                 a: &s.a,
             };
             let mut r = [0.0];
-            let out_of = Evaluation {
-                r: &mut r,
-                S: None,
-                r_t: None,
-            };
-            model.evaluate(at, out_of).unwrap();
+            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
             out = nodes.map(|n| model.joint_force(n).unwrap()[0]);
         });
         out

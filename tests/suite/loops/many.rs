@@ -9,7 +9,7 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{Joint, JointCoordinate, Pose, Revolute, offset, revolute};
 use pullback::elements::model::{Context, Dof, ModelBuilder};
 use pullback::manifold::scalar::Scalar;
-use pullback::manifold::system::{Evaluation, Point, Quantity, System, Weights};
+use pullback::manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

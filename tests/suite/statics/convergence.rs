@@ -5,10 +5,11 @@
 use nalgebra::Matrix3;
 use pullback::elements::load::LineLoad;
 use pullback::elements::spring::AxialSpring;
-use pullback::integrators::dynamics::StepReport;
 use pullback::integrators::dynamics::Summary;
-use pullback::integrators::statics::StaticsError;
+use pullback::integrators::dynamics::{Progress, StepReport, integrate};
+use pullback::integrators::statics::{StaticsError, solve_statics};
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// Displacement of the crown of a von Mises truss of height `rise` and half span 1 (stiffness 1 of
 /// each bar) under a load that presses it down, with another node held `far` away.

@@ -3,8 +3,9 @@
 #![allow(non_snake_case)]
 
 use pullback::input::{Plan, assemble_text};
-use pullback::integrators::statics::{StaticsError, Step, trace_path};
+use pullback::integrators::statics::{StaticsError, Step, solve_statics, trace_path};
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// Runs a text to the end of its loads, under an analysis of its own.
 fn run(text: &str, analysis: &str) -> Context {

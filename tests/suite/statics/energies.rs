@@ -7,8 +7,11 @@ use pullback::elements::energy::{
     Energies, Gravity, GreenLagrange, Reissner, StrainMeasure, strain_beam,
 };
 use pullback::elements::model::NodeState;
+use pullback::integrators::dynamics::{Progress, integrate};
+use pullback::integrators::statics::solve_statics;
 use pullback::prelude::*;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 const LENGTH: f64 = 2.0;
 const EA: f64 = 300.0;

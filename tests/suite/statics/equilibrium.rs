@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
-use pullback::integrators::statics::Cause;
+use pullback::integrators::statics::{Cause, solve_statics};
 use pullback::integrators::statics::{StaticsError, Step};
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// A cantilever of unit length along e1 with a load at its tip.
 fn cantilever(EA: f64, elements: usize, load: NodalLoad) -> (Context, NodeId) {

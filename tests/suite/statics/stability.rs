@@ -4,9 +4,10 @@
 
 use crate::support::program::{directory, history, number, program, results, write};
 use pullback::input::{Plan, assemble_text};
-use pullback::integrators::statics::{Step, trace_path};
+use pullback::integrators::statics::{Step, solve_statics, trace_path};
 use pullback::prelude::*;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 /// Elements of a column.
 const ELEMENTS: usize = 16;

@@ -8,7 +8,9 @@ use pullback::elements::body::RigidBody;
 use pullback::elements::joint::{offset, revolute};
 use pullback::elements::spring::{Bushing, CoordinateLaw, CoordinateSpring};
 use pullback::integrators::dynamics::{DynamicOptions, Progress, StepReport, integrate, start};
+use pullback::integrators::statics::solve_statics;
 use pullback::prelude::*;
+use std::ops::ControlFlow;
 
 /// A unit of length, of force and of time.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,7 @@ use pullback::integrators::dynamics::{
 use pullback::manifold::so3;
 use pullback::manifold::sparse::BlockPattern;
 use pullback::manifold::system::{
-    ChartChanges, Evaluation, Point, Quantity, Scales, System, SystemError,
+    ChartChanges, Charts, CoordinateInfo, Evaluation, Point, Scales, System, SystemError,
 };
 use std::ops::ControlFlow;
 
@@ -87,9 +87,28 @@ impl System for Flipped {
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
-        self.model.evaluate(at, out)
+        let previous = None;
+        self.model.evaluate(at, Evaluation { previous, ..out })
     }
 
+    fn coordinate_info(&self, i: usize) -> CoordinateInfo {
+        self.model.coordinate_info(i)
+    }
+
+    fn name(&self, i: usize) -> String {
+        self.model.name(i)
+    }
+
+    fn scales(&self) -> Scales {
+        self.model.scales()
+    }
+
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Charts for Flipped {
     fn change_charts(
         &mut self,
         _: f64,
@@ -121,18 +140,6 @@ impl System for Flipped {
             charts: self.rotations.len(),
             residual: false,
         }
-    }
-
-    fn quantity(&self, i: usize) -> Quantity {
-        self.model.quantity(i)
-    }
-
-    fn name(&self, i: usize) -> String {
-        self.model.name(i)
-    }
-
-    fn scales(&self) -> Scales {
-        self.model.scales()
     }
 }
 

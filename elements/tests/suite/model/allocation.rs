@@ -13,7 +13,7 @@ use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight, frame
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::{Constant, Proportional, Table};
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Evaluation, Point, System, Weights};
+use pullback_manifold::system::{Charts, Evaluation, Point, System, Weights};
 
 #[test]
 fn nothing_is_allocated_after_the_first_evaluation() {
@@ -129,14 +129,16 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         };
         for (at, weights) in [(rest, Weights::STATIC), (moving, weights)] {
             let out = Evaluation {
-                r: &mut r,
-                S: Some((weights, &mut S)),
                 r_t: Some(&mut r_t),
+                ..Evaluation::with_tangent(&mut r, weights, &mut S)
             };
             model.evaluate(at, out).unwrap();
             model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-            let out = Evaluation::with_tangent(&mut r, weights, &mut S);
-            model.evaluate_from(rest, at, out).unwrap();
+            let out = Evaluation {
+                previous: Some(rest),
+                ..Evaluation::with_tangent(&mut r, weights, &mut S)
+            };
+            model.evaluate(at, out).unwrap();
         }
     };
     all(&mut model);

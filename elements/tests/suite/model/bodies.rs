@@ -8,7 +8,7 @@ use pullback_elements::body::{PointMass, RigidBody};
 use pullback_elements::model::{Context, Dof, ModelBuilder, NodeId};
 use pullback_elements::spring::{AxialSpring, Bushing};
 use pullback_elements::time::Constant;
-use pullback_manifold::system::{Evaluation, Point, System};
+use pullback_manifold::system::{Charts, Evaluation, Point, System};
 
 /// Two bodies joined by a bushing, one of them by a spring to a point mass, all in a gravity field.
 fn model() -> (Context, [NodeId; 3]) {

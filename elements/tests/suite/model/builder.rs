@@ -9,7 +9,7 @@ use pullback_elements::model::{
     Arc, Axis, Context, Dof, ModelBuilder, ModelError, NodeId, Straight, frame_along,
 };
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Quantity, System};
+use pullback_manifold::system::{Charts, Quantity, System};
 use std::time::Instant;
 
 fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
@@ -92,7 +92,7 @@ fn unknowns_have_numbers_names_and_kinds() {
     assert_eq!(model.name(9), "node b, rotation about e3");
     assert_eq!(model.name(11), "hinge, coordinate 2");
     assert_eq!(model.name(12), "six, coordinate 1");
-    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.quantity(i));
+    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.coordinate_info(i).quantity);
     assert_eq!(
         kinds,
         [

@@ -12,7 +12,7 @@ use pullback_elements::time::{Constant, Table, TimeFunction};
 use pullback_manifold::map::Map;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::so3;
-use pullback_manifold::system::{Evaluation, Point, System};
+use pullback_manifold::system::{Charts, Evaluation, Point, System};
 use std::f64::consts::PI;
 
 const EXACT: f64 = 1e-12;

@@ -6,7 +6,7 @@ use crate::support::coupled;
 use nalgebra::Vector3;
 use pullback_elements::beam::Beam;
 use pullback_elements::model::{Context, Dof, ModelBuilder, frame_along};
-use pullback_manifold::system::{Evaluation, Point, System};
+use pullback_manifold::system::{Charts, Evaluation, Point, System};
 
 #[test]
 fn forces_of_an_accepted_state_do_not_depend_on_the_charts_to_come() {

@@ -9,7 +9,7 @@ use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, Line, ModelBuilder, NodeId, Straight};
 use pullback_elements::time::{Constant, Proportional, Sine, TimeFunction};
 use pullback_manifold::map::Map;
-use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
+use pullback_manifold::system::{Charts, Evaluation, Point, Quantity, System, Weights};
 use std::f64::consts::PI;
 
 fn sine(amplitude: f64) -> Sine {
@@ -319,7 +319,10 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
         match previous {
             None => model.evaluate(at(q.as_slice()), out),
-            Some(from) => model.evaluate_from(at(from.as_slice()), at(q.as_slice()), out),
+            Some(from) => {
+                let previous = Some(at(from.as_slice()));
+                model.evaluate(at(q.as_slice()), Evaluation { previous, ..out })
+            }
         }
         .unwrap();
         (r, dense(model.pattern(), &S))

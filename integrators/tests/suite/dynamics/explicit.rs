@@ -6,7 +6,7 @@ use pullback_integrators::dynamics::{
     Adaptivity, DynamicOptions, DynamicsError, Progress, Scheme, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{Energetics, Energies, Evaluation, Point, System, SystemError};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -68,21 +68,27 @@ impl System for Chain {
         Ok(())
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn name(&self, i: usize) -> String {
+        format!("mass {i}")
+    }
+
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Energetics for Chain {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let n = self.m.len();
         let q = |i: usize| at.q.get(i).copied().unwrap_or(0.0);
         let stretch = |i: usize| if i == 0 { q(0) } else { q(i) - q(i - 1) };
         let stored = (0..=n).map(|i| 0.5 * self.k * stretch(i).powi(2)).sum();
         let kinetic = (0..n).map(|i| 0.5 * self.m[i] * at.v[i].powi(2)).sum();
-        Ok(Some(Energies {
+        Ok(Energies {
             kinetic,
             stored,
             ..Energies::default()
-        }))
-    }
-
-    fn name(&self, i: usize) -> String {
-        format!("mass {i}")
+        })
     }
 }
 

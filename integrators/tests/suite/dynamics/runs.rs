@@ -8,7 +8,9 @@ use pullback_integrators::dynamics::{
     Tangent, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{
+    Charts, Energetics, Energies, Evaluation, Events, Point, System, SystemError,
+};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -31,6 +33,12 @@ impl System for Skittish {
         self.0.evaluate(at, out)
     }
 
+    fn charts(&mut self) -> Option<&mut dyn Charts> {
+        Some(self)
+    }
+}
+
+impl Charts for Skittish {
     fn change_charts(
         &mut self,
         _: f64,
@@ -176,12 +184,17 @@ fn a_kink_where_a_run_starts_is_behind_it() {
         fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
             self.0.evaluate(at, out)
         }
+        fn events(&mut self) -> Option<&mut dyn Events> {
+            Some(self)
+        }
+    }
+    impl Events for Late {
         fn kinks(&self) -> Vec<f64> {
             vec![0.1 + 0.2]
         }
     }
     let mut system = Late(Oscillator::new(1.0, 1.0));
-    assert!(system.kinks()[0] > 0.3);
+    assert!(Events::kinks(&system)[0] > 0.3);
     let mut progress = Progress::new(start(&system, 0.3, &[1.0], &[]).unwrap());
     let mut sizes = Vec::new();
     let options = DynamicOptions::new(0.7, 0.1);
@@ -377,12 +390,18 @@ impl System for Stiffening {
         Ok(())
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        Ok(Some(Energies {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+}
+
+impl Energetics for Stiffening {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
+        Ok(Energies {
             kinetic: 0.5 * at.v[0] * at.v[0],
             stored: 0.5 * self.stiffness(at.t) * at.q[0] * at.q[0],
             ..Energies::default()
-        }))
+        })
     }
 }
 

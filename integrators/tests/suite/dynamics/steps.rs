@@ -9,7 +9,9 @@ use pullback_integrators::dynamics::{
     DynamicOptions, NewtonOptions, Progress, Scheme, State, StepReport, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Point, System, SystemError};
+use pullback_manifold::system::{
+    Energetics, Energies, Evaluation, Events, Point, System, SystemError,
+};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -300,19 +302,31 @@ impl System for Maxwell {
         Ok(())
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        vec![0.5]
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Energetics for Maxwell {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
         let [x, z] = [at.q[0], at.q[1]];
-        Ok(Some(Energies {
+        Ok(Energies {
             kinetic: 0.5 * Self::M * at.v[0] * at.v[0],
             stored: 0.5 * (Self::K * x * x + Self::E * (x - z).powi(2)),
             supplied: Self::push(at.t) * at.v[1],
             dissipated: Self::C * at.v[1] * at.v[1],
             ..Energies::default()
-        }))
+        })
+    }
+}
+
+impl Events for Maxwell {
+    fn kinks(&self) -> Vec<f64> {
+        vec![0.5]
     }
 }
 

@@ -6,7 +6,9 @@ use pullback_integrators::dynamics::{
     DynamicOptions, Progress, Scheme, StepReport, integrate, start,
 };
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Energies, Evaluation, Point, Quantity, System, SystemError};
+use pullback_manifold::system::{
+    CoordinateInfo, Energetics, Energies, Evaluation, Events, Point, Quantity, System, SystemError,
+};
 use std::ops::ControlFlow;
 
 /// m ẍ + c ẋ + k x = p(t): r and its tangents for one coordinate.
@@ -46,22 +48,34 @@ impl System for Oscillator {
         Ok(())
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        vec![0.0, 1.0, 0.5, 0.5]
+    fn name(&self, _: usize) -> String {
+        "the mass".to_owned()
     }
 
-    fn energies(&mut self, at: Point<'_>) -> Result<Option<Energies>, SystemError> {
-        Ok(Some(Energies {
+    fn energetics(&mut self) -> Option<&mut dyn Energetics> {
+        Some(self)
+    }
+
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Energetics for Oscillator {
+    fn energies(&mut self, at: Point<'_>) -> Result<Energies, SystemError> {
+        Ok(Energies {
             kinetic: 0.5 * self.m * at.v[0] * at.v[0],
             stored: 0.5 * self.k * at.q[0] * at.q[0],
             supplied: self.load(at.t) * at.v[0],
             dissipated: 0.0,
             ..Energies::default()
-        }))
+        })
     }
+}
 
-    fn name(&self, _: usize) -> String {
-        "the mass".to_owned()
+impl Events for Oscillator {
+    fn kinks(&self) -> Vec<f64> {
+        vec![0.0, 1.0, 0.5, 0.5]
     }
 }
 
@@ -93,8 +107,11 @@ impl System for Pendulum {
         Ok(())
     }
 
-    fn quantity(&self, _: usize) -> Quantity {
-        Quantity::Angle
+    fn coordinate_info(&self, _: usize) -> CoordinateInfo {
+        CoordinateInfo {
+            quantity: Quantity::Angle,
+            ..CoordinateInfo::default()
+        }
     }
 }
 

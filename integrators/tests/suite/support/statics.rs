@@ -4,7 +4,9 @@
 
 use pullback_integrators::statics::NewtonOptions;
 use pullback_manifold::sparse::BlockPattern;
-use pullback_manifold::system::{Evaluation, Point, Quantity, Scales, System, SystemError};
+use pullback_manifold::system::{
+    CoordinateInfo, Evaluation, Point, Quantity, Scales, System, SystemError,
+};
 
 /// One coordinate with the equilibrium λ P = f(w), given f and f′.
 pub struct Scalar {
@@ -44,8 +46,11 @@ impl System for Scalar {
         Ok(())
     }
 
-    fn quantity(&self, _: usize) -> Quantity {
-        Quantity::Length
+    fn coordinate_info(&self, _: usize) -> CoordinateInfo {
+        CoordinateInfo {
+            quantity: Quantity::Length,
+            ..CoordinateInfo::default()
+        }
     }
 
     fn is_symmetric(&self) -> bool {

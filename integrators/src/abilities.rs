@@ -1,0 +1,93 @@
+//! The abilities of a system, with what a system without them does.
+
+use pullback_manifold::system::{
+    ChartChanges, Energies, Point, RigidRates, Symmetry, System, SystemError,
+};
+
+/// See [`Charts::change_charts`](pullback_manifold::system::Charts::change_charts).
+pub(crate) fn change_charts(
+    system: &mut dyn System,
+    t: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+    accelerations: &mut [&mut [f64]],
+) -> ChartChanges {
+    match system.charts() {
+        Some(charts) => charts.change_charts(t, q, v, accelerations),
+        None => ChartChanges::default(),
+    }
+}
+
+/// See [`Charts::start`](pullback_manifold::system::Charts::start).
+pub(crate) fn start(system: &mut dyn System, t: f64, q: &[f64]) {
+    if let Some(charts) = system.charts() {
+        charts.start(t, q);
+    }
+}
+
+/// See [`Events::kinks`](pullback_manifold::system::Events::kinks).
+pub(crate) fn kinks(system: &mut dyn System) -> Vec<f64> {
+    (system.events()).map_or_else(Vec::new, |events| events.kinks())
+}
+
+/// See [`Events::inputs`](pullback_manifold::system::Events::inputs).
+pub(crate) fn inputs(system: &mut dyn System) -> Vec<f64> {
+    (system.events()).map_or_else(Vec::new, |events| events.inputs())
+}
+
+/// See [`Events::change_segments`](pullback_manifold::system::Events::change_segments).
+pub(crate) fn change_segments(system: &mut dyn System, from: Point<'_>, to: Point<'_>, since: f64) {
+    if let Some(events) = system.events() {
+        events.change_segments(from, to, since);
+    }
+}
+
+/// See [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum).
+pub(crate) fn kept_momentum(
+    system: &mut dyn System,
+    at: Option<Point<'_>>,
+    p: &mut [f64],
+) -> Result<bool, SystemError> {
+    (system.events()).map_or(Ok(false), |events| events.kept_momentum(at, p))
+}
+
+/// See [`Energetics::energies`](pullback_manifold::system::Energetics::energies).
+pub(crate) fn energies(
+    system: &mut dyn System,
+    at: Point<'_>,
+) -> Result<Option<Energies>, SystemError> {
+    let energies = system.energetics().map(|system| system.energies(at));
+    energies.transpose()
+}
+
+/// See [`Energetics::momentum`](pullback_manifold::system::Energetics::momentum).
+pub(crate) fn momentum(
+    system: &mut dyn System,
+    at: Point<'_>,
+    p: &mut [f64],
+) -> Result<bool, SystemError> {
+    (system.energetics()).map_or(Ok(false), |system| system.momentum(at, p))
+}
+
+/// See [`Energetics::symmetries`](pullback_manifold::system::Energetics::symmetries).
+pub(crate) fn symmetries(
+    system: &mut dyn System,
+    span: [f64; 2],
+    q: &[f64],
+    v: &[f64],
+) -> Vec<Symmetry> {
+    (system.energetics()).map_or_else(Vec::new, |system| system.symmetries(span, q, v))
+}
+
+/// See [`Energetics::rigid_rates`](pullback_manifold::system::Energetics::rigid_rates).
+pub(crate) fn rigid_rates(
+    system: &mut dyn System,
+    q: &[f64],
+    motion: &RigidRates,
+    rates: &mut [f64],
+) {
+    match system.energetics() {
+        Some(system) => system.rigid_rates(q, motion, rates),
+        None => rates.fill(0.0),
+    }
+}

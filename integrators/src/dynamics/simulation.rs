@@ -1,0 +1,172 @@
+//! A motion step by step, and the loop over all of its steps.
+
+use super::run::Run;
+use super::{DynamicOptions, DynamicsError, Progress, State, StepReport};
+use crate::linear_solver::{AutoSolver, LinearSolver};
+use pullback_manifold::system::System;
+use std::ops::{ControlFlow, DerefMut};
+
+/// A motion, step by step.
+///
+/// ```text
+/// let mut run = Simulation::new(&mut context, state, options)?;
+/// while let Some(step) = run.step()? { … }
+/// ```
+///
+/// `S` is a reference to a [`System`], or a box with one. Between steps inputs may be set, and the
+/// system may be asked about its configuration.
+pub struct Simulation<S> {
+    system: S,
+    solver: AutoSolver,
+    run: Run,
+    progress: Progress,
+}
+
+/// A system and the progress of its run: everything that the next step depends on.
+#[derive(Clone, Debug)]
+pub struct Snapshot<Y> {
+    /// The system, with its charts.
+    pub system: Y,
+    /// The progress.
+    pub progress: Progress,
+}
+
+impl<S> Simulation<S>
+where
+    S: DerefMut,
+    S::Target: System + Sized,
+{
+    /// A motion from a state (see [`start`](super::start)).
+    ///
+    /// # Errors
+    /// [`DynamicsError`] for invalid options, a state of another system, and accelerations that
+    /// cannot be found.
+    pub fn new(system: S, state: State, options: &DynamicOptions) -> Result<Self, DynamicsError> {
+        Self::resume(system, Progress::new(state), options)
+    }
+
+    /// Continues from the progress of an earlier run of the same system.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn resume(
+        mut system: S,
+        mut progress: Progress,
+        options: &DynamicOptions,
+    ) -> Result<Self, DynamicsError> {
+        let mut solver = AutoSolver::new();
+        let run = Run::new(&mut *system, &mut solver, &mut progress, options)?;
+        Ok(Self {
+            system,
+            solver,
+            run,
+            progress,
+        })
+    }
+
+    /// The next step; `None` at the end of the run.
+    ///
+    /// # Errors
+    /// [`DynamicsError`]; the run is then at the last accepted step.
+    pub fn step(&mut self) -> Result<Option<StepReport<'_>>, DynamicsError> {
+        let step = (self.run).next(&mut *self.system, &mut self.solver, &mut self.progress)?;
+        Ok(step.map(|step| self.run.report(&self.progress, &step)))
+    }
+
+    /// All steps to the end of the run.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn finish(&mut self) -> Result<(), DynamicsError> {
+        while self.step()?.is_some() {}
+        Ok(())
+    }
+
+    /// The present state of motion.
+    pub fn state(&self) -> &State {
+        &self.progress.state
+    }
+
+    /// The progress: state, counters, energy balance.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// The system, at the present state.
+    pub fn system(&self) -> &S::Target {
+        &self.system
+    }
+
+    /// The system, for questions that evaluate it.
+    pub fn system_mut(&mut self) -> &mut S::Target {
+        &mut self.system
+    }
+
+    /// A copy of everything that the next step depends on.
+    pub fn save(&self) -> Snapshot<S::Target>
+    where
+        S::Target: Clone,
+    {
+        Snapshot {
+            system: self.system.clone(),
+            progress: self.progress.clone(),
+        }
+    }
+
+    /// Goes back to a snapshot. The steps from there are the same to the last bit.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn restore(&mut self, snapshot: &Snapshot<S::Target>) -> Result<(), DynamicsError>
+    where
+        S::Target: Clone,
+    {
+        self.system.clone_from(&snapshot.system);
+        self.progress.clone_from(&snapshot.progress);
+        let options = self.run.options;
+        self.run = Run::new(
+            &mut *self.system,
+            &mut self.solver,
+            &mut self.progress,
+            &options,
+        )?;
+        Ok(())
+    }
+}
+
+/// Integrates the equations of motion from `progress`, with the default solver: all steps of a
+/// [`Simulation`].
+///
+/// The observer is called after each accepted step and may stop the run.
+///
+/// # Errors
+/// [`DynamicsError`]; `progress` is then at the last accepted step.
+pub fn integrate<Y: System>(
+    system: &mut Y,
+    progress: &mut Progress,
+    options: &DynamicOptions,
+    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
+) -> Result<(), DynamicsError> {
+    integrate_with(&mut AutoSolver::new(), system, progress, options, observer)
+}
+
+/// As [`integrate`], with another linear solver; coupled stages (Radau IIA) use a solver of their
+/// own for the larger matrix.
+///
+/// # Errors
+/// As [`integrate`].
+pub fn integrate_with<Y: System>(
+    solver: &mut dyn LinearSolver,
+    system: &mut Y,
+    progress: &mut Progress,
+    options: &DynamicOptions,
+    observer: &mut dyn FnMut(&mut Y, &StepReport<'_>) -> ControlFlow<()>,
+) -> Result<(), DynamicsError> {
+    let mut run = Run::new(system, solver, progress, options)?;
+    while let Some(step) = run.next(system, solver, progress)? {
+        if observer(system, &run.report(progress, &step)).is_break() {
+            break;
+        }
+    }
+    Ok(())
+}
