@@ -67,7 +67,7 @@ pub struct FailedStep {
     pub min_step: Option<f64>,
     /// A kink or jump of a function of the load parameter within the step.
     pub kink: Option<f64>,
-    /// Warnings of the system ([`System::singularity_warnings`]).
+    /// Warnings of the system ([`Charts::singularity_warnings`](pullback_manifold::system::Charts::singularity_warnings)).
     pub singularity_warnings: Vec<String>,
     /// Cost of the analysis so far.
     pub cost: Cost,

@@ -1,8 +1,8 @@
 //! A model with one state of it, and buffers.
 
 use super::state::State;
-use super::workspace::Workspace;
 use super::{Model, Node, Source};
+use crate::model::assembly::workspace::Workspace;
 use pullback_manifold::map::Parametrization;
 use std::ops::Deref;
 use std::sync::Arc;

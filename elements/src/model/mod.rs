@@ -12,66 +12,41 @@
 #![allow(non_snake_case)]
 
 mod assembly;
-mod axis;
 mod build;
-mod builder;
 mod charts;
-mod closures;
-mod connections;
+mod constraints;
 mod context;
-mod dependency_graph;
-mod dummy_dof;
-mod element_charts;
-mod element_workspace;
-mod energies;
-mod enforced;
 mod error;
-mod formulation;
-mod gather;
-mod line;
+mod kinematics;
 mod loops;
-mod mapped_node;
-mod mobility;
-mod motion;
-mod query;
-mod rates;
-mod redundant;
-mod runs;
-mod scatter;
-mod scatter_map;
-mod segments;
-mod slots;
-mod start;
+mod results;
 mod state;
-mod symmetry;
 mod system;
-mod view;
-mod workspace;
 
-pub use axis::{Arc, Axis, Straight, frame_along};
-pub use builder::{Dof, ElementId, ModelBuilder, NodeId};
-pub use closures::Closure;
+pub use build::axis::{Arc, Axis, Straight, frame_along};
+pub use build::builder::{Dof, ElementId, ModelBuilder, NodeId};
+pub use build::closures::Closure;
+pub use build::line::{Line, LineNodes};
 pub use context::Context;
-pub use energies::{EnergiesAndMomentum, Momentum};
 pub use error::ModelError;
-pub use formulation::Formulation;
-pub use line::{Line, LineNodes};
-pub use mobility::Mobility;
-pub use motion::{NodeState, RigidMotion};
-pub use query::Reaction;
-pub use rates::BEFORE_START;
+pub use kinematics::formulation::Formulation;
+pub use kinematics::motion::{NodeState, RigidMotion};
+pub use kinematics::rates::BEFORE_START;
+pub use results::energies::{EnergiesAndMomentum, Momentum};
+pub use results::mobility::Mobility;
+pub use results::query::Reaction;
 pub use state::State;
 
 use crate::element::Element;
 use crate::time::{Input, TimeFunction};
-use assembly::MAX_NODES;
-use mapped_node::MappedNode;
+use assembly::residual::MAX_NODES;
+use assembly::workspace::Workspace;
+use kinematics::free_coordinates::FreeCoordinates;
+use kinematics::mapped_node::MappedNode;
 use nalgebra::Vector3;
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::Quantity;
-use runs::Runs;
 use std::ops::{Deref, Range};
-use workspace::Workspace;
 
 /// Marks an absent index.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -256,8 +231,8 @@ pub struct Model {
     prescribed_rotations: Vec<usize>,
     /// Coordinate of each unknown.
     coordinates: Vec<usize>,
-    /// The same as runs of free coordinates.
-    runs: Runs,
+    /// The same, to copy vectors.
+    free: FreeCoordinates,
     /// Unknown of each coordinate, or [`NONE`].
     unknowns: Vec<u32>,
     quantities: Vec<Quantity>,

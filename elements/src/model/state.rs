@@ -1,7 +1,7 @@
 //! What changes in a run besides coordinates and time.
 
-use super::element_charts::ElementCharts;
 use super::{Model, Source};
+use crate::model::charts::element_charts::ElementCharts;
 use pullback_manifold::map::Parametrization;
 
 /// What changes in a run besides coordinates, velocities and time: charts, segments and splits of

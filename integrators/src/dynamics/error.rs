@@ -74,7 +74,7 @@ pub enum DynamicsError {
     /// An energy-conserving scheme for a system that does not provide its energy.
     #[error(
         "{scheme} keeps the energy, and this system does not know its own: implement \
-         `System::energies`, or take another scheme"
+         `Energetics`, or take another scheme"
     )]
     NoEnergy {
         /// Name of the scheme.

@@ -137,9 +137,9 @@ pub struct Progress {
     /// Whether a kink or jump at this time is still ahead, as at the start and where a run ended at
     /// one.
     pub at_kink: bool,
-    /// Inputs at which the accelerations were computed ([`System::inputs`]).
+    /// Inputs at which the accelerations were computed ([`Events::inputs`]).
     ///
-    /// [`System::inputs`]: pullback_manifold::system::System::inputs
+    /// [`Events::inputs`]: pullback_manifold::system::Events::inputs
     #[cfg_attr(
         feature = "serde",
         serde(default, skip_serializing_if = "Vec::is_empty")

@@ -36,7 +36,7 @@ fn point(state: &State) -> Point<'_> {
 
 impl Run {
     /// Repeats the step from `progress` until it ends at the first change of segment within it
-    /// ([`System::overshoot`]), not later than `last`; returns the end of the step. `None` if the
+    /// ([`Events::overshoot`](pullback_manifold::system::Events::overshoot)), not later than `last`; returns the end of the step. `None` if the
     /// change is at the beginning, where the next attempt makes it.
     pub(super) fn locate(
         &mut self,

@@ -17,7 +17,7 @@ use pullback_manifold::system::{Evaluation, Point, Quantity, System, SystemError
 /// Measured on the right-angle cantilever and the robot arms of \[M04\] 4.2, it matters little at
 /// their large steps: 598 iterations with the velocity and 597 without, 1073 and 1030, 1078 and
 /// 1057. At a quarter of the step the cantilever takes 1691 and 1915. There `Velocity` diverges
-/// with the exact tangent, but not with stresses of the previous iterate ([`System::evaluate_from`]). A
+/// with the exact tangent, but not with stresses of the previous iterate ([`Evaluation::previous`](pullback_manifold::system::Evaluation::previous)). A
 /// constant acceleration is worse than both, as it oscillates with the trapezoidal rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Predictor {

@@ -19,22 +19,22 @@ mod link;
 mod set;
 mod tree;
 
-use super::builder::{ModelBuilder, NodeId};
-use super::closures::Closure;
-use super::mapped_node::MappedNode;
 use super::{ModelError, Node, Source};
 use crate::joint::{JointMap, Offset};
+use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::build::closures::Closure;
+use crate::model::kinematics::mapped_node::MappedNode;
 use crate::time::TimeFunction;
-pub(super) use chain::upwards;
+pub(in crate::model) use chain::upwards;
 use chain::{Chain, coordinates};
 use nalgebra::Vector3;
 use set::close_set;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
-pub(super) use tree::Coincide;
+pub(in crate::model) use tree::Coincide;
 
 /// Names of the equations of a frame at a joint, in the order of [`Coincide`].
-pub(super) const EQUATIONS: [&str; 6] = [
+pub(in crate::model) const EQUATIONS: [&str; 6] = [
     "the gap along e1",
     "the gap along e2",
     "the gap along e3",
@@ -48,7 +48,7 @@ const APART: f64 = 1e-9;
 
 /// Two coinciding frames: the one that is attached to the closing joint, and its child.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Closing {
+pub(in crate::model) struct Closing {
     pub frame: NodeId,
     pub child: NodeId,
     pub by: Closure,
@@ -56,7 +56,7 @@ pub(super) struct Closing {
 
 /// A part of the report on loops: text, or a map with a description.
 #[derive(Clone, Debug)]
-pub(super) struct Report {
+pub(in crate::model) struct Report {
     pub words: String,
     pub map: Option<u32>,
     /// Closing frame and child of each loop, in the order of the equations.
@@ -69,7 +69,7 @@ pub(super) struct Report {
 
 impl Report {
     /// A report with text only.
-    pub(super) fn say(words: String) -> Self {
+    pub(in crate::model) fn say(words: String) -> Self {
         Self {
             words,
             map: None,
@@ -112,7 +112,7 @@ impl ModelBuilder {
 }
 
 /// Preferences for the coordinates of loops.
-pub(super) struct StartPreferences<'a> {
+pub(in crate::model) struct StartPreferences<'a> {
     /// Desired initial values.
     pub starts: &'a HashMap<(NodeId, usize), f64>,
     /// Preferred independent coordinates.
@@ -120,7 +120,7 @@ pub(super) struct StartPreferences<'a> {
 }
 
 /// Prescribed coordinates of the builder's nodes.
-pub(super) struct Held<'a>(pub &'a [(NodeId, usize, Arc<dyn TimeFunction>)]);
+pub(in crate::model) struct Held<'a>(pub &'a [(NodeId, usize, Arc<dyn TimeFunction>)]);
 
 impl Held<'_> {
     fn function(&self, node: usize, k: usize) -> Option<&dyn TimeFunction> {
@@ -136,7 +136,7 @@ impl Held<'_> {
     }
 
     /// Whether a node is fixed as drawn.
-    pub(super) fn still(&self, node: usize, dim: usize) -> bool {
+    pub(in crate::model) fn still(&self, node: usize, dim: usize) -> bool {
         (0..dim).all(|k| self.function(node, k).and_then(TimeFunction::constant) == Some(0.0))
     }
 }
@@ -151,7 +151,7 @@ fn follows(nodes: &[Node], n: u32, from: u32) -> bool {
 }
 
 /// Closes all loops; adds nodes of the loops' coordinates after the others.
-pub(super) fn close(
+pub(in crate::model) fn close(
     nodes: &mut Vec<Node>,
     closings: &[Closing],
     held: &Held<'_>,
@@ -201,7 +201,7 @@ pub(super) fn close(
 /// Initial coordinates of loops if closed by maps: node, index and value of each. Loops that no map
 /// can close, over beams or bodies that fly, are omitted; if there are none of these, the result
 /// includes the values of coordinates outside of loops.
-pub(super) fn positions(
+pub(in crate::model) fn positions(
     nodes: &[Node],
     closings: &[Closing],
     held: &Held<'_>,

@@ -4,9 +4,10 @@ use super::chain::{self, Chain, coordinates};
 use super::link::Read;
 use super::tree::{Coincide, Part, Tree};
 use super::{APART, EQUATIONS, Held, Report, StartPreferences};
-use crate::model::builder::NodeId;
-use crate::model::mapped_node::MappedNode;
-use crate::model::{ModelError, NONE, Node, NodeForm, Source, assembly};
+use crate::model::assembly::residual::MAX_NODES;
+use crate::model::build::builder::NodeId;
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::{ModelError, NONE, Node, NodeForm, Source};
 use nalgebra::Vector3;
 use pullback_manifold::implicit::Closed;
 use pullback_manifold::implicit::closed::{Description, Equation, Unknown};
@@ -283,11 +284,11 @@ pub(super) fn close_set(
         ));
         parents.insert(0, nodes.len() as u32 - 1);
     }
-    if parents.len() > assembly::MAX_NODES {
+    if parents.len() > MAX_NODES {
         return Err(ModelError::TooManyNodes {
             element: format!("(loop of {joints})"),
             found: parents.len(),
-            limit: assembly::MAX_NODES,
+            limit: MAX_NODES,
         });
     }
     let all = MappedNode::new(Box::new(map), vec![parents], D + p.len());

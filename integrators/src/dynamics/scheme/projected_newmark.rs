@@ -27,7 +27,7 @@ impl Scheme {
     /// ([`Invariants::unsure`](crate::dynamics::Invariants::unsure)), and not at all while a motion is
     /// prescribed, when the energy is only known to the accuracy of the step. So are the momenta along
     /// the symmetries of the system
-    /// ([`System::symmetries`](pullback_manifold::system::System::symmetries)): those of a free model,
+    /// ([`Energetics::symmetries`](pullback_manifold::system::Energetics::symmetries)): those of a free model,
     /// or of one that is pinned at a point or attached to an axis. The projection is orthogonal in the
     /// kinetic energy, of the order of the local error, and needs no factorisation.
     pub(super) fn keeping(self, argument: Option<f64>) -> Self {

@@ -1,0 +1,474 @@
+//! Evaluation of one element: gather, change chart, evaluate, pull back.
+
+#![allow(non_snake_case)]
+
+use crate::constraint::MAX_EQUATIONS;
+use crate::element::{Combined, ElementError, Motion, Response};
+use crate::model::assembly::residual::MAX_NODES;
+use crate::model::kinematics::complement::Complement;
+use crate::model::kinematics::node_entries::{collect, distribute};
+use crate::model::state::ElementState;
+use crate::model::{ElementEntry, NONE, Node, Span};
+use pullback_manifold::pullback::{self, Slot, Tangents};
+use pullback_manifold::system::{Scales, Weights};
+
+/// Buffers of one element.
+#[derive(Clone, Default)]
+pub(in crate::model) struct ElementWorkspace {
+    pub x: Vec<f64>,
+    previous: Vec<f64>,
+    pub v: Vec<f64>,
+    pub a: Vec<f64>,
+    pub r: Vec<f64>,
+    pub r_t: Vec<f64>,
+    pub K: Vec<f64>,
+    C: Vec<f64>,
+    pub M: Vec<f64>,
+    pub S: Vec<f64>,
+    /// Second set, for a pull-back in two stages.
+    K2: Vec<f64>,
+    C2: Vec<f64>,
+    M2: Vec<f64>,
+    pub work: Vec<f64>,
+    pub K_sigma: Vec<f64>,
+    pub q: Vec<f64>,
+    pub qv: Vec<f64>,
+    pub qa: Vec<f64>,
+    complements: Vec<Complement>,
+}
+
+impl ElementWorkspace {
+    /// Buffers for elements of at most `n` coordinates and joints that read at most `parents`.
+    pub(in crate::model) fn new(n: usize, parents: usize) -> Self {
+        let zeros = |len: usize| vec![0.0; len];
+        Self {
+            x: zeros(n),
+            previous: zeros(n),
+            v: zeros(n),
+            a: zeros(n),
+            r: zeros(n),
+            r_t: zeros(n),
+            K: zeros(n * n),
+            C: zeros(n * n),
+            M: zeros(n * n),
+            S: zeros(n * n),
+            K2: zeros(n * n),
+            C2: zeros(n * n),
+            M2: zeros(n * n),
+            work: zeros(n.max(parents)),
+            K_sigma: zeros(parents * parents),
+            q: zeros(parents),
+            qv: zeros(parents),
+            qa: zeros(parents),
+            complements: vec![Complement::default(); MAX_NODES],
+        }
+    }
+
+    pub(in crate::model) fn gather(&mut self, e: &ElementEntry, spans: &[Span], x: &[f64]) {
+        collect(&e.nodes, spans, x, &mut self.x);
+    }
+
+    /// Gathers velocities and accelerations; zeros at rest.
+    pub(in crate::model) fn gather_rates(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        spans: &[Span],
+        rates: Option<[&[f64]; 2]>,
+    ) {
+        match rates {
+            Some([v, a]) => {
+                collect(&e.nodes, spans, v, &mut self.v);
+                collect(&e.nodes, spans, a, &mut self.a);
+            }
+            // Not read otherwise at rest.
+            None if switched != 0 => {
+                self.v.fill(0.0);
+                self.a.fill(0.0);
+            }
+            None => {}
+        }
+    }
+
+    /// The previous iterate in the element's chart.
+    pub(in crate::model) fn gather_previous(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        spans: &[Span],
+        x: &[f64],
+    ) {
+        collect(&e.nodes, spans, x, &mut self.previous);
+        if switched == 0 {
+            return;
+        }
+        let mut k = 0;
+        for (i, &node) in e.nodes.iter().enumerate() {
+            if switched & (1 << i) != 0 {
+                let (mut v, mut a) = ([0.0; 3], [0.0; 3]);
+                self.complements[i].apply(&mut self.previous[k + 3..k + 6], &mut v, &mut a);
+            }
+            k += spans[node as usize].range().len();
+        }
+    }
+
+    /// Switches nodes to the other chart by the complement map, as the element requires.
+    pub(in crate::model) fn switch(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        nodes: &[Node],
+    ) -> bool {
+        if switched == 0 {
+            return false;
+        }
+        let mut k = 0;
+        for (i, &node) in e.nodes.iter().enumerate() {
+            let dim = nodes[node as usize].dim;
+            if switched & (1 << i) != 0 {
+                let psi = k + 3..k + 6;
+                self.complements[i].apply(
+                    &mut self.x[psi.clone()],
+                    &mut self.v[psi.clone()],
+                    &mut self.a[psi],
+                );
+            }
+            k += dim;
+        }
+        true
+    }
+
+    /// The element's motion as gathered.
+    pub(in crate::model) fn motion(&self, e: &ElementEntry, t: f64, statics: bool) -> Motion<'_> {
+        let n = e.element.dim();
+        let end = if statics { 0 } else { n };
+        Motion {
+            t,
+            x: &self.x[..n],
+            v: &self.v[..end],
+            a: &self.a[..end],
+        }
+    }
+
+    pub(in crate::model) fn evaluate(
+        &mut self,
+        (e, state): (&ElementEntry, &ElementState),
+        t: f64,
+        statics: bool,
+        weights: Option<Weights>,
+        rates: bool,
+        previous: bool,
+    ) -> Result<(), ElementError> {
+        let n = e.element.dim();
+        let tangent = weights.is_some() || rates;
+        let moving = tangent && !statics;
+        self.r[..n].fill(0.0);
+        if rates {
+            self.r_t[..n].fill(0.0);
+        }
+        let omitted = Omitted::of(e, state.left_out, &mut self.x);
+        let end = if statics { 0 } else { n };
+        let at = Motion {
+            t,
+            x: &self.x[..n],
+            v: &self.v[..end],
+            a: &self.a[..end],
+        };
+        let r = &mut self.r[..n];
+        let previous = previous.then_some(&self.previous[..n]);
+        if let (Some(weights), Some(combined)) =
+            (weights, combined(e, state.switched, statics, rates))
+        {
+            let S = &mut self.S[..n * n];
+            S.fill(0.0);
+            return combined.evaluate_combined(previous, &at, weights, r, S);
+        }
+        if tangent {
+            self.K[..n * n].fill(0.0);
+        }
+        if moving {
+            self.C[..n * n].fill(0.0);
+            self.M[..n * n].fill(0.0);
+        }
+        let mut out = Response {
+            r,
+            K: tangent.then_some(&mut self.K[..n * n]),
+            C: moving.then_some(&mut self.C[..n * n]),
+            M: moving.then_some(&mut self.M[..n * n]),
+            r_t: rates.then_some(&mut self.r_t[..n]),
+        };
+        match previous {
+            Some(previous) => e.element.evaluate_from(previous, &at, &mut out)?,
+            None => e.element.evaluate(&at, &mut out)?,
+        }
+        if let Some(omitted) = omitted {
+            omitted.replace(&mut self.x, &mut out);
+        }
+        Ok(())
+    }
+
+    /// Writes the residual to `r` and, in motion, the generalised momenta p = M ẋ to `work`.
+    pub(in crate::model) fn momenta(
+        &mut self,
+        e: &ElementEntry,
+        t: f64,
+        statics: bool,
+    ) -> Result<(), ElementError> {
+        let n = e.element.dim();
+        self.r[..n].fill(0.0);
+        let moving = !statics && !e.dead;
+        if moving {
+            self.M[..n * n].fill(0.0);
+        }
+        let end = if statics { 0 } else { n };
+        let at = Motion {
+            t,
+            x: &self.x[..n],
+            v: &self.v[..end],
+            a: &self.a[..end],
+        };
+        let mut out = Response {
+            r: &mut self.r[..n],
+            K: None,
+            C: None,
+            M: moving.then_some(&mut self.M[..n * n]),
+            r_t: None,
+        };
+        e.element.evaluate(&at, &mut out)?;
+        let p = &mut self.work[..end];
+        p.fill(0.0);
+        if !moving {
+            return Ok(());
+        }
+        for (v, M) in self.v.iter().zip(self.M.chunks_exact(n)).take(end) {
+            for (p, M) in p.iter_mut().zip(M) {
+                *p += M * v;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the residual to those of all nodes.
+    pub(in crate::model) fn add_residual(&self, e: &ElementEntry, spans: &[Span], r: &mut [f64]) {
+        distribute(&e.nodes, spans, &self.r, r);
+    }
+
+    /// Adds ∂r/∂t to those of all nodes.
+    pub(in crate::model) fn add_load_rate(
+        &self,
+        e: &ElementEntry,
+        spans: &[Span],
+        r_t: &mut [f64],
+    ) {
+        distribute(&e.nodes, spans, &self.r_t, r_t);
+    }
+
+    /// Updates the scales with the forces of an element, without those at held coordinates: these
+    /// go directly to the support and do not load the structure.
+    pub(in crate::model) fn measure(
+        &self,
+        e: &ElementEntry,
+        nodes: &[Node],
+        unknowns: &[u32],
+        scales: &mut Scales,
+    ) {
+        let mut k = 0;
+        for &node in e.nodes.iter() {
+            let node = &nodes[node as usize];
+            for (quantity, c) in node.quantities.iter().zip(node.range()) {
+                if !(e.held && node.is_own() && unknowns[c] == NONE) {
+                    let force = &mut scales.force[quantity.index()];
+                    *force = force.max(self.r[k].abs());
+                }
+                k += 1;
+            }
+        }
+    }
+
+    /// First stage: from the element's chart to the charts of its nodes.
+    pub(in crate::model) fn pull_back_switch(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        nodes: &[Node],
+        weights: Option<Weights>,
+        statics: bool,
+        rates: bool,
+    ) {
+        let n = e.element.dim();
+        let mut k = 0;
+        for (i, &node) in e.nodes.iter().enumerate() {
+            if switched & (1 << i) != 0 {
+                self.complements[i].load(&self.r[k + 3..k + 6]);
+            }
+            k += nodes[node as usize].dim;
+        }
+        let mut slots = [Slot::default(); 2 * MAX_NODES];
+        let mut count = 0;
+        for (i, &node) in e.nodes.iter().enumerate() {
+            let dim = nodes[node as usize].dim;
+            if switched & (1 << i) != 0 {
+                // The translation has no other chart.
+                slots[count] = Slot {
+                    n: 3,
+                    d: 3,
+                    ..Slot::default()
+                };
+                slots[count + 1] = self.complements[i].slot();
+                count += 2;
+            } else {
+                slots[count] = Slot {
+                    n: dim,
+                    d: dim,
+                    ..Slot::default()
+                };
+                count += 1;
+            }
+        }
+        let slots = &slots[..count];
+        if weights.is_some() || rates {
+            let moving = (!statics).then_some(());
+            let tangents = Tangents {
+                K: Some(&self.K[..n * n]),
+                C: moving.map(|()| &self.C[..n * n]),
+                M: moving.map(|()| &self.M[..n * n]),
+            };
+            let one = |K, C, M| Weights { K, C, M };
+            pullback::tangent(
+                slots,
+                tangents,
+                one(1.0, 0.0, 0.0),
+                &mut self.K2,
+                &mut self.work,
+            );
+            if !statics {
+                pullback::tangent(
+                    slots,
+                    tangents,
+                    one(0.0, 1.0, 0.0),
+                    &mut self.C2,
+                    &mut self.work,
+                );
+                pullback::tangent(
+                    slots,
+                    tangents,
+                    one(0.0, 0.0, 1.0),
+                    &mut self.M2,
+                    &mut self.work,
+                );
+                std::mem::swap(&mut self.C, &mut self.C2);
+                std::mem::swap(&mut self.M, &mut self.M2);
+            }
+            std::mem::swap(&mut self.K, &mut self.K2);
+        }
+        if rates {
+            // d/dt (B_sᵀ r) at fixed unknowns = B_sᵀ ∂r/∂t + Ḃ_sᵀ r: before r is overwritten.
+            pullback::residual(slots, &self.r_t, &mut self.work);
+            self.r_t[..n].copy_from_slice(&self.work[..n]);
+            let mut k = 0;
+            for (i, &node) in e.nodes.iter().enumerate() {
+                if switched & (1 << i) != 0 {
+                    self.complements[i]
+                        .add_rate(&self.r[k + 3..k + 6], &mut self.r_t[k + 3..k + 6]);
+                }
+                k += nodes[node as usize].dim;
+            }
+        }
+        pullback::residual(slots, &self.r, &mut self.work);
+        self.r[..n].copy_from_slice(&self.work[..n]);
+    }
+
+    /// Second stage if no node is mapped: the weighted sum of the tangents.
+    pub(in crate::model) fn combine(
+        &mut self,
+        e: &ElementEntry,
+        switched: u32,
+        weights: Weights,
+        [statics, rates]: [bool; 2],
+    ) {
+        let n = e.element.dim();
+        if combined(e, switched, statics, rates).is_some() {
+            return;
+        }
+        if statics {
+            std::mem::swap(&mut self.K, &mut self.S);
+            if weights.K != 1.0 {
+                self.S[..n * n].iter_mut().for_each(|s| *s *= weights.K);
+            }
+        } else {
+            for (k, S) in self.S[..n * n].iter_mut().enumerate() {
+                *S = weights.K * self.K[k] + weights.C * self.C[k] + weights.M * self.M[k];
+            }
+        }
+    }
+
+    /// The element's tangents in the coordinates of its nodes, and scratch for a column.
+    pub(in crate::model) fn tangents(
+        &mut self,
+        e: &ElementEntry,
+        statics: bool,
+    ) -> (Tangents<'_>, &mut [f64]) {
+        let values = e.element.dim().pow(2);
+        let moving = (!statics).then_some(());
+        let tangents = Tangents {
+            K: Some(&self.K[..values]),
+            C: moving.map(|()| &self.C[..values]),
+            M: moving.map(|()| &self.M[..values]),
+        };
+        (tangents, &mut self.work)
+    }
+}
+
+/// The omitted equations of an element: their multipliers λ are zero, with the rows −λ.
+struct Omitted {
+    equations: u32,
+    /// Number of coordinates before the multipliers.
+    first: usize,
+    lambda: [f64; MAX_EQUATIONS],
+}
+
+impl Omitted {
+    /// Removes the multipliers of the omitted equations from the coordinates.
+    fn of(e: &ElementEntry, equations: u32, x: &mut [f64]) -> Option<Self> {
+        if equations == 0 {
+            return None;
+        }
+        let (first, count) = e.element.enforced()?.dims();
+        let mut lambda = [0.0; MAX_EQUATIONS];
+        for i in (0..count).filter(|i| equations & (1 << i) != 0) {
+            lambda[i] = std::mem::take(&mut x[first + i]);
+        }
+        Some(Self {
+            equations,
+            first,
+            lambda,
+        })
+    }
+
+    /// Restores them, and replaces the equations.
+    fn replace(&self, x: &mut [f64], out: &mut Response<'_>) {
+        let n = out.r.len();
+        for i in (0..MAX_EQUATIONS).filter(|i| self.equations & (1 << i) != 0) {
+            let row = self.first + i;
+            x[row] = self.lambda[i];
+            out.r[row] = -self.lambda[i];
+            if let Some(r_t) = &mut out.r_t {
+                r_t[row] = 0.0;
+            }
+            if let Some(K) = &mut out.K {
+                for k in 0..n {
+                    K[row + k * n] = 0.0;
+                    K[k + row * n] = 0.0;
+                }
+                K[row + row * n] = 1.0;
+            }
+        }
+    }
+}
+
+/// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not
+/// switched and not mapped.
+fn combined(e: &ElementEntry, switched: u32, statics: bool, rates: bool) -> Option<&dyn Combined> {
+    let parts = statics || rates || e.mapped || switched != 0;
+    if parts { None } else { e.element.combined() }
+}

@@ -1,0 +1,288 @@
+//! Assembly into a pattern that is found once.
+
+#![allow(non_snake_case)]
+
+use crate::element::ElementError;
+use crate::model::assembly::scatter::{Group, ScatterTarget};
+use crate::model::charts::element_charts::TOO_FAR;
+use crate::model::kinematics::free_coordinates::check_length;
+use crate::model::state::ElementState;
+use crate::model::{Context, ElementEntry};
+use crate::time::Input;
+use pullback_manifold::system::{CHART_EDGE, Evaluation, Point, System, SystemError, Weights};
+use std::f64::consts::TAU;
+
+/// Largest number of nodes of an element.
+pub(in crate::model) const MAX_NODES: usize = 16;
+
+impl Context {
+    /// Writes coordinates (and velocities, accelerations if given) of all nodes at a point to the
+    /// workspace: own nodes first, then mapped ones.
+    pub(in crate::model) fn expand(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        let statics = at.is_static();
+        let w = &mut self.work;
+        if !statics {
+            self.model.free.scatter("velocities v", at.v, &mut w.v)?;
+            self.model.free.scatter("accelerations a", at.a, &mut w.a)?;
+        } else if w.stirred {
+            w.v.fill(0.0);
+            w.a.fill(0.0);
+        }
+        (w.stirred, w.moving) = (!statics, !statics);
+        self.expand_positions(at.t, at.q)
+    }
+
+    /// Coordinates of all nodes. Prescribed and mapped ones get rates as well, which are valid only
+    /// if those of the others are set.
+    pub(in crate::model) fn expand_positions(
+        &mut self,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), SystemError> {
+        let w = &mut self.work;
+        w.t = t;
+        self.model.free.scatter("coordinates q", q, &mut w.x)?;
+        for p in &self.model.prescribed {
+            // In statics the velocity of a prescribed coordinate is its derivative by the load
+            // parameter; that of free coordinates stays zero.
+            let c = p.coordinate;
+            [w.x[c], w.v[c], w.a[c]] = p.function.at(t);
+            w.moving |= w.v[c] != 0.0;
+        }
+        for (&node, &turns) in (self.model.prescribed_rotations.iter()).zip(&self.state.turns) {
+            let first = self.model.nodes[node].first + 3;
+            crate::model::kinematics::complement::fold(
+                turns,
+                &mut w.x[first..first + 3],
+                &mut w.v[first..first + 3],
+                &mut w.a[first..first + 3],
+            );
+        }
+        // A map may depend on time: rates of mapped nodes are read in any case.
+        w.moving |= !self.model.dependent.is_empty();
+        if w.stirred {
+            self.take_spins();
+        }
+        self.expand_dependent(t)
+    }
+
+    /// Sets residual and scales to those of the dead loads.
+    fn begin_with_dead_loads(&mut self, t: f64) -> Result<(), SystemError> {
+        let (w, model) = (&mut self.work, &*self.model);
+        let inputs = model.inputs.iter().map(Input::get);
+        if w.dead_loads.t != Some(t) || inputs.clone().ne(w.dead_loads.inputs.iter().copied()) {
+            w.dead_loads.forget();
+            w.dead_loads.inputs.clear();
+            w.dead_loads.inputs.extend(inputs);
+            w.dead_loads.r.fill(0.0);
+            w.scales.force = [0.0; 3];
+            for (e, state) in model.elements.iter().zip(&self.state.elements) {
+                if !reads_only_time(e, state) {
+                    continue;
+                }
+                let local = &mut w.local;
+                local
+                    .evaluate((e, state), t, true, None, false, false)
+                    .map_err(|error| named(error, &e.name))?;
+                if e.load {
+                    local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
+                }
+                local.add_residual(e, &model.spans, &mut w.dead_loads.r);
+            }
+            w.dead_loads.force = w.scales.force;
+            w.dead_loads.t = Some(t);
+        }
+        w.r.copy_from_slice(&w.dead_loads.r);
+        w.scales.force = w.dead_loads.force;
+        Ok(())
+    }
+
+    /// Adds all elements (without dead loads, unless rates are requested): residuals to the nodes,
+    /// tangents to `S`.
+    pub(in crate::model) fn add_elements(
+        &mut self,
+        t: f64,
+        statics: bool,
+        mut S: Option<(Weights, &mut [f64])>,
+        rates: bool,
+    ) -> Result<(), SystemError> {
+        let (w, model) = (&mut self.work, &*self.model);
+        let (local, spans) = (&mut w.local, &model.spans);
+        w.exerted.force = [0.0; 3];
+        let alone = model.prescribed.is_empty() && w.scales.force == [0.0; 3];
+        for (k, (e, state)) in (model.elements.iter().zip(&self.state.elements)).enumerate() {
+            let switched = state.switched;
+            if state.overturned {
+                return Err(named(ElementError::Overturned { psi: TAU }, &e.name));
+            }
+            if !rates && reads_only_time(e, state) {
+                continue;
+            }
+            let n = e.element.dim();
+            if !reads_only_time(e, state) {
+                local.gather(e, spans, &w.x);
+                local.gather_rates(e, switched, spans, w.moving.then_some([&w.v, &w.a]));
+                if w.has_previous {
+                    local.gather_previous(e, switched, spans, &w.previous);
+                }
+            }
+            local.switch(e, switched, &model.nodes);
+            let S = S.as_mut().filter(|_| !e.dead);
+            let weights = S.as_ref().map(|(weights, _)| *weights);
+            local
+                .evaluate((e, state), t, statics, weights, rates, w.has_previous)
+                .map_err(|error| named(error, &e.name))?;
+            if let Some(h) = w.acceleration_step {
+                local.raise_to_accelerations(e, state.left_out, t, h);
+            }
+            if e.load {
+                local.measure(e, &model.nodes, &model.unknowns, &mut w.scales);
+            } else if alone {
+                local.measure(e, &model.nodes, &model.unknowns, &mut w.exerted);
+            }
+            if rates && w.moving && !e.dead {
+                // ∂r/∂t through the nodes' motion at fixed unknowns: −K ẋ.
+                for (j, &v) in local.v[..n].iter().enumerate() {
+                    if v != 0.0 {
+                        for (r, K) in local.r_t[..n].iter_mut().zip(&local.K[j * n..(j + 1) * n]) {
+                            *r -= K * v;
+                        }
+                    }
+                }
+            }
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, weights, statics, rates);
+            }
+            local.add_residual(e, spans, &mut w.r);
+            if e.load && e.held {
+                local.add_residual(e, spans, &mut w.direct);
+            }
+            if rates && local.r_t[..n].iter().any(|r| *r != 0.0) {
+                local.add_load_rate(e, spans, &mut w.r_t);
+            }
+            let Some((weights, values)) = S else {
+                continue;
+            };
+            if !e.mapped {
+                local.combine(e, switched, *weights, [statics, rates]);
+                w.scatter_map.scatter(k, e, spans, &local.S, values);
+                continue;
+            }
+            let (tangents, work) = local.tangents(e, statics);
+            let group = Group {
+                nodes: &e.nodes,
+                first_position: w.scatter_map.first_position(k),
+                tangents,
+                weights: *weights,
+            };
+            let mut into = ScatterTarget {
+                values,
+                panels: &mut w.panels,
+                work,
+            };
+            w.scatter_map
+                .scatter_group(&model.nodes, &w.operators, &group, &mut into);
+        }
+        Ok(())
+    }
+
+    fn measure_reactions(&mut self) {
+        let w = &mut self.work;
+        let force = &mut w.scales.force;
+        for p in &self.model.prescribed {
+            let quantity = self.model.quantities[p.coordinate].index();
+            let passed_on = w.r[p.coordinate] - w.direct[p.coordinate];
+            force[quantity] = force[quantity].max(passed_on.abs());
+        }
+        // Parts without loads and supports are measured by the forces that they exert on each
+        // other.
+        for (force, exerted) in force.iter_mut().zip(w.exerted.force) {
+            if *force == 0.0 {
+                *force = exerted;
+            }
+        }
+    }
+
+    /// The residual and the tangent for rates of coordinates.
+    pub(in crate::model) fn assemble(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let statics = at.is_static();
+        let rates = out.r_t.is_some();
+        self.work.assemblies += 1;
+        let Evaluation { r, mut S, r_t, .. } = out;
+        if let Some((weights, values)) = &S {
+            check_length("tangent S", self.model.pattern.len(), values.len())?;
+            if statics && !weights.is_static() {
+                return Err(SystemError::Request {
+                    what: "tangent with C or M",
+                    expected: "velocities and accelerations, zeros at rest".to_owned(),
+                    found: "none".to_owned(),
+                });
+            }
+        }
+        self.check_left_out()?;
+        self.enter_element_charts();
+        self.expand(at)?;
+        if rates {
+            self.work.r.fill(0.0);
+            self.work.r_t.fill(0.0);
+            self.work.scales.force = [0.0; 3];
+        } else {
+            self.begin_with_dead_loads(at.t)?;
+        }
+        for p in &self.model.prescribed {
+            let (c, w) = (p.coordinate, &mut self.work);
+            w.direct[c] = w.r[c];
+        }
+        if let Some((_, values)) = &mut S {
+            self.work.scatter_map.clear_unwritten(values);
+            self.work.panels.fill(0.0);
+            self.chain_operators(!statics);
+        }
+        let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
+        self.add_elements(at.t, statics, borrow, rates)?;
+        self.pull_back_nodes(at.t, S, rates);
+        self.measure_reactions();
+        self.model.free.gather(&self.work.r, "residual r", r)?;
+        if let Some(u) = r.iter().position(|r| !r.is_finite()) {
+            return Err(SystemError::NotFinite { what: self.name(u) });
+        }
+        if let Some(r_t) = r_t {
+            self.model.free.gather(&self.work.r_t, "rate r_t", r_t)?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether an element is a dead load on nodes that are not switched.
+fn reads_only_time(e: &ElementEntry, state: &ElementState) -> bool {
+    e.dead && state.switched == 0
+}
+
+pub(in crate::model) fn named(error: ElementError, name: &str) -> SystemError {
+    match error {
+        ElementError::OutsideChart { psi } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
+            what: format!("element {name}"),
+            margin: TAU - psi,
+        },
+        ElementError::Overturned { psi } => SystemError::OutsideChart {
+            edge: TOO_FAR,
+            what: format!("element {name}"),
+            margin: TAU - psi,
+        },
+        ElementError::OutsideDomain { edge, margin } => SystemError::OutsideChart {
+            edge,
+            what: format!("element {name}"),
+            margin,
+        },
+        ElementError::ZeroLength { .. } => SystemError::OutsideChart {
+            edge: CHART_EDGE,
+            what: format!("element {name}, whose ends coincide,"),
+            margin: 0.0,
+        },
+    }
+}

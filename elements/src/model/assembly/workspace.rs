@@ -1,0 +1,135 @@
+//! Buffers of an evaluation.
+
+use crate::model::assembly::element_workspace::ElementWorkspace;
+use crate::model::assembly::scatter_map::ScatterMap;
+use crate::model::charts::nodes::Reparametrization;
+use crate::model::charts::segments::SegmentChanges;
+use crate::model::kinematics::mapped_node::Operators;
+use crate::model::{ElementEntry, Node, Source};
+use pullback_manifold::system::{Quantity, Scales};
+
+/// Buffers of an evaluation.
+#[derive(Clone, Default)]
+pub(in crate::model) struct Workspace {
+    /// Coordinates, velocities, accelerations of all nodes.
+    pub x: Vec<f64>,
+    pub v: Vec<f64>,
+    pub a: Vec<f64>,
+    /// Time of this state.
+    pub t: f64,
+    /// Number of assemblies so far.
+    pub assemblies: usize,
+    /// Residual at all nodes: reactions at prescribed coordinates, with opposite sign.
+    pub r: Vec<f64>,
+    pub r_t: Vec<f64>,
+    /// Residual of loads at prescribed coordinates (undefined elsewhere).
+    pub direct: Vec<f64>,
+    /// Coordinates of all nodes at the previous iterate, if any.
+    pub previous: Vec<f64>,
+    pub has_previous: bool,
+    /// Whether anything moves: always in dynamics, and in statics if a support or a map is
+    /// time-dependent (the rates are then derivatives by the load parameter).
+    pub moving: bool,
+    /// Whether rates of free coordinates may be nonzero.
+    pub stirred: bool,
+    /// Kinematic operators of mapped nodes.
+    pub operators: Operators,
+    /// Positions of tangents in the present segments.
+    pub scatter_map: ScatterMap,
+    /// Rows of the tangent at mapped nodes.
+    pub panels: Vec<f64>,
+    pub local: ElementWorkspace,
+    /// Accelerations of a map's coordinates during a reparametrization.
+    pub accelerations: Vec<Vec<f64>>,
+    /// Parts C and M of a tangent, if rates are angular velocities.
+    pub parts: [Vec<f64>; 2],
+    /// Coordinates of the maps that may reparametrize them.
+    pub reparametrizations: Vec<Reparametrization>,
+    /// Whether the last change of charts changed a segment.
+    pub segments_changed: bool,
+    pub segment_changes: SegmentChanges,
+    /// Step size of an evaluation of enforced equations at the level of accelerations.
+    pub acceleration_step: Option<f64>,
+    /// Rates of joint coordinates in the six rigid motions of the whole, once computed.
+    pub released: Vec<Vec<f64>>,
+    pub scales: Scales,
+    /// Forces exerted by elements, used if neither loads nor reactions are a scale.
+    pub exerted: Scales,
+    pub dead_loads: DeadLoads,
+}
+
+/// Sum of the loads that depend on time only: a step evaluates them repeatedly at the same time.
+#[derive(Clone, Default)]
+pub(in crate::model) struct DeadLoads {
+    /// Their time; `None` if they must be updated.
+    pub t: Option<f64>,
+    /// Values set from outside.
+    pub inputs: Vec<f64>,
+    /// Their residual at all nodes.
+    pub r: Vec<f64>,
+    /// Their largest entries per quantity.
+    pub force: [f64; 3],
+}
+
+impl DeadLoads {
+    /// Invalidates the loads after a change of element charts.
+    pub(in crate::model) fn forget(&mut self) {
+        self.t = None;
+    }
+}
+
+impl Workspace {
+    pub(in crate::model) fn new(
+        nodes: &[Node],
+        elements: &[ElementEntry],
+        [operators, panels]: [usize; 2],
+        scatter_map: ScatterMap,
+        length: f64,
+        levers: [f64; 2],
+    ) -> Self {
+        let total = nodes.iter().map(|n| n.dim).sum::<usize>();
+        let direct = |node: &Node| match &node.source {
+            Source::Own => 0,
+            Source::Mapped(d) => d.direct,
+        };
+        let parents = nodes.iter().map(direct).max().unwrap_or(0);
+        let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
+        let zeros = |len: usize| vec![0.0; len];
+        let mut scales = Scales {
+            levers,
+            ..Scales::default()
+        };
+        scales.coordinate[Quantity::Length.index()] = length;
+        Self {
+            x: zeros(total),
+            v: zeros(total),
+            a: zeros(total),
+            t: 0.0,
+            assemblies: 0,
+            r: zeros(total),
+            r_t: zeros(total),
+            direct: zeros(total),
+            previous: zeros(total),
+            has_previous: false,
+            moving: false,
+            stirred: false,
+            operators: Operators::new(operators),
+            scatter_map,
+            panels: zeros(panels),
+            local: ElementWorkspace::new(n, parents),
+            accelerations: Vec::new(),
+            parts: [Vec::new(), Vec::new()],
+            reparametrizations: Vec::new(),
+            segments_changed: false,
+            segment_changes: SegmentChanges::default(),
+            acceleration_step: None,
+            released: Vec::new(),
+            scales,
+            exerted: Scales::default(),
+            dead_loads: DeadLoads {
+                r: zeros(total),
+                ..DeadLoads::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,430 @@
+//! Building a model: nodes, elements, supports.
+
+use crate::element::Element;
+use crate::model::assembly::residual::MAX_NODES;
+use crate::model::kinematics::formulation::Formulation;
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::loops::Closing;
+use crate::model::{ElementEntry, ModelError, Node, NodeForm, NodeList, Source};
+use crate::time::{Constant, Input, TimeFunction};
+use nalgebra::Vector3;
+use pullback_manifold::map::Parametrization;
+use pullback_manifold::system::Quantity;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Coordinates of a frame node.
+pub(in crate::model) const FRAME: usize = 6;
+
+/// Quantities of the coordinates of a frame node.
+pub(in crate::model) const FRAME_QUANTITIES: [Quantity; FRAME] = {
+    use Quantity::{Angle, Length};
+    [Length, Length, Length, Angle, Angle, Angle]
+};
+
+/// A node of a model builder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub(crate) u32);
+
+/// An element of a model builder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ElementId(pub(crate) u32);
+
+/// The six coordinates of a frame node, in global components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dof {
+    /// Displacement along e1.
+    X,
+    /// Displacement along e2.
+    Y,
+    /// Displacement along e3.
+    Z,
+    /// Rotation vector component about e1.
+    RX,
+    /// Rotation vector component about e2.
+    RY,
+    /// Rotation vector component about e3.
+    RZ,
+}
+
+impl Dof {
+    /// All six, in the order of the coordinates.
+    pub const ALL: [Self; FRAME] = [Self::X, Self::Y, Self::Z, Self::RX, Self::RY, Self::RZ];
+    /// The three displacements.
+    pub const TRANSLATIONS: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    /// The three rotations.
+    pub const ROTATIONS: [Self; 3] = [Self::RX, Self::RY, Self::RZ];
+
+    /// Index among the six coordinates.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Names of the six coordinates of a frame.
+pub(in crate::model) const DOF_NAMES: [&str; FRAME] = [
+    "displacement along e1",
+    "displacement along e2",
+    "displacement along e3",
+    "rotation about e1",
+    "rotation about e2",
+    "rotation about e3",
+];
+
+/// Builder of a model; [`ModelBuilder::build`] validates it.
+#[derive(Default)]
+pub struct ModelBuilder {
+    pub(in crate::model) nodes: Vec<Node>,
+    names: HashMap<String, NodeId>,
+    pub(in crate::model) elements: Vec<ElementEntry>,
+    pub(in crate::model) prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
+    pub(in crate::model) closings: Vec<Closing>,
+    /// Desired initial values of coordinates in loops.
+    pub(in crate::model) starts: HashMap<(NodeId, usize), f64>,
+    /// Coordinates that loops should leave free.
+    pub(in crate::model) preferred: HashSet<NodeId>,
+    /// Coordinates that follow another one by gears, and their ratios to it.
+    gears: HashMap<NodeId, (NodeId, f64)>,
+    pub(in crate::model) formulation: Formulation,
+    pub(in crate::model) inputs: Vec<Input>,
+}
+
+impl ModelBuilder {
+    /// An empty model.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a frame node (displacement and rotation, six coordinates) at a reference position.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`].
+    pub fn node(
+        &mut self,
+        name: impl Into<String>,
+        position: [f64; 3],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(
+            name.into(),
+            position,
+            NodeForm::Frame,
+            &FRAME_QUANTITIES,
+            Source::Own,
+        )
+    }
+
+    /// Adds scalar coordinates, such as those of a joint.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn coordinates(
+        &mut self,
+        name: impl Into<String>,
+        quantities: &[Quantity],
+    ) -> Result<NodeId, ModelError> {
+        self.add_node(
+            name.into(),
+            [0.0; 3],
+            NodeForm::Coordinates,
+            quantities,
+            Source::Own,
+        )
+    }
+
+    /// Adds a rotation vector, such as the three coordinates of a spherical joint. Its chart
+    /// changes like that of a frame.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn rotation(&mut self, name: impl Into<String>) -> Result<NodeId, ModelError> {
+        let quantities = [Quantity::Angle; 3];
+        self.add_node(
+            name.into(),
+            [0.0; 3],
+            NodeForm::Rotation,
+            &quantities,
+            Source::Own,
+        )
+    }
+
+    /// Adds a frame node whose six coordinates are a map of those of `parents`.
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`], [`ModelError::NotFinite`]; [`ModelError::JointDimension`] if
+    /// the map is not from the parents' coordinates to six; [`ModelError::ForeignNode`].
+    pub fn mapped_node(
+        &mut self,
+        name: impl Into<String>,
+        position: [f64; 3],
+        map: Box<dyn Parametrization>,
+        parents: &[NodeId],
+    ) -> Result<NodeId, ModelError> {
+        self.mapped_node_along(name, position, map, &[parents])
+    }
+
+    /// As [`ModelBuilder::mapped_node`], for a map with several sets of parents
+    /// ([`Map::segment`](pullback_manifold::map::Map::segment) is the one in use).
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`].
+    pub fn mapped_node_along(
+        &mut self,
+        name: impl Into<String>,
+        position: [f64; 3],
+        map: Box<dyn Parametrization>,
+        segments: &[&[NodeId]],
+    ) -> Result<NodeId, ModelError> {
+        let form = (NodeForm::Frame, &FRAME_QUANTITIES[..]);
+        self.add_mapped(name.into(), position, form, map, segments)
+    }
+
+    /// Adds scalar coordinates that are a map of those of `parents`: those of a loop that is closed
+    /// by an [`Implicit`](pullback_manifold::implicit::Implicit) constraint, one of them
+    /// ([`Linear::pick`](pullback_manifold::map::Linear::pick)), the other side of a gear. Joints
+    /// and elements use them like any coordinates.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::mapped_node`]. A map that reparametrizes its coordinates
+    /// ([`Map::reparametrizes`](pullback_manifold::map::Map::reparametrizes)) must be their only
+    /// user: otherwise [`ModelError::Reparametrized`] when the model is built.
+    pub fn mapped_coordinates(
+        &mut self,
+        name: impl Into<String>,
+        quantities: &[Quantity],
+        map: Box<dyn Parametrization>,
+        parents: &[NodeId],
+    ) -> Result<NodeId, ModelError> {
+        let form = (NodeForm::Coordinates, quantities);
+        self.add_mapped(name.into(), [0.0; 3], form, map, &[parents])
+    }
+
+    fn add_mapped(
+        &mut self,
+        name: String,
+        position: [f64; 3],
+        (form, quantities): (NodeForm, &[Quantity]),
+        map: Box<dyn Parametrization>,
+        segments: &[&[NodeId]],
+    ) -> Result<NodeId, ModelError> {
+        let (d, n) = map.dims();
+        for parents in segments {
+            self.check_own(parents, || format!("joint at node {name}"))?;
+            if parents.len() > MAX_NODES {
+                return Err(ModelError::TooManyNodes {
+                    element: format!("(joint at node {name})"),
+                    found: parents.len(),
+                    limit: MAX_NODES,
+                });
+            }
+            let found: usize = parents.iter().map(|m| self.nodes[m.0 as usize].dim).sum();
+            if d != found || n != quantities.len() {
+                return Err(ModelError::JointDimension {
+                    node: name,
+                    parents: self.names_of(parents),
+                    map: (d, n),
+                    found,
+                    dim: quantities.len(),
+                });
+            }
+        }
+        let numbers = |parents: &&[NodeId]| parents.iter().map(|m| m.0).collect();
+        let segments = segments.iter().map(numbers).collect();
+        let source = Source::Mapped(Box::new(MappedNode::new(map, segments, d)));
+        self.add_node(name, position, form, quantities, source)
+    }
+
+    pub(in crate::model) fn add_node(
+        &mut self,
+        name: String,
+        position: [f64; 3],
+        form: NodeForm,
+        quantities: &[Quantity],
+        source: Source,
+    ) -> Result<NodeId, ModelError> {
+        if position.iter().any(|x| !x.is_finite()) {
+            return Err(ModelError::NotFinite {
+                node: name,
+                position,
+            });
+        }
+        let id = NodeId(self.nodes.len() as u32);
+        match self.names.entry(name.clone()) {
+            Entry::Occupied(_) => return Err(ModelError::DuplicateNode { node: name }),
+            Entry::Vacant(entry) => entry.insert(id),
+        };
+        self.nodes.push(Node {
+            position: position.into(),
+            ..Node::new(name, form, quantities, source)
+        });
+        Ok(id)
+    }
+
+    /// Node with a name.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownNode`], with a list of all names.
+    pub fn find(&self, name: &str) -> Result<NodeId, ModelError> {
+        self.names.get(name).copied().ok_or_else(|| {
+            let mut known: Vec<&str> = self.nodes.iter().map(|n| n.name.as_str()).collect();
+            let many = known.len() > 12;
+            known.truncate(12);
+            ModelError::UnknownNode {
+                node: name.to_owned(),
+                known: known.join(", ") + if many { ", ..." } else { "" },
+            }
+        })
+    }
+
+    /// Name of a node.
+    pub fn node_name(&self, node: NodeId) -> &str {
+        &self.nodes[node.0 as usize].name
+    }
+
+    /// Reference position of a node.
+    pub fn position(&self, node: NodeId) -> Vector3<f64> {
+        self.nodes[node.0 as usize].position
+    }
+
+    /// Number of coordinates of a node, six for a frame.
+    pub fn dim(&self, node: NodeId) -> usize {
+        self.nodes[node.0 as usize].dim
+    }
+
+    /// Whether a node has coordinates of its own and is not mapped.
+    pub(crate) fn is_own(&self, node: NodeId) -> bool {
+        self.nodes[node.0 as usize].is_own()
+    }
+
+    /// The coordinate at the end of a chain of gears, and the ratio to it.
+    pub(crate) fn behind_gears(&self, mut node: NodeId) -> (NodeId, f64) {
+        let mut ratio = 1.0;
+        while let Some(&(leader, r)) = self.gears.get(&node) {
+            (node, ratio) = (leader, ratio * r);
+        }
+        (node, ratio)
+    }
+
+    /// Makes a coordinate follow an earlier one by a gear of this ratio.
+    pub(crate) fn follow(
+        &mut self,
+        leader: NodeId,
+        follower: NodeId,
+        ratio: f64,
+        map: Box<dyn Parametrization>,
+    ) {
+        self.gears.insert(follower, (leader, ratio));
+        let mapped = MappedNode::new(map, vec![vec![leader.0]], 1);
+        self.nodes[follower.0 as usize].source = Source::Mapped(Box::new(mapped));
+    }
+
+    pub(in crate::model) fn check_own(
+        &self,
+        nodes: &[NodeId],
+        what: impl Fn() -> String,
+    ) -> Result<(), ModelError> {
+        if nodes.iter().all(|n| (n.0 as usize) < self.nodes.len()) {
+            Ok(())
+        } else {
+            Err(ModelError::ForeignNode { what: what() })
+        }
+    }
+
+    pub(crate) fn names_of(&self, nodes: &[NodeId]) -> String {
+        let names: Vec<&str> = nodes.iter().map(|&n| self.node_name(n)).collect();
+        names.join(", ")
+    }
+
+    /// Adds an element or a load on nodes.
+    ///
+    /// # Errors
+    /// [`ModelError::Dimension`] if the nodes do not have the coordinates of the element.
+    pub fn element(
+        &mut self,
+        name: impl Into<String>,
+        element: impl Element + 'static,
+        nodes: &[NodeId],
+    ) -> Result<ElementId, ModelError> {
+        self.boxed_element(name.into(), Box::new(element), nodes)
+    }
+
+    /// As [`ModelBuilder::element`], for a boxed element.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::element`].
+    pub fn boxed_element(
+        &mut self,
+        name: String,
+        element: Box<dyn Element>,
+        nodes: &[NodeId],
+    ) -> Result<ElementId, ModelError> {
+        self.check_own(nodes, || format!("element {name}"))?;
+        if nodes.len() > MAX_NODES {
+            return Err(ModelError::TooManyNodes {
+                element: name,
+                found: nodes.len(),
+                limit: MAX_NODES,
+            });
+        }
+        let found: usize = nodes.iter().map(|n| self.nodes[n.0 as usize].dim).sum();
+        if found != element.dim() {
+            return Err(ModelError::Dimension {
+                expected: element.dim(),
+                found,
+                nodes: self.names_of(nodes),
+                element: name,
+            });
+        }
+        self.elements.push(ElementEntry {
+            name,
+            frames: (0..)
+                .zip(nodes)
+                .filter(|(_, n)| element.sees_rotations() && self.nodes[n.0 as usize].is_frame())
+                .map(|(k, _)| 1 << k)
+                .sum(),
+            dead: element.is_dead(),
+            load: element.is_load(),
+            steady: element.is_load() && element.is_steady(),
+            element: element.into(),
+            nodes: NodeList::new(nodes),
+            mapped: false,
+            held: false,
+        });
+        Ok(ElementId(self.elements.len() as u32 - 1))
+    }
+
+    /// Fixes coordinates of a node at zero.
+    pub fn support(&mut self, node: NodeId, dofs: &[Dof]) {
+        for &dof in dofs {
+            self.prescribe(node, dof, Constant(0.0));
+        }
+    }
+
+    /// Adds a value for loads and prescribed coordinates that is set from outside during a run.
+    pub fn input(&mut self, value: f64) -> Input {
+        let input = Input::new(value);
+        self.inputs.push(input.clone());
+        input
+    }
+
+    /// Prescribes a coordinate of a frame node as a function of time (of the load parameter in
+    /// statics).
+    pub fn prescribe(&mut self, node: NodeId, dof: Dof, function: impl TimeFunction + 'static) {
+        self.prescribe_boxed(node, dof, Box::new(function));
+    }
+
+    /// As [`ModelBuilder::prescribe`], for a boxed function.
+    pub fn prescribe_boxed(&mut self, node: NodeId, dof: Dof, function: Box<dyn TimeFunction>) {
+        self.prescribe_coordinate(node, dof.index(), function);
+    }
+
+    /// Prescribes coordinate `k` of any node, such as the angle of a revolute joint.
+    pub fn prescribe_coordinate(
+        &mut self,
+        node: NodeId,
+        k: usize,
+        function: Box<dyn TimeFunction>,
+    ) {
+        self.prescribed.push((node, k, function.into()));
+    }
+}

@@ -1,0 +1,126 @@
+//! Loops that are closed by multipliers or a penalty between two frames.
+
+use crate::constraint::{Multipliers, Penalty, Scaled, Stiffness};
+use crate::element::Element;
+use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::loops::{Closing, Coincide, EQUATIONS, Report};
+use crate::model::{ModelError, NodeForm, Source};
+use pullback_manifold::system::Quantity;
+
+/// Method of closing a loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Closure {
+    /// A map: coordinates of joints along the loop follow from independent ones.
+    #[default]
+    Map,
+    /// Lagrange multipliers of the same six equations, as unknowns of the model: index 3, for
+    /// schemes with damping at infinite frequencies.
+    Multipliers,
+    /// Springs and dampers: `p` is the stiffness (force over length) against the gap; against the
+    /// relative rotation it is p L², L the size of the model.
+    Penalty(Stiffness),
+}
+
+impl ModelBuilder {
+    /// As [`ModelBuilder::close`], with another method.
+    ///
+    /// Multipliers and penalties act between the two frames: a free child stays free, and the loop may
+    /// contain bodies that fly freely. Both methods enforce the equations of the map: the gap in the
+    /// child's axes over the size of the model, and twice the vector part of the quaternion between the
+    /// frames. An analysis of such a model starts from [`Model::initial`](crate::model::Model::initial), or
+    /// from another start after [`Context::satisfy`](crate::model::Context::satisfy).
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::close`]; [`ModelError::Penalty`].
+    pub fn close_by(
+        &mut self,
+        frame: NodeId,
+        child: NodeId,
+        by: Closure,
+    ) -> Result<(), ModelError> {
+        self.check_own(&[frame, child], || "a loop".to_owned())?;
+        let is_frame = |n: NodeId| self.nodes[n.0 as usize].is_frame();
+        if frame == child || !is_frame(frame) || !is_frame(child) {
+            return Err(ModelError::NotFrames {
+                first: self.node_name(frame).to_owned(),
+                second: self.node_name(child).to_owned(),
+            });
+        }
+        if let Closure::Penalty(stiffness) = by {
+            let probe = Coincide::default();
+            Penalty::<_, 12, 6>::new(probe, stiffness).map_err(|source| ModelError::Penalty {
+                joint: self.node_name(frame).to_owned(),
+                source,
+            })?;
+        }
+        self.closings.push(Closing { frame, child, by });
+        Ok(())
+    }
+
+    /// Adds `count` multipliers, unknowns without mass, for
+    /// [`Multipliers`](crate::constraint::Multipliers).
+    ///
+    /// # Errors
+    /// [`ModelError::DuplicateNode`].
+    pub fn multipliers(
+        &mut self,
+        name: impl Into<String>,
+        count: usize,
+    ) -> Result<NodeId, ModelError> {
+        let quantities = vec![Quantity::Other; count];
+        let position = [0.0; 3];
+        self.add_node(
+            name.into(),
+            position,
+            NodeForm::Multipliers,
+            &quantities,
+            Source::Own,
+        )
+    }
+
+    /// Adds the elements of all closures by multipliers or penalties, in a model of this size;
+    /// returns the report on each, and these closures.
+    pub(in crate::model) fn enforce_closings(
+        &mut self,
+        length: f64,
+    ) -> Result<(Vec<Report>, Vec<Closing>), ModelError> {
+        let (maps, closings) = (self.closings.drain(..)).partition(|c| c.by == Closure::Map);
+        let closings: Vec<Closing> = closings;
+        self.closings = maps;
+        let mut reports = Vec::new();
+        for &Closing { frame, child, by } in &closings {
+            let name = self.node_name(frame).to_owned();
+            let h = Coincide {
+                apart: self.position(frame) - self.position(child),
+            };
+            let l = length.recip();
+            let h = Scaled::new(h, [l, l, l, 1.0, 1.0, 1.0]);
+            let mut nodes = vec![frame, child];
+            let mut words = format!("joint {name}: closed by multipliers");
+            let element: Box<dyn Element> = match by {
+                Closure::Penalty(Stiffness { p, tau }) => {
+                    let p_l2 = p * length * length;
+                    let made = Penalty::<_, 12, 6>::new(h, Stiffness { p: p_l2, tau });
+                    words = format!("joint {name}: closed by a penalty of {p}");
+                    Box::new(
+                        made.map_err(|source| ModelError::Penalty {
+                            joint: name.clone(),
+                            source,
+                        })?
+                        .named(&EQUATIONS),
+                    )
+                }
+                Closure::Map | Closure::Multipliers => {
+                    nodes.push(self.multipliers(format!("multipliers of {name}"), 6)?);
+                    Box::new(Multipliers::<_, 12, 6>::new(h).named(&EQUATIONS))
+                }
+            };
+            let id = self.boxed_element(format!("closure of {name}"), element, &nodes)?;
+            reports.push(Report {
+                element: Some(id.0),
+                ..Report::say(words)
+            });
+        }
+        Ok((reports, closings))
+    }
+}

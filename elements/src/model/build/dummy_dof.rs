@@ -1,0 +1,67 @@
+//! Models with all coordinates prescribed: kinematics, and the forces of prescribed motions.
+//!
+//! Solvers need at least one unknown. They get a separate coordinate that stays zero, with a spring
+//! and a mass; states, reactions and energies are those of the prescribed motions.
+
+#![allow(non_snake_case)]
+
+use crate::element::{Element, ElementError, Motion, Response};
+use crate::model::loops::Report;
+use crate::model::{ModelBuilder, ModelError, NodeForm};
+use pullback_manifold::system::Quantity;
+
+/// A unit mass on a unit spring; dim 1.
+#[derive(Debug)]
+struct DummyDof;
+
+impl Element for DummyDof {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        out.r[0] -= at.x[0] + at.a.first().copied().unwrap_or(0.0);
+        for one in [&mut out.K, &mut out.M].into_iter().flatten() {
+            one[0] += 1.0;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: &Motion<'_>) -> f64 {
+        0.5 * at.x[0] * at.x[0]
+    }
+}
+
+impl ModelBuilder {
+    /// Adds the dummy coordinate if nothing else is free after loops are closed.
+    ///
+    /// # Errors
+    /// [`ModelError::LockedLoop`] if loops leave nothing free, and no joint is prescribed.
+    pub(in crate::model) fn add_dummy_dof(&mut self, loops: &[Report]) -> Result<(), ModelError> {
+        let given: std::collections::HashSet<(usize, usize)> = (self.prescribed.iter())
+            .map(|(n, k, _)| (n.0 as usize, *k))
+            .collect();
+        let free = self
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, node)| node.is_own() && node.form != NodeForm::Multipliers)
+            .any(|(n, node)| (0..node.dim).any(|k| !given.contains(&(n, k))));
+        if free || self.nodes.is_empty() {
+            return Ok(());
+        }
+        // A prescribed joint coordinate is intended, even at zero; a support only fixes.
+        let mut prescribed = self.prescribed.iter();
+        let still = prescribed.all(|(n, _, f)| {
+            f.constant() == Some(0.0) && self.nodes[n.0 as usize].form != NodeForm::Coordinates
+        });
+        if let (true, Some(&(frame, _))) = (still, loops.iter().find_map(|r| r.closures.first())) {
+            let joints = self.nodes[frame as usize].name.clone();
+            return Err(ModelError::LockedLoop { joints });
+        }
+        let node = self.coordinates("nothing is free", &[Quantity::Other])?;
+        self.nodes[node.0 as usize].form = NodeForm::Dummy;
+        self.element("nothing is free", DummyDof, &[node])?;
+        Ok(())
+    }
+}

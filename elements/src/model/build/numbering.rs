@@ -1,0 +1,405 @@
+//! Validation, numbering and pattern of a model.
+
+use crate::model::assembly::scatter_map::ScatterMap;
+use crate::model::assembly::workspace::Workspace;
+use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::build::connections::check_connections;
+use crate::model::build::dependency_graph::{self, Alternatives};
+use crate::model::constraints::start;
+use crate::model::kinematics::formulation;
+use crate::model::loops;
+use crate::model::state::State;
+use crate::model::{
+    Context, ElementEntry, FreeCoordinates, Model, ModelError, NONE, Node, NodeForm, Prescribed,
+    Source, Span, among,
+};
+use crate::time::TimeFunction;
+use pullback_manifold::sparse::BlockPattern;
+use pullback_manifold::system::Quantity;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+impl ModelBuilder {
+    /// Checks the model, numbers its unknowns and finds the pattern.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the cause. Statics also checks that the supports suffice
+    /// ([`Model::check_supports`]); a free structure is valid in dynamics.
+    pub fn build(mut self) -> Result<Model, ModelError> {
+        let extent = extent(&self.nodes);
+        let length = if extent > 0.0 { extent } else { 1.0 };
+        start::check_values(&self.nodes, &self.starts, length)?;
+        let (forces, enforced) = self.enforce_closings(length)?;
+        if self.nodes.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        let mut preferred = std::mem::take(&mut self.preferred);
+        preferred.extend(self.starts.keys().map(|&(n, _)| n));
+        let used = self.elements.iter().flat_map(|e| e.nodes.iter());
+        preferred.extend(used.map(|&n| NodeId(n)));
+        let preferences = loops::StartPreferences {
+            starts: &self.starts,
+            preferred,
+        };
+        let held = loops::Held(&self.prescribed);
+        let nodes = &mut self.nodes;
+        let mut reports = loops::close(nodes, &self.closings, &held, &preferences, length)?;
+        let positions = loops::positions(&self.nodes, &enforced, &held, &preferences, length);
+        self.add_dummy_dof(&reports)?;
+        reports.extend(forces);
+        let Self {
+            mut nodes,
+            mut elements,
+            mut prescribed,
+            closings,
+            starts,
+            formulation,
+            inputs,
+            ..
+        } = self;
+        formulation::apply(formulation, &mut nodes, &mut prescribed);
+        let mut total = 0;
+        for node in &mut nodes {
+            node.first = total;
+            total += node.dim;
+        }
+        let dependent = dependency_graph::order(&nodes);
+        let alternatives = Alternatives::new(&nodes, &dependent)?;
+        let (operators, dependencies) =
+            dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
+        let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
+        check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
+        check_reparametrized(&nodes, &elements, &prescribed)?;
+
+        // Numbering: block by block, away from the supports.
+        let mut free: Vec<bool> = nodes
+            .iter()
+            .flat_map(|n| std::iter::repeat_n(n.is_own(), n.dim))
+            .collect();
+        for p in &prescribed {
+            free[p.coordinate] = false;
+        }
+        let mut unknowns = vec![NONE; total];
+        let mut coordinates = Vec::new();
+        let mut sizes = Vec::new();
+        let mut scatter_map = ScatterMap::new(nodes.len(), total, dependencies);
+        for n in outward(&nodes, &elements, &prescribed) {
+            let node = &nodes[n];
+            let mut size = 0;
+            for c in node.range().filter(|&c| free[c]) {
+                unknowns[c] = coordinates.len() as u32;
+                coordinates.push(c);
+                scatter_map.rows[c] = size;
+                size += 1;
+            }
+            if size > 0 {
+                scatter_map.blocks[n] = sizes.len() as u32;
+                sizes.push(size as usize);
+            }
+        }
+
+        // The pattern has room for all nodes that an element may depend on; a joint without
+        // elements carries no force. Elements on one body all have the same set.
+        let mut sets = HashSet::new();
+        for e in &elements {
+            sets.extend(alternatives.of(&e.nodes));
+        }
+        let block = |n: &u32| Some(scatter_map.blocks[*n as usize]).filter(|&b| b != NONE);
+        let blocks_of = |set: Vec<u32>| -> Vec<u32> { set.iter().filter_map(block).collect() };
+        let quantities: Vec<Quantity> = nodes.iter().flat_map(|n| n.quantities.clone()).collect();
+        let of_form = |n: &Node| std::iter::repeat_n(n.form == NodeForm::Multipliers, n.dim);
+        let multipliers: Vec<bool> = nodes.iter().flat_map(of_form).collect();
+        let unit = |i: usize| match (multipliers[coordinates[i]], quantities[coordinates[i]]) {
+            (true, _) => 0.0,
+            (_, Quantity::Length) => length,
+            _ => 1.0,
+        };
+        let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
+        let panels = scatter_map.arrange(&nodes, &dependent, &elements, &alternatives);
+        for e in &mut elements {
+            let held = |&n: &u32| scatter_map.rows[nodes[n as usize].range()].contains(&NONE);
+            e.held = e.nodes.iter().any(held);
+            e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
+        }
+
+        prescribed.sort_unstable_by_key(|p| p.coordinate);
+        let turned = |n: &usize| {
+            let first = nodes[*n].first;
+            nodes[*n].is_frame() && among(&prescribed, first + 3..first + 6).len() == 3
+        };
+        let prescribed_rotations = (0..nodes.len()).filter(turned).collect();
+        let magnitude = |node: &Node, quantity: Quantity| match quantity {
+            Quantity::Length if node.is_frame() => node.position.norm(),
+            Quantity::Length => length,
+            Quantity::Angle | Quantity::Other => 1.0,
+        };
+        let sizes = |node: &Node| -> Vec<f64> {
+            let quantities = node.quantities.iter();
+            quantities.map(|k| magnitude(node, *k)).collect()
+        };
+        let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
+        let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
+        let levers = levers(&nodes, &elements, extent);
+        let sizes = [operators, panels];
+        let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
+        let span = |node: &Node| Span {
+            first: node.first as u32,
+            dim: node.dim as u32,
+        };
+        let spans = nodes.iter().map(span).collect();
+        let is_enforced = |k: &usize| elements[*k].element.enforced().is_some();
+        let enforced = (0..elements.len()).filter(is_enforced).collect();
+        let spin_frames = match formulation.velocity_kind() {
+            Some(_) => formulation::turning(&nodes).collect(),
+            None => Vec::new(),
+        };
+        let mut model = Model {
+            nodes,
+            spans,
+            dependent,
+            spin_frames,
+            reports,
+            elements,
+            enforced,
+            initial: Vec::new(),
+            start: State::default(),
+            prescribed,
+            inputs,
+            prescribed_rotations,
+            free: FreeCoordinates::new(&coordinates),
+            coordinates,
+            unknowns,
+            quantities,
+            multipliers,
+            magnitudes,
+            length,
+            pattern,
+            work,
+        };
+        model.start = State::new(&model);
+        let mut starts: Vec<((NodeId, usize), f64)> = starts.into_iter().collect();
+        starts.sort_unstable_by_key(|v| v.0);
+        let values: Vec<(usize, f64)> = (starts.into_iter())
+            .filter_map(|((n, k), x)| Some((model.unknown_at(n, k)?, x)))
+            .collect();
+        let mut context = Context::new(model);
+        context.locate_tangents();
+        context.start_element_charts(0.0, &vec![0.0; context.coordinates.len()]);
+        let initial = context.assemble_enforced(&values, &positions)?;
+        let Context { model, state, work } = context;
+        let mut model = Arc::unwrap_or_clone(model);
+        (model.initial, model.start, model.work) = (initial, state, work);
+        Ok(model)
+    }
+}
+
+/// Shortest and longest lever of the model: the least distance between different node positions of
+/// an element or a joint, and the extent of the whole; zero and infinity if there is none.
+fn levers(nodes: &[Node], elements: &[ElementEntry], extent: f64) -> [f64; 2] {
+    if extent == 0.0 {
+        return [0.0, f64::INFINITY];
+    }
+    let distance = |a: usize, b: usize| (nodes[a].position - nodes[b].position).norm();
+    let frames = |group: &[u32]| -> Vec<usize> {
+        let all = group.iter().map(|&n| n as usize);
+        all.filter(|&n| nodes[n].is_frame()).collect()
+    };
+    let mut shortest = f64::INFINITY;
+    let mut look = |group: &[usize]| {
+        for (i, &a) in group.iter().enumerate() {
+            let apart = group[..i].iter().map(|&b| distance(a, b));
+            let apart = apart.filter(|d| *d > f64::EPSILON * extent);
+            shortest = apart.fold(shortest, f64::min);
+        }
+    };
+    for e in elements {
+        look(&frames(&e.nodes));
+    }
+    for (n, node) in nodes.iter().enumerate() {
+        if let (Source::Mapped(d), true) = (&node.source, node.is_frame()) {
+            for parents in &d.segments {
+                let mut group = frames(parents);
+                group.push(n);
+                look(&group);
+            }
+        }
+    }
+    [if shortest.is_finite() { shortest } else { 0.0 }, extent]
+}
+
+/// Diagonal of the box around all frames; zero if all have the same position.
+fn extent(nodes: &[Node]) -> f64 {
+    let corner = |pick: fn(f64, f64) -> f64| {
+        let frames = nodes.iter().filter(|n| n.is_frame()).map(|n| n.position);
+        frames
+            .reduce(|a, b| a.zip_map(&b, pick))
+            .unwrap_or_default()
+    };
+    (corner(f64::max) - corner(f64::min)).norm()
+}
+
+/// All nodes by their distance from the supports, counted in elements.
+///
+/// Elimination takes the last first: from free ends towards supports every partial structure is
+/// held by the rest, and pivots keep their size. In the opposite order the last pivot of a
+/// cantilever would be its tip stiffness, small by the cube of the number of elements.
+fn outward(nodes: &[Node], elements: &[ElementEntry], prescribed: &[Prescribed]) -> Vec<usize> {
+    let mut touching: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
+    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(elements.len());
+    let indices = |nodes: &[u32]| nodes.iter().map(|&n| n as usize).collect::<Vec<_>>();
+    groups.extend(elements.iter().map(|e| indices(&e.nodes)));
+    for (n, node) in nodes.iter().enumerate() {
+        if let Source::Mapped(d) = &node.source {
+            for parents in &d.segments {
+                groups.push(indices(parents));
+                groups.last_mut().into_iter().for_each(|g| g.push(n));
+            }
+        }
+    }
+    for (g, group) in groups.iter().enumerate() {
+        for &n in group {
+            touching[n].push(g);
+        }
+    }
+    let mut coordinate_node = Vec::new();
+    for (n, node) in nodes.iter().enumerate() {
+        coordinate_node.extend(std::iter::repeat_n(n, node.dim));
+    }
+    let mut reached = vec![false; nodes.len()];
+    let mut used = vec![false; groups.len()];
+    let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
+    let mut next = 0;
+    let held = prescribed.iter().map(|p| coordinate_node[p.coordinate]);
+    for n in held {
+        if !std::mem::replace(&mut reached[n], true) {
+            order.push(n);
+        }
+    }
+    for seed in 0..=nodes.len() {
+        while next < order.len() {
+            for &g in &touching[order[next]] {
+                if std::mem::replace(&mut used[g], true) {
+                    continue;
+                }
+                for &m in &groups[g] {
+                    if !std::mem::replace(&mut reached[m], true) {
+                        order.push(m);
+                    }
+                }
+            }
+            next += 1;
+        }
+        // Parts without a support follow, each from its first node.
+        if seed < nodes.len() && !reached[seed] {
+            reached[seed] = true;
+            order.push(seed);
+        }
+    }
+    order
+}
+
+/// Checks that reparametrized coordinates are free, and used by no other map or element.
+fn check_reparametrized(
+    nodes: &[Node],
+    elements: &[ElementEntry],
+    prescribed: &[Prescribed],
+) -> Result<(), ModelError> {
+    for (n, node) in nodes.iter().enumerate() {
+        let Source::Mapped(d) = &node.source else {
+            continue;
+        };
+        // Parents after the first are parameters, which are not reparametrized.
+        let first = d.initial_parents().iter().take(1);
+        for &m in first.filter(|_| d.map.reparametrizes()) {
+            let parent = &nodes[m as usize];
+            // Created for the frame by the model itself.
+            if parent.form == NodeForm::Increment {
+                continue;
+            }
+            let reads = |k: usize| match &nodes[k].source {
+                Source::Mapped(d) => d.segments.iter().flatten().any(|&x| x == m),
+                Source::Own => false,
+            };
+            let element = elements.iter().find(|e| e.nodes.contains(&m));
+            let other = (0..nodes.len()).find(|&k| k != n && reads(k));
+            let held = prescribed
+                .iter()
+                .any(|p| parent.range().contains(&p.coordinate));
+            let user = if let Some(e) = element {
+                format!("element {}", e.name)
+            } else if let Some(k) = other {
+                format!("the joint at {}", nodes[k].name)
+            } else if held {
+                "a support or driven motion".to_owned()
+            } else if !parent.is_own() || parent.form != NodeForm::Coordinates {
+                "a joint with other parents".to_owned()
+            } else {
+                continue;
+            };
+            return Err(ModelError::Reparametrized {
+                node: node.name.clone(),
+                coordinates: parent.name.clone(),
+                user,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn resolve_prescribed(
+    nodes: &[Node],
+    prescribed: Vec<(NodeId, usize, Arc<dyn TimeFunction>)>,
+) -> Result<Vec<Prescribed>, ModelError> {
+    let mut out: Vec<Prescribed> = Vec::with_capacity(prescribed.len());
+    let mut taken = std::collections::HashSet::new();
+    for (id, dof, function) in prescribed {
+        let Some(node) = nodes.get(id.0 as usize) else {
+            return Err(ModelError::ForeignNode {
+                what: "a support or driven motion".to_owned(),
+            });
+        };
+        if dof >= node.dim {
+            return Err(ModelError::NoCoordinate {
+                node: node.name.clone(),
+                coordinate: dof + 1,
+                dim: node.dim,
+            });
+        }
+        let coordinate = node.coordinate_name(dof);
+        if matches!(node.source, Source::Mapped(_)) {
+            return Err(refuse_mapped(nodes, id.0, coordinate));
+        }
+        if !taken.insert(node.first + dof) {
+            return Err(ModelError::PrescribedTwice { coordinate });
+        }
+        out.push(Prescribed {
+            coordinate: node.first + dof,
+            function,
+        });
+    }
+    Ok(out)
+}
+
+/// Error for a prescribed coordinate that follows from others; it names those that can be
+/// prescribed instead.
+fn refuse_mapped(nodes: &[Node], dependent: u32, coordinate: String) -> ModelError {
+    let (mut waiting, mut own) = (vec![dependent], Vec::new());
+    while let Some(n) = waiting.pop() {
+        let node = &nodes[n as usize];
+        match &node.source {
+            Source::Mapped(d) if d.map.reparametrizes() => {
+                let solved = node.name.clone();
+                return ModelError::PrescribedSolved { coordinate, solved };
+            }
+            // In the order of the parents.
+            Source::Mapped(d) => waiting.extend(d.initial_parents().iter().rev()),
+            Source::Own if own.contains(&node.name.as_str()) => {}
+            Source::Own => own.push(&node.name),
+        }
+    }
+    let parents = own.join(", ");
+    ModelError::PrescribedSlave {
+        coordinate,
+        parents,
+    }
+}

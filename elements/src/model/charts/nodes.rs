@@ -1,0 +1,358 @@
+//! Charts of nodes and elements, changed at converged states only.
+
+use crate::model::kinematics::complement::fold;
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::kinematics::node_entries::collect;
+use crate::model::{Context, Model, Node, NodeForm, Source, among};
+use nalgebra::Vector3;
+use pullback_manifold::chart::{Chart, Complement, RotationVector};
+use pullback_manifold::map::Map;
+use pullback_manifold::system::{ChartChanges, Point};
+use std::f64::consts::TAU;
+
+/// Coordinates of a map that reparametrizes them.
+#[derive(Clone, Default)]
+pub(in crate::model) struct Reparametrization {
+    node: u32,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<Vec<f64>>,
+}
+
+impl Model {
+    /// The unknowns of a node's rotation if its chart can change: the node is not mapped, part of
+    /// the rotation is free, and the prescribed part is constant at zero. (A prescribed component
+    /// would be another constraint in the other chart.)
+    pub(in crate::model) fn free_rotation(&self, node: usize) -> Option<[Option<usize>; 3]> {
+        let node = &self.nodes[node];
+        let first = node.rotation().filter(|_| node.is_own())?;
+        let unknowns = std::array::from_fn(|i| {
+            let u = self.unknowns[first + i];
+            (u != crate::model::NONE).then_some(u as usize)
+        });
+        if unknowns.iter().all(Option::is_none) {
+            return None;
+        }
+        let held = among(&self.prescribed, first..first + 3);
+        let still = held.iter().all(|p| p.function.constant() == Some(0.0));
+        still.then_some(unknowns)
+    }
+}
+
+impl Context {
+    /// State of the maps between nodes, map by map: the independent coordinates of a closed loop and the
+    /// point from which it is solved. Last, the multiplier equations that are left out, if any.
+    pub fn save_maps(&self) -> Vec<Vec<f64>> {
+        let choice = (!self.state.chosen_at.is_empty()).then(|| self.save_choice());
+        let maps = self.state.maps.iter().map(|map| map.save());
+        maps.chain(choice).collect()
+    }
+
+    /// Restores the state from [`Context::save_maps`] of the same model; false if it belongs to another
+    /// model.
+    #[must_use]
+    pub fn restore_maps(&mut self, saved: &[Vec<f64>]) -> bool {
+        let (maps, choice) = saved.split_at(saved.len().min(self.model.dependent.len()));
+        let same = maps.len() == self.model.dependent.len()
+            && choice.len() == usize::from(!self.state.chosen_at.is_empty())
+            && choice.iter().all(|choice| self.restore_choice(choice));
+        let restored = same && {
+            let mut pairs = self.state.maps.iter_mut().zip(maps);
+            pairs.all(|(map, saved)| map.restore(saved))
+        };
+        self.forget();
+        restored
+    }
+
+    /// Changes the charts of nodes where needed ([`RotationVector`]: ψ > π), then those of the
+    /// elements.
+    pub(in crate::model) fn update_charts(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> ChartChanges {
+        // If a map cannot be evaluated, the next evaluation reports it.
+        if !self.look_before(t, q) {
+            return ChartChanges::default();
+        }
+        let mut changed = self.fold_prescribed_rotations(t);
+        for node in 0..self.model.nodes.len() {
+            let Some(unknowns) = self.free_rotation(node) else {
+                continue;
+            };
+            let take = |from: &[f64]| Vector3::from_fn(|i, _| unknowns[i].map_or(0.0, |u| from[u]));
+            let psi = take(q);
+            let Some(transition) = RotationVector
+                .transition(&psi)
+                .filter(|_| self.is_beyond(&psi))
+            else {
+                continue;
+            };
+            changed += 1;
+            let put = |to: &mut [f64], from: &Vector3<f64>| {
+                for (u, x) in unknowns.iter().zip(from.iter()) {
+                    if let Some(u) = *u {
+                        to[u] = *x;
+                    }
+                }
+            };
+            let velocity = if v.is_empty() {
+                Vector3::zeros()
+            } else {
+                take(v)
+            };
+            let (mut x, mut first) = (psi, velocity);
+            for a in accelerations.iter_mut() {
+                let mut second = take(a);
+                [x, first] = settled(&transition, &psi, &velocity, &mut second);
+                put(a, &second);
+            }
+            if accelerations.is_empty() {
+                [x, first] = settled(&transition, &psi, &velocity, &mut Vector3::zeros());
+            }
+            put(q, &x);
+            if !v.is_empty() {
+                put(v, &first);
+            }
+        }
+        changed += self.reparametrize_coordinates(t, q, v, accelerations);
+        self.work.segments_changed = false;
+        if let (false, Some(a)) = (v.is_empty(), accelerations.first()) {
+            self.keep_momentum(Point { t, q, v, a });
+        }
+        // If a map cannot be evaluated, the next evaluation reports it.
+        let Ok(maps) = self.update_maps(t, q) else {
+            return ChartChanges {
+                charts: changed,
+                residual: false,
+            };
+        };
+        changed += usize::from(self.choose_equations(t, q));
+        self.watch_left_out(t);
+        ChartChanges {
+            charts: changed + maps.charts,
+            residual: self.follow_element_charts(t) || maps.residual,
+        }
+    }
+
+    /// Lets maps reparametrize their coordinates at the same x, ẋ, ẍ. These are free coordinates of one
+    /// own node, the first parent, and have no other user, which is checked when the model is built.
+    fn reparametrize_coordinates(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = self.reparametrize_increments(t, q, v, accelerations);
+        let mut next = 0;
+        if !self
+            .model
+            .dependent
+            .iter()
+            .any(|&n| reparametrizing(&self.model.nodes, n).is_some())
+        {
+            return changed;
+        }
+        while self.collect_reparametrizations(t, q, v, accelerations) {
+            let mut all = std::mem::take(&mut self.work.reparametrizations);
+            let later = all[next..].iter_mut().enumerate();
+            let reparametrized = later.into_iter().find_map(|(k, c)| {
+                let Source::Mapped(d) = &self.model.nodes[c.node as usize].source else {
+                    return None;
+                };
+                let a = &mut c.a[..accelerations.len()];
+                let map = &mut self.state.maps[d.index];
+                map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
+            });
+            if let Some(k) = reparametrized {
+                self.write_back(&all[next + k], q, v, accelerations);
+                changed += 1;
+                next += k + 1;
+            }
+            self.work.reparametrizations = all;
+            // The next ones may depend on the coordinates that have just changed.
+            if reparametrized.is_none() {
+                break;
+            }
+        }
+        changed
+    }
+
+    /// The same for rotations by increments, each of which reads its own unknowns only.
+    fn reparametrize_increments(
+        &mut self,
+        t: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) -> usize {
+        let mut changed = 0;
+        for k in 0..self.model.dependent.len() {
+            let n = self.model.dependent[k] as usize;
+            if !by_increments(&self.model.nodes, &self.model.nodes[n]) {
+                continue;
+            }
+            self.collect_increments(n, t, q, v, accelerations);
+            let Source::Mapped(d) = &self.model.nodes[n].source else {
+                continue;
+            };
+            let (own, buffers) = (&mut self.work.local, &mut self.work.accelerations);
+            let (x, x_dot) = (&mut own.q[..d.direct], &mut own.qv[..d.direct]);
+            let x_ddot = &mut buffers[..accelerations.len()];
+            if !self.state.maps[d.index].reparametrize(t, x, x_dot, x_ddot) {
+                continue;
+            }
+            changed += 1;
+            let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
+            for (i, c) in range.enumerate() {
+                // A held displacement does not change.
+                let u = self.model.unknowns[c];
+                if u == crate::model::NONE {
+                    continue;
+                }
+                let u = u as usize;
+                q[u] = x[i];
+                if !v.is_empty() {
+                    v[u] = x_dot[i];
+                }
+                for (a, x_ddot) in accelerations.iter_mut().zip(&*x_ddot) {
+                    a[u] = x_ddot[i];
+                }
+            }
+        }
+        changed
+    }
+
+    /// Writes the new coordinates of a map to the state.
+    fn write_back(
+        &self,
+        new: &Reparametrization,
+        q: &mut [f64],
+        v: &mut [f64],
+        accelerations: &mut [&mut [f64]],
+    ) {
+        let Source::Mapped(d) = &self.model.nodes[new.node as usize].source else {
+            return;
+        };
+        let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
+        for (i, c) in range.enumerate() {
+            let u = self.model.unknowns[c] as usize;
+            q[u] = new.q[i];
+            if !v.is_empty() {
+                v[u] = new.v[i];
+            }
+            for (a, new) in accelerations.iter_mut().zip(&new.a) {
+                a[u] = new[i];
+            }
+        }
+    }
+
+    /// Writes coordinates, velocities and all accelerations of the parents of all maps that may
+    /// reparametrize them to the workspace; false if the point is outside a chart, which the next
+    /// evaluation reports.
+    fn collect_reparametrizations(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        accelerations: &[&mut [f64]],
+    ) -> bool {
+        let rest: Vec<f64> = match (accelerations.is_empty(), v.is_empty()) {
+            (true, false) => vec![0.0; v.len()],
+            _ => Vec::new(),
+        };
+        for k in 0..accelerations.len().max(1) {
+            let a = accelerations.get(k).map_or(&rest[..], |a| a);
+            if self.expand(Point { t, q, v, a }).is_err() {
+                return false;
+            }
+            let w = &mut self.work;
+            let mut count = 0;
+            for &node in &self.model.dependent {
+                let Some(d) = reparametrizing(&self.model.nodes, node) else {
+                    continue;
+                };
+                if w.reparametrizations.len() <= count {
+                    w.reparametrizations.push(Reparametrization::default());
+                }
+                let to = &mut w.reparametrizations[count];
+                count += 1;
+                if to.a.len() <= k {
+                    to.a.push(Vec::new());
+                }
+                to.node = node;
+                let parents = d.parents(&self.state.maps);
+                for to in [&mut to.q, &mut to.v, &mut to.a[k]] {
+                    to.resize(d.direct, 0.0);
+                }
+                collect(parents, &self.model.spans, &w.x, &mut to.q);
+                collect(parents, &self.model.spans, &w.v, &mut to.v);
+                collect(parents, &self.model.spans, &w.a, &mut to.a[k]);
+            }
+        }
+        true
+    }
+
+    /// Subtracts whole turns from prescribed rotations, as a function of time alone; returns the
+    /// number of changes.
+    pub(in crate::model) fn fold_prescribed_rotations(&mut self, t: f64) -> usize {
+        let mut changed = 0;
+        for (&node, turns) in (self.model.prescribed_rotations.iter()).zip(&mut self.state.turns) {
+            let first = self.model.nodes[node].first + 3;
+            let mut psi = Vector3::zeros();
+            for p in among(&self.model.prescribed, first..first + 3) {
+                psi[p.coordinate - first] = p.function.at(t)[0];
+            }
+            // Nearest whole number of turns, with the same switch at ψ > π as for free nodes.
+            let wanted = (psi.norm() / TAU - 1e-12).round() as i32;
+            if wanted != *turns {
+                *turns = wanted;
+                changed += 1;
+            }
+        }
+        changed
+    }
+}
+
+/// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may
+/// have rotated it by more than one turn, so whole turns are subtracted.
+fn settled(
+    transition: &Complement,
+    psi: &Vector3<f64>,
+    rate: &Vector3<f64>,
+    second: &mut Vector3<f64>,
+) -> [Vector3<f64>; 2] {
+    let mut k = transition.kinematics(0.0, psi, rate, second);
+    let turns = (k.x.norm() / TAU - 1e-12).round() as i32;
+    fold(
+        turns,
+        k.x.as_mut_slice(),
+        k.x_dot.as_mut_slice(),
+        k.x_ddot.as_mut_slice(),
+    );
+    *second = k.x_ddot;
+    [k.x, k.x_dot]
+}
+
+/// Whether the rotation of a frame is by increments.
+fn by_increments(nodes: &[Node], node: &Node) -> bool {
+    match &node.source {
+        Source::Mapped(d) => {
+            let first = d.initial_parents().first();
+            first.is_some_and(|&m| nodes[m as usize].form == NodeForm::Increment)
+        }
+        Source::Own => false,
+    }
+}
+
+/// The map of a node if it may reparametrize its coordinates, increments excepted.
+fn reparametrizing(nodes: &[Node], n: u32) -> Option<&MappedNode> {
+    let node = &nodes[n as usize];
+    match &node.source {
+        Source::Mapped(d) if d.map.reparametrizes() && !by_increments(nodes, node) => Some(d),
+        _ => None,
+    }
+}

@@ -1,0 +1,174 @@
+//! Maps with several segments: changes of segment, and the momentum to conserve.
+
+#![allow(non_snake_case)]
+
+use crate::model::assembly::workspace::Workspace;
+use crate::model::kinematics::mapped_node::{MappedNode, pull_back_forces};
+use crate::model::kinematics::node_entries::collect;
+use crate::model::{Context, Node, Source};
+use pullback_manifold::system::{Point, SystemError};
+
+/// Buffers for maps with several segments.
+#[derive(Clone, Default)]
+pub(in crate::model) struct SegmentChanges {
+    /// Coordinates and velocities of their parents at the beginning of a step, map by map.
+    from: [Vec<f64>; 2],
+    /// Changes ahead: node, overshoot, next segment.
+    overshoots: Vec<(u32, f64, usize)>,
+    /// Before a change: momenta at all nodes, operators and segments of the mapped ones.
+    momenta: Vec<f64>,
+    B: Vec<f64>,
+    segments: Vec<usize>,
+}
+
+impl Context {
+    /// See [`Events::overshoot`](pullback_manifold::system::Events::overshoot).
+    pub(in crate::model) fn find_overshoot(
+        &mut self,
+        from: Point<'_>,
+        to: Point<'_>,
+    ) -> Option<f64> {
+        self.collect_overshoots(from, to);
+        let ahead = &self.work.segment_changes.overshoots;
+        ahead.iter().map(|(_, by, _)| *by).reduce(f64::max)
+    }
+
+    /// See [`Events::change_segments`](pullback_manifold::system::Events::change_segments).
+    pub(in crate::model) fn enter_segments(&mut self, from: Point<'_>, to: Point<'_>, since: f64) {
+        self.collect_overshoots(from, to);
+        for (n, by, segment) in &self.work.segment_changes.overshoots {
+            if let (true, Source::Mapped(d)) = (*by >= since, &self.model.nodes[*n as usize].source)
+            {
+                self.state.maps[d.index].enter(*segment);
+            }
+        }
+    }
+
+    fn collect_overshoots(&mut self, from: Point<'_>, to: Point<'_>) {
+        let h = to.t - from.t;
+        self.work.segment_changes.overshoots.clear();
+        let segmented = |n: &&u32| is_segmented(&self.model.nodes[**n as usize]);
+        if !self.model.dependent.iter().any(|n| segmented(&n)) || self.expand(from).is_err() {
+            return;
+        }
+        let mut changes = std::mem::take(&mut self.work.segment_changes);
+        changes.from.iter_mut().for_each(Vec::clear);
+        let Workspace { local, x, v, .. } = &mut self.work;
+        for &n in &self.model.dependent {
+            if let Some(d) = segmented_map(&self.model.nodes[n as usize]) {
+                for (all, x) in changes.from.iter_mut().zip([&*x, &*v]) {
+                    let parents = d.parents(&self.state.maps);
+                    let k = collect(parents, &self.model.spans, x, &mut local.q);
+                    all.extend_from_slice(&local.q[..k]);
+                }
+            }
+        }
+        if self.expand(to).is_ok() {
+            let Workspace { local, x, v, .. } = &mut self.work;
+            let mut first = 0;
+            for &n in &self.model.dependent {
+                let Some(d) = segmented_map(&self.model.nodes[n as usize]) else {
+                    continue;
+                };
+                let parents = d.parents(&self.state.maps);
+                let k = collect(parents, &self.model.spans, x, &mut local.q);
+                collect(parents, &self.model.spans, v, &mut local.qv);
+                let from = changes.from.each_ref().map(|all| &all[first..first + k]);
+                let to = [&local.q[..k], &local.qv[..k]];
+                let overshoot = self.state.maps[d.index].overshoot(h, from, to);
+                changes
+                    .overshoots
+                    .extend(overshoot.map(|(by, segment)| (n, by, segment)));
+                first += k;
+            }
+        }
+        self.work.segment_changes = changes;
+    }
+
+    /// Records the momenta at the nodes, and the operators to the parents, before a possible change.
+    pub(in crate::model) fn keep_momentum(&mut self, at: Point<'_>) {
+        // If a map cannot be evaluated, the next evaluation reports it.
+        if !self.model.nodes.iter().any(is_segmented) || self.node_momenta(at).is_err() {
+            return;
+        }
+        let Workspace {
+            segment_changes: changes,
+            r,
+            operators,
+            ..
+        } = &mut self.work;
+        changes.momenta.clone_from(r);
+        changes.B.clone_from(&operators.B);
+        changes.segments.clear();
+        let nodes = self
+            .model
+            .dependent
+            .iter()
+            .map(|&n| &self.model.nodes[n as usize]);
+        let segment =
+            |node: &Node| segmented_map(node).map_or(0, |d| self.state.maps[d.index].segment());
+        changes.segments.extend(nodes.map(segment));
+    }
+
+    /// See [`Events::kept_momentum`](pullback_manifold::system::Events::kept_momentum):
+    /// ½ (B₊ + B₋)ᵀ M ẋ.
+    pub(in crate::model) fn mean_momentum(
+        &mut self,
+        at: Option<Point<'_>>,
+        p: &mut [f64],
+    ) -> Result<bool, SystemError> {
+        if !self.work.segments_changed {
+            return Ok(false);
+        }
+        let mut momenta = std::mem::take(&mut self.work.segment_changes.momenta);
+        let known = at.map_or(Ok(()), |at| self.node_momenta(at));
+        if at.is_none() {
+            self.work.r.clone_from(&momenta);
+        }
+        momenta.clone_from(&self.work.r);
+        p.fill(0.0);
+        for before in [false, true] {
+            self.work.r.copy_from_slice(&momenta);
+            self.pull_back_momenta(before);
+            for (p, &c) in p.iter_mut().zip(&self.model.coordinates) {
+                *p += 0.5 * self.work.r[c];
+            }
+        }
+        self.work.segment_changes.momenta = momenta;
+        known.map(|()| true)
+    }
+
+    /// Pulls back from the nodes to the unknowns, by the present maps or by those before the change.
+    fn pull_back_momenta(&mut self, before: bool) {
+        let w = &mut self.work;
+        if before {
+            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
+        }
+        for (k, &n) in self.model.dependent.iter().enumerate().rev() {
+            let node = &self.model.nodes[n as usize];
+            let Source::Mapped(d) = &node.source else {
+                continue;
+            };
+            let parents = match before {
+                true => &d.segments[w.segment_changes.segments[k]],
+                false => d.parents(&self.state.maps),
+            };
+            pull_back_forces(d, parents, node, &self.model.spans, w, false);
+        }
+        let w = &mut self.work;
+        if before {
+            std::mem::swap(&mut w.operators.B, &mut w.segment_changes.B);
+        }
+    }
+}
+
+fn segmented_map(node: &Node) -> Option<&MappedNode> {
+    match &node.source {
+        Source::Mapped(d) if d.segments.len() > 1 => Some(d),
+        _ => None,
+    }
+}
+
+fn is_segmented(node: &Node) -> bool {
+    segmented_map(node).is_some()
+}

@@ -1,0 +1,270 @@
+//! Equations that elements enforce on a model ([`Enforced`](crate::constraint::Enforced)).
+
+#![allow(non_snake_case)]
+
+use crate::constraint::{Levels, MAX_EQUATIONS};
+use crate::model::assembly::element_workspace::ElementWorkspace;
+use crate::model::kinematics::node_entries::collect;
+use crate::model::{Context, ElementEntry, Model, NodeForm, Source};
+use nalgebra::{DMatrix, DVector};
+use pullback_manifold::system::{Point, Quantity, SystemError};
+use std::sync::Arc;
+
+/// Residual of an omitted equation beyond which it does not follow from the others.
+const LOOSE: f64 = 1e-8;
+/// Limit of an omitted equation, in messages.
+const FOLLOWED: &str = "zero, though it followed from the other equations at the start: that was a \
+                        singular position; start in another one";
+
+/// The same if it depends on a prescribed motion.
+const OVERDRIVEN: &str = "zero, as what is driven asks for what the linkage does not allow: drive no \
+                          more than is free";
+
+/// All enforced equations, with their derivatives by the unknowns.
+pub(in crate::model) struct Equations {
+    pub(in crate::model) h: DVector<f64>,
+    pub(in crate::model) h_dot: DVector<f64>,
+    /// Derivatives: a row per equation, a column per scaled unknown.
+    pub(in crate::model) J: DMatrix<f64>,
+    /// The same by the prescribed coordinates.
+    pub(in crate::model) driven: DMatrix<f64>,
+    /// Element of each equation, and its index there.
+    pub(in crate::model) of: Vec<(usize, usize)>,
+}
+
+impl Model {
+    /// Whether elements enforce equations on the coordinates: multipliers, penalties.
+    pub fn is_enforced(&self) -> bool {
+        !self.enforced.is_empty()
+    }
+
+    /// Whether multipliers are among the unknowns: the equations of motion are then
+    /// differential-algebraic ones of index 3.
+    pub fn has_multipliers(&self) -> bool {
+        self.nodes.iter().any(|n| n.form == NodeForm::Multipliers)
+    }
+
+    /// The default initial coordinates: zero, the model as drawn, but with loops closed by
+    /// multipliers or penalties assembled.
+    pub fn initial(&self) -> &[f64] {
+        &self.initial
+    }
+
+    /// Typical size of an unknown.
+    pub(in crate::model) fn unit(&self, u: usize) -> f64 {
+        self.size(self.coordinates[u])
+    }
+
+    /// Typical size of a coordinate.
+    fn size(&self, coordinate: usize) -> f64 {
+        match self.quantities[coordinate] {
+            Quantity::Length => self.length,
+            _ => 1.0,
+        }
+    }
+
+    /// The prescribed coordinates.
+    pub(in crate::model) fn driven(&self) -> impl Iterator<Item = usize> + '_ {
+        let driven = self
+            .prescribed
+            .iter()
+            .filter(|p| p.function.constant() != Some(0.0));
+        driven.map(|p| p.coordinate)
+    }
+}
+
+impl Context {
+    /// Largest residual |h| of the loop equations relative to their sizes, in the configuration
+    /// last set: of implicit maps, multipliers and penalties. `None` for a model without them.
+    pub fn violation(&mut self) -> Option<f64> {
+        let worse = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if a > b { a } else { b }));
+        let mut worst = None;
+        for &n in &self.model.dependent {
+            if let Source::Mapped(d) = &self.model.nodes[n as usize].source {
+                let mut q = vec![0.0; d.direct];
+                let parents = d.parents(&self.state.maps);
+                collect(parents, &self.model.spans, &self.work.x, &mut q);
+                worst = self.state.maps[d.index]
+                    .violation(self.work.t, &q)
+                    .map_or(worst, |h| worse(worst, h));
+            }
+        }
+        let w = &mut self.work;
+        for &k in &self.model.enforced {
+            let (e, switched) = (&self.model.elements[k], self.state.elements[k].switched);
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            w.local.gather(e, &self.model.spans, &w.x);
+            w.local.gather_rates(e, switched, &self.model.spans, None);
+            w.local.switch(e, switched, &self.model.nodes);
+            let mut h = [0.0_f64; MAX_EQUATIONS];
+            let (_, M) = enforced.dims();
+            enforced.residual(&w.local.motion(e, w.t, true), &mut h[..M]);
+            for h in &h[..M] {
+                worst = worse(worst, h.abs());
+            }
+        }
+        worst
+    }
+
+    /// All equations at a state; without velocities at rest.
+    pub(in crate::model) fn equations(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Equations, SystemError> {
+        let a = vec![0.0; v.len()];
+        self.expand(Point { t, q, v, a: &a })?;
+        let n = q.len();
+        let (mut h, mut h_dot, mut of) = (vec![], vec![], vec![]);
+        let (mut rows, mut driven) = (vec![], vec![]);
+        let model = Arc::clone(&self.model);
+        for &k in &model.enforced {
+            let (e, switched) = (&model.elements[k], self.state.elements[k].switched);
+            let w = &mut self.work;
+            w.local.gather(e, &self.model.spans, &w.x);
+            w.local
+                .gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            w.local.switch(e, switched, &model.nodes);
+            let motion = w.local.motion(e, t, !w.moving);
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            let (N, M) = enforced.dims();
+            let levels = enforced.levels(&motion);
+            h.extend(levels.h);
+            h_dot.extend(levels.h_dot);
+            for i in 0..M {
+                of.push((k, i));
+                let w = &mut self.work;
+                w.r.fill(0.0);
+                w.local.r[..e.element.dim()].fill(0.0);
+                for j in 0..N {
+                    w.local.r[j] = levels.J[i + j * M];
+                }
+                if switched != 0 {
+                    w.local
+                        .pull_back_switch(e, switched, &model.nodes, None, true, false);
+                }
+                w.local.add_residual(e, &self.model.spans, &mut w.r);
+                self.pull_back_nodes(t, None, false);
+                let row = self.model.coordinates.iter().enumerate();
+                rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
+                driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));
+            }
+        }
+        Ok(Equations {
+            J: DMatrix::from_row_slice(of.len(), n, &rows),
+            driven: DMatrix::from_row_slice(of.len(), self.driven().count(), &driven),
+            h: DVector::from_vec(h),
+            h_dot: DVector::from_vec(h_dot),
+            of,
+        })
+    }
+
+    /// Checks at a converged state whether the omitted equations still follow from the others.
+    pub(in crate::model) fn watch_left_out(&mut self, t: f64) {
+        if self.state.unwatched {
+            return;
+        }
+        let w = &mut self.work;
+        for &k in &self.model.enforced {
+            let (e, state) = (&self.model.elements[k], &mut self.state.elements[k]);
+            let (switched, left_out) = (state.switched, state.left_out);
+            let Some(enforced) = e.element.enforced() else {
+                continue;
+            };
+            if left_out == 0 {
+                continue;
+            }
+            w.local.gather(e, &self.model.spans, &w.x);
+            w.local.gather_rates(e, switched, &self.model.spans, None);
+            w.local.switch(e, switched, &self.model.nodes);
+            let mut h = [0.0; MAX_EQUATIONS];
+            let (_, M) = enforced.dims();
+            enforced.residual(&w.local.motion(e, t, true), &mut h[..M]);
+            let off = |i: &usize| left_out & (1 << i) != 0 && h[*i].abs() > LOOSE;
+            state.violated = (0..M).find(off).map(|i| (i, h[i]));
+        }
+    }
+
+    /// Fails if an omitted equation is violated.
+    pub(in crate::model) fn check_left_out(&self) -> Result<(), SystemError> {
+        for &k in &self.model.enforced {
+            let e = &self.model.elements[k];
+            if let Some((i, h)) = self.state.elements[k].violated {
+                let what = format!("{} of element {}", e.equation(i), e.name);
+                let driven = self.state.overdriven.iter().find(|(of, _)| *of == (k, i));
+                let (edge, what) = match driven {
+                    None => (FOLLOWED, what),
+                    Some((_, names)) => (OVERDRIVEN, format!("{what} (driven: {names})")),
+                };
+                let margin = -h.abs();
+                return Err(SystemError::OutsideChart { edge, what, margin });
+            }
+        }
+        Ok(())
+    }
+
+    /// Report on the equations that an element enforces.
+    pub(in crate::model) fn describe_left_out(&self, k: u32) -> String {
+        let e = &self.model.elements[k as usize];
+        let left_out = self.state.elements[k as usize].left_out;
+        let bits = (0..MAX_EQUATIONS).filter(|i| left_out & (1 << i) != 0);
+        let names: Vec<String> = bits.map(|i| e.equation(i)).collect();
+        if names.is_empty() {
+            String::new()
+        } else {
+            format!("; redundant: {}", names.join(", "))
+        }
+    }
+}
+
+impl ElementWorkspace {
+    /// Converts the equations of an element to the level of accelerations, after an evaluation in
+    /// motion: for multipliers rows −ḧ, with h_x as mass; for a penalty p an inertia p h².
+    pub(in crate::model) fn raise_to_accelerations(
+        &mut self,
+        e: &ElementEntry,
+        left_out: u32,
+        t: f64,
+        h: f64,
+    ) {
+        let Some(enforced) = e.element.enforced() else {
+            return;
+        };
+        let n = e.element.dim();
+        let (N, M) = enforced.dims();
+        let Levels { h_ddot, J, .. } = enforced.levels(&self.motion(e, t, false));
+        if let Some(p) = enforced.penalty() {
+            let inertia = p * h * h;
+            for (j, J_j) in J.chunks_exact(M).enumerate() {
+                let force: f64 = J_j.iter().zip(&h_ddot).map(|(J, h)| J * h).sum();
+                self.r[j] -= inertia * force;
+                for (i, J_i) in J.chunks_exact(M).enumerate() {
+                    let product: f64 = J_i.iter().zip(J_j).map(|(a, b)| a * b).sum();
+                    self.M[i + j * n] += inertia * product;
+                }
+            }
+            return;
+        }
+        for i in (0..M).filter(|i| left_out & (1 << i) == 0) {
+            self.r[N + i] = -h_ddot[i];
+        }
+        for j in 0..n {
+            for i in (0..n).filter(|i| j >= N || *i >= N) {
+                self.M[i + j * n] = self.K[i + j * n];
+            }
+        }
+    }
+}
+
+impl ElementEntry {
+    /// Name of an enforced equation.
+    pub(in crate::model) fn equation(&self, i: usize) -> String {
+        let enforced = self.element.enforced();
+        enforced.map_or_else(String::new, |e| e.equation(i))
+    }
+}

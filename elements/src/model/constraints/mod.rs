@@ -1,0 +1,5 @@
+//! Equations that elements enforce, and starts that satisfy them.
+
+pub(super) mod enforced;
+pub(super) mod redundant;
+pub(super) mod start;

@@ -1,0 +1,313 @@
+//! Formulations of rotations: the rotational unknowns of a frame, and their rates.
+
+#![allow(non_snake_case)]
+
+use crate::model::assembly::workspace::Workspace;
+use crate::model::build::builder::{ModelBuilder, NodeId};
+use crate::model::kinematics::mapped_node::MappedNode;
+use crate::model::{Context, Model, NONE, Node, NodeForm, Source, among};
+use crate::time::TimeFunction;
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::map::{Increment, Map};
+use pullback_manifold::so3::{Quaternion, Spin, VelocityKind};
+use pullback_manifold::system::{Evaluation, Point, SystemError, Weights};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Rotational unknowns of frames in a motion.
+///
+/// Applies to rotations that are free as a whole: those of frames with their own coordinates, and
+/// of spherical joints. Rotations that are partly prescribed, or unknowns of a loop, stay total,
+/// and angles are angles. Positions, velocities, forces and energies of a state are the same in all
+/// formulations: only the sums of a time integration scheme differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Formulation {
+    /// Total Lagrangian: the rotation vector Ψ from the reference orientation and its time
+    /// derivatives (\[M04\] ch. 3).
+    #[default]
+    Total,
+    /// Updated Lagrangian: the material rotation vector θ since the last step, R = Rₙ R(θ), and its
+    /// time derivatives (Cardona & Géradin 1988, \[M04\] 3.3).
+    Updated,
+    /// Lie group: the rotation by θ, its rates by the material angular velocity Ω and its rate Ω̇
+    /// (Brüls, Cardona & Arnold 2012; with Newmark's coefficients the material form of Simo &
+    /// Vu-Quoc 1988).
+    LieGroup,
+    /// Spatial spins: the angular velocities ω and their rates ω̇ at both ends of a step, vectors of
+    /// the tangent spaces at Rₙ and at Rₙ₊₁, are added in the fixed frame, and so is the spatial
+    /// rotation vector of the step, Rₙ₊₁ = R(hωₙ + h²[…]) Rₙ. There is no transport between the two
+    /// spaces, which \[M04\] 3.3 calls inconsistent with the manifold.
+    SpatialSpins,
+    /// Mixed spins: spatial ones with the material rates Ω̇ of both ends in body components, ωₙ₊₁ =
+    /// ωₙ + h Rₙ[(1−γ) Ω̇ₙ + γ Ω̇ₙ₊₁]. Components in two frames are added without transport, which
+    /// costs every scheme an order; for demonstration.
+    MixedSpins,
+}
+
+impl Formulation {
+    /// The angular velocities that replace rates, if any.
+    pub(in crate::model) fn velocity_kind(self) -> Option<VelocityKind> {
+        match self {
+            Self::Total | Self::Updated => None,
+            Self::LieGroup => Some(VelocityKind::Material),
+            Self::SpatialSpins => Some(VelocityKind::Spatial),
+            Self::MixedSpins => Some(VelocityKind::Mixed),
+        }
+    }
+}
+
+impl ModelBuilder {
+    /// Selects the formulation of rotations; [`Formulation::Total`] by default.
+    ///
+    /// Initial coordinates, velocities and accelerations of a run are those of the total
+    /// formulation in all of them (rotation vectors from the reference orientation, ψ < π): the
+    /// first converged state centres the charts, and transforms them.
+    pub fn formulate(&mut self, formulation: Formulation) {
+        self.formulation = formulation;
+    }
+}
+
+/// Adds the increments behind the frames.
+pub(in crate::model) fn apply(
+    formulation: Formulation,
+    nodes: &mut Vec<Node>,
+    prescribed: &mut [(NodeId, usize, Arc<dyn TimeFunction>)],
+) {
+    if formulation == Formulation::Total {
+        return;
+    }
+    let map =
+        (formulation.velocity_kind()).map_or_else(Increment::default, Increment::with_velocities);
+    let turns =
+        |node: &Node| matches!(node.form, NodeForm::Frame | NodeForm::Rotation) && node.is_own();
+    let mut turning: Vec<bool> = nodes.iter().map(turns).collect();
+    for (n, k, _) in &*prescribed {
+        // A rotation with a held component stays total.
+        let held = |n: &Node| *k >= n.dim.saturating_sub(3);
+        if nodes.get(n.0 as usize).is_some_and(held) {
+            turning[n.0 as usize] = false;
+        }
+    }
+    let mut carriers = HashMap::new();
+    for n in (0..nodes.len()).filter(|&n| turning[n]) {
+        let node = &nodes[n];
+        let own = nodes.len() as u32;
+        let boxed = if node.is_frame() {
+            Map::<6, 6>::boxed(map)
+        } else {
+            Map::<3, 3>::boxed(map)
+        };
+        let mapped = MappedNode::new(boxed, vec![vec![own]], node.dim);
+        let (name, quantities) = (node.name.clone(), node.quantities.clone());
+        nodes.push(Node::new(
+            name,
+            NodeForm::Increment,
+            &quantities,
+            Source::Own,
+        ));
+        nodes[n].source = Source::Mapped(Box::new(mapped));
+        carriers.insert(NodeId(n as u32), NodeId(own));
+    }
+    for (n, ..) in prescribed {
+        *n = carriers.get(n).copied().unwrap_or(*n);
+    }
+}
+
+/// The node behind a frame or a rotation by increments.
+fn behind(nodes: &[Node], node: &Node) -> Option<usize> {
+    let Source::Mapped(d) = &node.source else {
+        return None;
+    };
+    let first = *d.initial_parents().first()? as usize;
+    (nodes[first].form == NodeForm::Increment).then_some(first)
+}
+
+/// The frames and rotations by increments.
+pub(in crate::model) fn turning(nodes: &[Node]) -> impl Iterator<Item = u32> + '_ {
+    (0..nodes.len() as u32).filter(|&n| behind(nodes, &nodes[n as usize]).is_some())
+}
+
+impl Model {
+    /// The node with the unknowns of a node: the increments behind a frame, or the node itself.
+    pub(in crate::model) fn carrier<'a>(&'a self, node: &'a Node) -> &'a Node {
+        behind(&self.nodes, node).map_or(node, |own| &self.nodes[own])
+    }
+
+    /// Number of rotations that are unknowns by increments ([`Formulation`]).
+    pub fn increments(&self) -> usize {
+        turning(&self.nodes).count()
+    }
+}
+
+impl Context {
+    /// Rₙ of a frame by increments, the identity for all others.
+    pub(in crate::model) fn turn_of(&self, node: &Node) -> Matrix3<f64> {
+        match (&node.source, behind(&self.model.nodes, node)) {
+            (Source::Mapped(d), Some(_)) => match self.state.maps[d.index].save()[..] {
+                [w, x, y, z, ..] => {
+                    let v = Vector3::new(x, y, z);
+                    Quaternion { w, v }.rotation()
+                }
+                _ => Matrix3::identity(),
+            },
+            _ => Matrix3::identity(),
+        }
+    }
+
+    /// Number of assemblies of residual or tangent so far: one per evaluation, three for a tangent
+    /// if rates are angular velocities.
+    pub fn assemblies(&self) -> usize {
+        self.work.assemblies
+    }
+
+    /// Whether any rates are angular velocities at present.
+    pub(in crate::model) fn has_spins(&self) -> bool {
+        self.model
+            .spin_frames
+            .iter()
+            .any(|&n| self.spin_coordinates(n).is_some())
+    }
+
+    /// The coordinates θ behind a frame whose rates are angular velocities at present, the frame's
+    /// increments, and the kind of velocity.
+    fn spin_coordinates(&self, n: u32) -> Option<(Range<usize>, u32, VelocityKind)> {
+        let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
+            return None;
+        };
+        let own = d.parents(&self.state.maps)[0];
+        let end = self.model.spans[own as usize].range().end;
+        Some((end - 3..end, own, self.state.maps[d.index].velocity_kind()?))
+    }
+
+    /// Converts angular velocities to the rates of their rotation vectors, in the workspace.
+    pub(in crate::model) fn take_spins(&mut self) {
+        for k in 0..self.model.spin_frames.len() {
+            let Some((range, _, kind)) = self.spin_coordinates(self.model.spin_frames[k]) else {
+                continue;
+            };
+            let w = &mut self.work;
+            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
+            let rates = Spin::rates(kind, &three(&w.x), &three(&w.v), &three(&w.a));
+            w.v[range.clone()].copy_from_slice(rates.theta_dot.as_slice());
+            w.a[range].copy_from_slice(rates.theta_ddot.as_slice());
+        }
+    }
+
+    /// Writes the unknowns behind a frame by increments and their rates to the workspace.
+    pub(in crate::model) fn collect_increments(
+        &mut self,
+        n: usize,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        accelerations: &[&mut [f64]],
+    ) {
+        let Some(own) = behind(&self.model.nodes, &self.model.nodes[n]) else {
+            return;
+        };
+        let Workspace {
+            local,
+            accelerations: kept,
+            ..
+        } = &mut self.work;
+        let count = accelerations.len().max(1);
+        if kept.len() < count {
+            kept.resize_with(count, Vec::new);
+        }
+        let range = self.model.spans[own].range();
+        for a in &mut kept[..count] {
+            a.resize(range.len(), 0.0);
+        }
+        for (i, c) in range.enumerate() {
+            let u = self.model.unknowns[c] as usize;
+            if self.model.unknowns[c] == NONE {
+                let p = among(&self.model.prescribed, c..c + 1).first();
+                let [x, x_dot, x_ddot] = p.map_or([0.0; 3], |p| p.function.at(t));
+                (local.q[i], local.qv[i]) = (x, x_dot);
+                kept[..count].iter_mut().for_each(|a| a[i] = x_ddot);
+                continue;
+            }
+            local.q[i] = q[u];
+            local.qv[i] = v.get(u).copied().unwrap_or(0.0);
+            for (k, a) in kept[..count].iter_mut().enumerate() {
+                a[i] = accelerations.get(k).map_or(0.0, |from| from[u]);
+            }
+        }
+    }
+
+    /// The residual and the tangent if rates are angular velocities.
+    ///
+    /// With θ̇ and θ̈ as functions of (θ, Ω, Ω̇), and δθ̇, δθ̈ along δθ = cK e, δΩ = cC e, δΩ̇ = cM e
+    /// ([`Spin::varied`]), the columns of θ are cK K + C (∂θ̇/∂e) + M (∂θ̈/∂e): those for rates of
+    /// coordinates plus the differences of these derivatives to cC and cM. Rows stay those of θ, so
+    /// M is symmetric at θ = 0 only.
+    pub(in crate::model) fn evaluate_spinning(
+        &mut self,
+        at: Point<'_>,
+        out: Evaluation<'_>,
+    ) -> Result<(), SystemError> {
+        let Evaluation { r, S, r_t, .. } = out;
+        let Some((weights, S)) = S else {
+            let out = Evaluation {
+                r_t,
+                ..Evaluation::residual(r)
+            };
+            return self.assemble(at, out);
+        };
+        let mut parts = std::mem::take(&mut self.work.parts);
+        let one = |C, M| Weights { K: 0.0, C, M };
+        let mut outcome = Ok(());
+        for (part, weights) in parts.iter_mut().zip([one(1.0, 0.0), one(0.0, 1.0)]) {
+            part.resize(S.len(), 0.0);
+            outcome = outcome
+                .and_then(|()| self.assemble(at, Evaluation::with_tangent(r, weights, part)));
+        }
+        let whole = Evaluation {
+            r_t,
+            ..Evaluation::with_tangent(r, weights, S)
+        };
+        outcome = outcome.and_then(|()| self.assemble(at, whole));
+        if outcome.is_ok() {
+            self.turn_columns(weights, &parts, S);
+        }
+        self.work.parts = parts;
+        outcome
+    }
+
+    fn turn_columns(&self, weights: Weights, [C, M]: &[Vec<f64>; 2], S: &mut [f64]) {
+        for &n in &self.model.spin_frames {
+            let Some((range, own, kind)) = self.spin_coordinates(n) else {
+                continue;
+            };
+            let w = &self.work;
+            let three = |x: &[f64]| Vector3::from_column_slice(&x[range.clone()]);
+            let rates = Spin {
+                kind,
+                theta_dot: three(&w.v),
+                theta_ddot: three(&w.a),
+            };
+            let numbers = [weights.K, weights.C, weights.M];
+            let [mut first, mut second] = rates.varied(numbers, &three(&w.x));
+            for k in 0..3 {
+                first[(k, k)] -= weights.C;
+                second[(k, k)] -= weights.M;
+            }
+            let block = self.work.scatter_map.blocks[own as usize] as usize;
+            let offset = self.work.scatter_map.rows[range.start] as usize;
+            for (i, values) in self.model.pattern.column(block) {
+                let height = self.model.pattern.size(i);
+                for c in 0..3 {
+                    let to = values.start + (offset + c) * height;
+                    for k in 0..3 {
+                        let from = values.start + (offset + k) * height;
+                        let (x, y) = (first[(k, c)], second[(k, c)]);
+                        for row in 0..height {
+                            S[to + row] += C[from + row] * x + M[from + row] * y;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! Motion of a model: initial velocities, joint coordinates, joint forces.
+
+#![allow(non_snake_case)]
+
+use crate::model::build::builder::NodeId;
+use crate::model::kinematics::node_entries::collect;
+use crate::model::loops::upwards;
+use crate::model::{Context, Model, NONE, NodeForm, Source, among};
+use nalgebra::{Matrix3, Vector3};
+use pullback_manifold::quotients::Quotients;
+use pullback_manifold::so3::{self, VelocityKind};
+use pullback_manifold::system::{Point, SystemError};
+use std::f64::consts::PI;
+
+/// State of one frame node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeState {
+    /// Displacement from the reference position, global components.
+    pub d: Vector3<f64>,
+    /// Rotation vector in the chart in use, global components, radians.
+    pub psi: Vector3<f64>,
+    /// Current position.
+    pub position: Vector3<f64>,
+    /// Rotation from the reference orientation.
+    pub R: Matrix3<f64>,
+    /// Velocity ẋ, global components; zero in statics.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity ω = Tᵀ Ψ̇, global components; zero in statics.
+    pub omega: Vector3<f64>,
+    /// Acceleration ẍ, global components; zero in statics.
+    pub acceleration: Vector3<f64>,
+    /// Rate ω̇ of the angular velocity, global components; zero in statics.
+    pub omega_dot: Vector3<f64>,
+}
+
+/// A rigid motion: the velocity field v + ω × (x − about).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RigidMotion {
+    /// Velocity of the point `about`, global components.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, global components.
+    pub omega: Vector3<f64>,
+    /// The point with `velocity`.
+    pub about: Vector3<f64>,
+}
+
+impl Model {
+    /// Unknown of coordinate `k` of any node, if it is free. Rotation vectors of a frame by
+    /// increments ([`Formulation`](crate::model::Formulation)) are those since its chart was centred:
+    /// before a run, from the reference orientation.
+    pub fn unknown_at(&self, node: NodeId, k: usize) -> Option<usize> {
+        let n = self.carrier(&self.nodes[node.0 as usize]);
+        let u = (k < n.dim).then(|| self.unknowns[n.first + k])?;
+        (u != NONE).then_some(u as usize)
+    }
+
+    /// Sets coordinate `k` of a node in a vector of unknowns; false if it is not free.
+    pub fn set(&self, unknowns: &mut [f64], node: NodeId, k: usize, value: f64) -> bool {
+        let u = self.unknown_at(node, k);
+        if let Some(u) = u {
+            unknowns[u] = value;
+        }
+        u.is_some()
+    }
+
+    /// Whether a node has its own coordinates: it is not attached to a joint.
+    pub fn is_own(&self, node: NodeId) -> bool {
+        self.carrier(&self.nodes[node.0 as usize]).is_own()
+    }
+
+    /// Initial value of a prescribed coordinate.
+    fn prescribed_value(&self, c: usize) -> f64 {
+        let p = among(&self.prescribed, c..c + 1).first();
+        p.map_or(0.0, |p| p.function.at(0.0)[0])
+    }
+
+    /// Nodes of joint coordinates and rotations, with their names.
+    pub fn released(&self) -> impl Iterator<Item = (NodeId, &str, usize)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| matches!(n.form, NodeForm::Coordinates | NodeForm::Rotation))
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str(), n.dim))
+    }
+
+    /// Frame nodes that are attached to joints, with their names.
+    pub fn mapped_frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame() && matches!(self.carrier(n).source, Source::Mapped(_)))
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+    }
+}
+
+impl Context {
+    /// A frame node in the configuration last evaluated or set by [`Context::configure`].
+    pub fn node_state(&self, node: NodeId) -> NodeState {
+        let n = &self.model.nodes[node.0 as usize];
+        let three = |x: &[f64], k: usize| {
+            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
+        };
+        let w = &self.work;
+        let (d, psi) = (three(&w.x, 0), three(&w.x, 3));
+        let [psi_dot, psi_ddot] = [&w.v, &w.a].map(|x| three(x, 3));
+        let R = so3::rotation(&psi);
+        // ω̇ = R Ω̇ with Ω̇ = T Ψ̈ + Ṫ Ψ̇, [M04] (50).
+        let rest = so3::T_dot_psi_dot(&psi_dot, &psi, &Quotients::new(psi.norm()));
+        NodeState {
+            d,
+            psi,
+            position: n.position + d,
+            R,
+            velocity: three(&w.v, 0),
+            omega: so3::tangent(&psi).tr_mul(&psi_dot),
+            acceleration: three(&w.a, 0),
+            omega_dot: R * (so3::tangent(&psi) * psi_ddot + rest),
+        }
+    }
+
+    /// Value and rate of a coordinate of a node, such as the angle of a joint, in the configuration
+    /// last set. `None` if the node has no such coordinate.
+    pub fn coordinate(&self, node: NodeId, k: usize) -> Option<[f64; 2]> {
+        let n = &self.model.nodes[node.0 as usize];
+        (k < n.dim).then(|| [self.work.x[n.first + k], self.work.v[n.first + k]])
+    }
+
+    /// As [`Context::coordinate`], with the acceleration: zero in statics, and after an evaluation
+    /// without accelerations.
+    pub fn coordinate_motion(&self, node: NodeId, k: usize) -> Option<[f64; 3]> {
+        let n = &self.model.nodes[node.0 as usize];
+        let (w, c) = (&self.work, n.first + k);
+        (k < n.dim).then(|| [w.x[c], w.v[c], w.a[c]])
+    }
+
+    /// Force and moment (global components) of a joint on everything attached to it at a frame
+    /// node, at the last evaluation of the residual; `None` for a node that is not attached.
+    pub fn joint_force(&self, node: NodeId) -> Option<[Vector3<f64>; 2]> {
+        let n = &self.model.nodes[node.0 as usize];
+        if self.is_own(node) || !n.is_frame() {
+            return None;
+        }
+        let three = |x: &[f64], k: usize| {
+            Vector3::new(x[n.first + k], x[n.first + k + 1], x[n.first + k + 2])
+        };
+        let (r, psi) = (&self.work.r, three(&self.work.x, 3));
+        // The covector of a spatial moment m is T m.
+        let mut out = [-three(r, 0), -(so3::tangent_inverse(&psi) * three(r, 3))];
+        let [force, moment] = self.closing_force(node);
+        (out[0], out[1]) = (out[0] + force, out[1] + moment);
+        Some(out)
+    }
+
+    /// Closing forces of loops at a joint. With the multipliers μ of the equations in the child's axes,
+    /// the force and moment −R μ act on the child, and the opposite on the frame that coincides with
+    /// it; they cancel at a node with both, except for a remainder: above a frame that rotates freely
+    /// there is no moment about its axis, as loads and inertia balance the closing forces there.
+    pub(in crate::model) fn closing_force(&self, node: NodeId) -> [Vector3<f64>; 2] {
+        let w = &self.work;
+        let mut out = [Vector3::zeros(); 2];
+        for report in &self.model.reports {
+            let Some(x) = report.map else { continue };
+            let n = &self.model.nodes[x as usize];
+            let Source::Mapped(d) = &n.source else {
+                continue;
+            };
+            let mut q = vec![0.0; d.direct];
+            collect(d.parents(&self.state.maps), &self.model.spans, &w.x, &mut q);
+            let mut mu = vec![0.0; 6 * report.closures.len()];
+            self.state.maps[d.index].multipliers(w.t, &q, &w.r[n.range()], &mut mu);
+            let closures = report.closures.iter().zip(&report.roots);
+            for ((&(frame, child), roots), mu) in closures.zip(mu.chunks_exact(6)) {
+                let R = self.node_state(NodeId(child)).R;
+                let force = R * Vector3::new(mu[0], mu[1], mu[2]);
+                let moment = R * Vector3::new(mu[3], mu[4], mu[5]);
+                for (end, sign) in [(frame, -1.0), (child, 1.0)] {
+                    let path = upwards(&self.model.nodes, end);
+                    let Some(above) = path.iter().position(|&n| n == node.0) else {
+                        continue;
+                    };
+                    // These forces act on the frame at which the chains of this loop end for the
+                    // map, and on those above.
+                    let read = |n: &u32| {
+                        roots.contains(&Some(*n)) && d.parents(&self.state.maps).contains(n)
+                    };
+                    if path[..=above].iter().any(read) {
+                        continue;
+                    }
+                    let position = |n: u32| self.node_state(NodeId(n)).position;
+                    let ball = |&&n: &&u32| self.free_rotation_of(NodeId(n)) != NodeId(n);
+                    let (at, moment) = match path[..above].iter().rev().find(ball) {
+                        Some(&ball) => (position(ball), Vector3::zeros()),
+                        None => (position(end), moment),
+                    };
+                    let arm = at - position(node.0);
+                    out[0] += force * sign;
+                    out[1] += (moment + arm.cross(&force)) * sign;
+                }
+            }
+        }
+        out
+    }
+
+    /// Rotates the free rotations of joints (ball joints, points on curves and surfaces) with the
+    /// frames that they are attached to, as given by `q` at t = 0: their coordinates are rotation
+    /// vectors in space, independent of the joints above. Rotations in `given` stay, and so do
+    /// those in loops. Returns the changed unknowns.
+    ///
+    /// # Errors
+    /// [`SystemError`] if a joint is outside its domain.
+    pub fn carry_rotations(
+        &mut self,
+        q: &mut [f64],
+        given: &[usize],
+    ) -> Result<Vec<usize>, SystemError> {
+        let (t, v, a) = (0.0, &[][..], &[][..]);
+        self.expand(Point { t, q, v, a })?;
+        let closing = self
+            .model
+            .enforced
+            .iter()
+            .flat_map(|&e| self.model.elements[e].nodes.iter());
+        let closing: Vec<NodeId> = closing.map(|&n| NodeId(n)).collect();
+        let mut stay = self.unknowns_behind(&closing);
+        stay.extend(given);
+        let mut carried = Vec::new();
+        for k in 0..self.model.dependent.len() {
+            let n = self.model.dependent[k];
+            // The frames above have been rotated already.
+            self.expand_node(t, n)?;
+            let rotation = self.free_rotation_of(NodeId(n));
+            let Source::Mapped(d) = &self.model.nodes[n as usize].source else {
+                continue;
+            };
+            let mut parents = d
+                .parents(&self.state.maps)
+                .iter()
+                .map(|&m| &self.model.nodes[m as usize]);
+            let Some(parent) = parents.find(|m| m.is_frame()) else {
+                continue;
+            };
+            let mut psi = Vector3::from_column_slice(&self.work.x[parent.first + 3..][..3]);
+            if psi.norm() > PI {
+                psi = so3::complement(&psi);
+            }
+            let [Some(u), Some(_), Some(_)] = [0, 1, 2].map(|k| self.unknown_at(rotation, k))
+            else {
+                continue;
+            };
+            let given = rotation == NodeId(n) || stay.contains(&u);
+            if given || q[u..u + 3] == *psi.as_slice() {
+                continue;
+            }
+            q[u..u + 3].copy_from_slice(psi.as_slice());
+            carried.extend(u..u + 3);
+            let turned = &self.model.nodes[rotation.0 as usize];
+            for c in [turned.first, self.carrier(turned).first] {
+                self.work.x[c..c + 3].copy_from_slice(psi.as_slice());
+            }
+            self.expand_node(t, n)?;
+        }
+        Ok(carried)
+    }
+
+    /// Writes the velocities of a rigid motion of the nodes in `nodes` (all if `None`) at
+    /// coordinates `q` to `v`: displacements move with v + ω × (x − about), rotation vectors with Ψ̇
+    /// = T⁻ᵀ ω. Joint coordinates stay at rest: see [`Context::fit_rates`].
+    pub fn set_velocity(
+        &self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) {
+        let chosen: Vec<NodeId> = match nodes {
+            None => (0..self.model.nodes.len() as u32).map(NodeId).collect(),
+            Some(nodes) => {
+                let both = |&n: &NodeId| [n, self.free_rotation_of(n)];
+                nodes.iter().flat_map(both).collect()
+            }
+        };
+        for id in chosen {
+            let n = &self.model.nodes[id.0 as usize];
+            let own = self.carrier(n);
+            if !own.is_own() {
+                continue;
+            }
+            let value = |c: usize| match self.model.unknowns[c] {
+                NONE => self.prescribed_value(c),
+                u => q[u as usize],
+            };
+            let three = |c: usize| Vector3::new(value(c), value(c + 1), value(c + 2));
+            let mut put = |c: usize, x: &Vector3<f64>| {
+                for (k, x) in x.iter().enumerate() {
+                    if self.model.unknowns[c + k] != NONE {
+                        v[self.model.unknowns[c + k] as usize] = *x;
+                    }
+                }
+            };
+            if n.form == NodeForm::Frame {
+                let position = n.position + three(own.first);
+                let arm = position - motion.about;
+                put(own.first, &(motion.velocity + motion.omega.cross(&arm)));
+            }
+            if n.rotation().is_some() {
+                // ω = Tᵀ Ψ̇; by increments ω = Rₙ Tᵀ θ̇, R Ω or Rₙ w.
+                let first = own.first + n.dim - 3;
+                let theta = three(first);
+                let omega = self.turn_of(n).tr_mul(&motion.omega);
+                let kind = match &n.source {
+                    Source::Mapped(d) => self.state.maps[d.index].velocity_kind(),
+                    Source::Own => None,
+                };
+                let rate = match kind {
+                    None => so3::tangent_inverse(&theta).tr_mul(&omega),
+                    Some(VelocityKind::Material) => so3::rotation(&theta).tr_mul(&omega),
+                    Some(VelocityKind::Spatial | VelocityKind::Mixed) => omega,
+                };
+                put(first, &rate);
+            }
+        }
+    }
+
+    /// The node whose coordinates are the rotation of a frame: the frame itself, or the rotation of
+    /// a joint such as a spherical one.
+    pub fn free_rotation_of(&self, node: NodeId) -> NodeId {
+        let Source::Mapped(d) = &self.model.nodes[node.0 as usize].source else {
+            return node;
+        };
+        let released = |&&n: &&u32| self.model.nodes[n as usize].form == NodeForm::Rotation;
+        d.parents(&self.state.maps)
+            .iter()
+            .find(released)
+            .map_or(node, |&n| NodeId(n))
+    }
+
+    /// Scalar unknowns that belong to no frame, rotation vector or loop: the joint coordinates.
+    pub fn single_unknowns(&self) -> Vec<usize> {
+        let chosen = |&n: &u32| match &self.model.nodes[n as usize].source {
+            Source::Mapped(d) if d.map.reparametrizes() => {
+                d.parents(&self.state.maps).first().copied()
+            }
+            _ => None,
+        };
+        let of_loops: Vec<u32> = self.model.dependent.iter().filter_map(chosen).collect();
+        let nodes = (0..).zip(&self.model.nodes);
+        let single = nodes.filter(|(k, n)| {
+            n.form == NodeForm::Coordinates && n.dim == 1 && n.is_own() && !of_loops.contains(k)
+        });
+        let unknowns = single.map(|(_, n)| self.model.unknowns[n.first]);
+        unknowns
+            .filter(|&u| u != NONE)
+            .map(|u| u as usize)
+            .collect()
+    }
+}

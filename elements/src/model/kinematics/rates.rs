@@ -1,0 +1,244 @@
+//! Initial rates of joint coordinates.
+
+#![allow(non_snake_case)]
+
+use crate::model::build::builder::NodeId;
+use crate::model::kinematics::motion::RigidMotion;
+use crate::model::{Context, Model, NONE, NodeForm, Source};
+use nalgebra::{DMatrix, DVector, Vector6};
+use pullback_manifold::so3;
+use pullback_manifold::system::{Point, SystemError};
+use std::sync::Arc;
+
+/// Part of a motion that may be missing by rounding.
+const MISSING: f64 = 1e-9;
+
+/// The time just before t = 0, at which initial velocities are given: rates of prescribed motions
+/// are those from the left.
+pub const BEFORE_START: f64 = 0.0_f64.next_down();
+
+impl Model {
+    /// The map of a frame among `nodes`.
+    fn chosen(
+        &self,
+        n: u32,
+        nodes: Option<&[NodeId]>,
+    ) -> Option<&crate::model::kinematics::mapped_node::MappedNode> {
+        let node = &self.nodes[n as usize];
+        let chosen = nodes.is_none_or(|nodes| nodes.contains(&NodeId(n)));
+        match &node.source {
+            Source::Mapped(d) if chosen && node.is_frame() => Some(d),
+            _ => None,
+        }
+    }
+
+    /// The coordinates of the loop of a coordinate.
+    fn loop_of(&self, n: u32) -> Option<u32> {
+        let Source::Mapped(d) = &self.nodes[n as usize].source else {
+            return None;
+        };
+        let &[x] = d.initial_parents() else {
+            return None;
+        };
+        self.reports.iter().any(|r| r.map == Some(x)).then_some(x)
+    }
+
+    /// Whether a joint coordinate or rotation belongs to a closed loop: it follows from the loop's
+    /// independent coordinates.
+    pub fn in_loop(&self, node: NodeId) -> bool {
+        self.loop_of(node.0).is_some()
+    }
+}
+
+impl Context {
+    /// Fits the rates of joint coordinates in `v`, so that the attached frames (those among
+    /// `nodes`, all if `None`) follow a rigid motion as closely as possible: joint by joint from
+    /// the root, all joints of a loop at once, by least squares. Returns the closing joints of
+    /// loops without prescribed parts that do not allow the motion.
+    ///
+    /// # Errors
+    /// [`SystemError`] if the point is outside a chart.
+    pub fn fit_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        nodes: Option<&[NodeId]>,
+        motion: &RigidMotion,
+    ) -> Result<Vec<String>, SystemError> {
+        let (mut fitted, mut against) = (Vec::new(), Vec::new());
+        let model = Arc::clone(&self.model);
+        for &n in &model.dependent {
+            let released = |&&m: &&u32| model.nodes[m as usize].form == NodeForm::Coordinates;
+            let Some(d) = model.chosen(n, nodes) else {
+                continue;
+            };
+            let parents: Vec<u32> = d
+                .parents(&self.state.maps)
+                .iter()
+                .filter(released)
+                .copied()
+                .collect();
+            let Some(x) = parents.iter().find_map(|&m| self.loop_of(m)) else {
+                self.fit(q, v, &[n], &parents, motion)?;
+                continue;
+            };
+            if fitted.contains(&x) {
+                continue;
+            }
+            fitted.push(x);
+            let all: Vec<u32> = (model.dependent.iter().copied())
+                .filter(|&k| {
+                    let d = model.chosen(k, nodes);
+                    let mut parents = d.map_or(&[][..], |d| d.parents(&self.state.maps)).iter();
+                    parents.any(|&m| self.loop_of(m) == Some(x))
+                })
+                .collect();
+            let Source::Mapped(d) = &model.nodes[x as usize].source else {
+                continue;
+            };
+            // A locked loop has no coordinates of its own.
+            let parents = d.parents(&self.state.maps);
+            let own: Vec<u32> = parents.iter().take(1).filter(released).copied().collect();
+            let alone = parents.len() == 1;
+            let left = self.fit(q, v, &all, &own, motion)?;
+            if alone && left > MISSING {
+                let report = self.model.reports.iter().find(|r| r.map == Some(x));
+                let joint = report.and_then(|r| r.closures.first());
+                against.extend(joint.map(|&(n, _)| model.nodes[n as usize].name.clone()));
+            }
+        }
+        Ok(against)
+    }
+
+    /// Fits the rates of the free coordinates of `parents` to a motion of frames; returns the
+    /// missing part relative to the whole.
+    fn fit(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        frames: &[u32],
+        parents: &[u32],
+        motion: &RigidMotion,
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let unknowns: Vec<usize> = (parents.iter())
+            .flat_map(|&m| self.model.nodes[m as usize].range())
+            .filter(|&c| self.model.unknowns[c] != NONE)
+            .map(|c| self.model.unknowns[c] as usize)
+            .collect();
+        if unknowns.is_empty() {
+            return Ok(0.0);
+        }
+        let unit = self.model.length.recip();
+        let unit = Vector6::new(unit, unit, unit, 1.0, 1.0, 1.0);
+        let mut rates = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            self.expand(Point {
+                t: BEFORE_START,
+                q,
+                v,
+                a: &a,
+            })?;
+            let mut all = Vec::with_capacity(6 * frames.len());
+            for &n in frames {
+                let own = &self.work.v[self.model.nodes[n as usize].range()];
+                all.extend(Vector6::from_column_slice(own).component_mul(&unit).iter());
+            }
+            Ok(DVector::from_vec(all))
+        };
+        let now = rates(v)?;
+        let mut columns = DMatrix::zeros(now.len(), unknowns.len());
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(rates(v)? - &now));
+            v[u] -= 1.0;
+        }
+        let mut wanted = DVector::zeros(now.len());
+        for (k, &n) in frames.iter().enumerate() {
+            let state = self.node_state(NodeId(n));
+            let position = motion.velocity + motion.omega.cross(&(state.position - motion.about));
+            let turn = so3::tangent_inverse(&state.psi).tr_mul(&motion.omega);
+            let both = Vector6::new(position.x, position.y, position.z, turn.x, turn.y, turn.z);
+            wanted
+                .fixed_rows_mut::<6>(6 * k)
+                .copy_from(&both.component_mul(&unit));
+        }
+        let mut missing = &wanted - &now;
+        if let Ok(more) = columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            for (&u, more) in unknowns.iter().zip(more.iter()) {
+                v[u] += more;
+            }
+            missing -= columns * more;
+        }
+        let size = wanted.amax().max(now.amax());
+        Ok(if size > 0.0 {
+            missing.amax() / size
+        } else {
+            0.0
+        })
+    }
+
+    /// Unknowns of nodes: their own free coordinates, and those that they depend on.
+    pub fn unknowns_behind(&self, nodes: &[NodeId]) -> Vec<usize> {
+        let mut unknowns: Vec<usize> = Vec::new();
+        for n in nodes {
+            let dependencies = &self.work.scatter_map.dependencies;
+            let own = dependencies.behind(&self.model.nodes, &n.0);
+            let all = own
+                .iter()
+                .flat_map(|&m| self.model.nodes[m as usize].range());
+            let free = all.filter(|&c| self.model.unknowns[c] != NONE);
+            unknowns.extend(free.map(|c| self.model.unknowns[c] as usize));
+        }
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        unknowns
+    }
+
+    /// Finds velocities `v` with given rates of coordinates at `q` and [`BEFORE_START`]: those of
+    /// loops follow from others, and the change of all together is smallest. Returns the largest
+    /// error: zero to rounding if the loops allow the rates.
+    ///
+    /// # Errors
+    /// [`SystemError`] if the point is outside a chart.
+    pub fn fit_coordinate_rates(
+        &mut self,
+        q: &[f64],
+        v: &mut [f64],
+        rates: &[(NodeId, usize, f64)],
+    ) -> Result<f64, SystemError> {
+        let a = vec![0.0; v.len()];
+        let of: Vec<NodeId> = rates.iter().map(|r| r.0).collect();
+        let unknowns = self.unknowns_behind(&of);
+        let mut now = |v: &[f64]| -> Result<DVector<f64>, SystemError> {
+            let t = BEFORE_START;
+            self.expand(Point { t, q, v, a: &a })?;
+            let rate = |&(n, k, _): &(NodeId, usize, f64)| {
+                self.work.v[self.model.nodes[n.0 as usize].first + k]
+            };
+            Ok(DVector::from_iterator(rates.len(), rates.iter().map(rate)))
+        };
+        let wanted = DVector::from_iterator(rates.len(), rates.iter().map(|r| r.2));
+        let missing = wanted - now(v)?;
+        // Prescribed or locked coordinates keep their rates.
+        if unknowns.is_empty() {
+            return Ok(missing.amax());
+        }
+        let mut columns = DMatrix::zeros(rates.len(), unknowns.len());
+        let start = now(v)?;
+        for (k, &u) in unknowns.iter().enumerate() {
+            v[u] += 1.0;
+            columns.set_column(k, &(now(v)? - &start));
+            v[u] -= 1.0;
+        }
+        let left = match columns.clone().svd(true, true).solve(&missing, 1e-9) {
+            Ok(more) => {
+                for (&u, more) in unknowns.iter().zip(more.iter()) {
+                    v[u] += more;
+                }
+                missing - columns * more
+            }
+            Err(_) => missing,
+        };
+        Ok(left.amax())
+    }
+}

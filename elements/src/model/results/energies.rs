@@ -1,0 +1,210 @@
+//! Energies, powers and momenta of a model.
+
+#![allow(non_snake_case)]
+
+use crate::constraint::MAX_EQUATIONS;
+use crate::model::assembly::element_workspace::ElementWorkspace;
+use crate::model::assembly::residual::named;
+use crate::model::{Context, ElementEntry, Node, Source};
+use nalgebra::Vector3;
+use pullback_manifold::so3;
+use pullback_manifold::system::{Energies, Point, SystemError};
+
+/// Linear and angular momentum, components in the global frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Momentum {
+    /// Linear momentum.
+    pub linear: Vector3<f64>,
+    /// Angular momentum about the origin.
+    pub angular: Vector3<f64>,
+}
+
+/// Energies, powers and momenta of a model at one point of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergiesAndMomentum {
+    /// Kinetic and stored energy, supplied and dissipated power.
+    pub energies: Energies,
+    /// Potential of the loads that have one (gravity, constant forces). Their power is also part of
+    /// the supplied power.
+    pub load_potential: f64,
+    /// Momentum of all mass.
+    pub momentum: Momentum,
+}
+
+impl Momentum {
+    /// Adds the momentum of an element with coordinates `x` and generalised momenta `p`.
+    fn add(&mut self, e: &ElementEntry, nodes: &[Node], x: &[f64], p: &[f64]) {
+        let mut k = 0;
+        for node in e.nodes.iter().map(|&n| &nodes[n as usize]) {
+            if node.is_frame() {
+                let three = |x: &[f64], k: usize| Vector3::new(x[k], x[k + 1], x[k + 2]);
+                let linear = three(p, k);
+                // The covector of a spatial moment m is T m.
+                let spin = so3::tangent_inverse(&three(x, k + 3)) * three(p, k + 3);
+                self.linear += linear;
+                self.angular += (node.position + three(x, k)).cross(&linear) + spin;
+            }
+            k += node.dim;
+        }
+    }
+}
+
+impl Context {
+    /// Energies, powers and momenta at a point in motion.
+    ///
+    /// They follow from the elements' forces and mass matrices: the generalised momentum is p = M
+    /// ẋ, the kinetic energy ½ ẋ·p, and a load's power r·ẋ. A support supplies −r ẋ at its
+    /// prescribed coordinate, a time-dependent map −r·∂φ/∂t.
+    ///
+    /// # Errors
+    /// [`SystemError`] if the point is outside a chart.
+    pub fn energies_and_momentum(
+        &mut self,
+        at: Point<'_>,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
+        self.evaluate_energies(at, true)
+    }
+
+    /// The same, with zero momentum unless `momenta`.
+    pub(in crate::model) fn evaluate_energies(
+        &mut self,
+        at: Point<'_>,
+        momenta: bool,
+    ) -> Result<EnergiesAndMomentum, SystemError> {
+        let statics = at.is_static();
+        self.expand(at)?;
+        let mut out = EnergiesAndMomentum::default();
+        let Energies {
+            kinetic,
+            stored,
+            supplied,
+            dissipated,
+            potential,
+            drawn,
+        } = &mut out.energies;
+        let (w, model) = (&mut self.work, &*self.model);
+        w.r.fill(0.0);
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            let (local, switched) = (&mut w.local, state.switched);
+            let n = e.element.dim();
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, switched, &model.nodes);
+            let motion = local.motion(e, at.t, statics);
+            let energy = e.element.energy(&motion);
+            if e.load {
+                out.load_potential += energy;
+                if e.steady {
+                    *potential += energy;
+                }
+            } else {
+                *stored += energy;
+            }
+            if !statics {
+                *dissipated += e.element.dissipation(&motion);
+                // Its force is only needed at prescribed and mapped nodes.
+                let known =
+                    (!momenta && !e.load && !e.held).then(|| e.element.kinetic_energy(&motion));
+                if let Some(energy) = known.flatten() {
+                    *kinetic += energy;
+                    continue;
+                }
+            }
+            local
+                .momenta(e, at.t, statics)
+                .map_err(|error| named(error, &e.name))?;
+            if !statics {
+                let ElementWorkspace { x, v, r, work, .. } = local;
+                if e.load {
+                    let power = dot(&r[..n], v);
+                    *supplied += power;
+                    if e.steady {
+                        *drawn += power;
+                    }
+                }
+                *kinetic += 0.5 * dot(&work[..n], v);
+                if momenta {
+                    out.momentum.add(e, &model.nodes, x, work);
+                }
+            }
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, None, statics, false);
+            }
+            local.add_residual(e, &model.spans, &mut w.r);
+        }
+        self.pull_back_nodes(at.t, None, false);
+        let w = &self.work;
+        if !statics {
+            for p in &self.model.prescribed {
+                *supplied -= w.r[p.coordinate] * w.v[p.coordinate];
+            }
+            for &n in &self.model.dependent {
+                let node = &self.model.nodes[n as usize];
+                let own = node.range();
+                if let Source::Mapped(d) = &node.source {
+                    let r = &w.r[own.clone()];
+                    let parents = d.parents(&self.state.maps);
+                    let through =
+                        d.carried_power(parents, r, &self.model.spans, &w.v, &w.operators);
+                    *supplied -= dot(r, &w.v[own]) - through;
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// The generalised momentum p = Bᵀ M ẋ of the unknowns at a point in motion; false if nothing
+    /// is prescribed, as it cannot jump then.
+    pub(in crate::model) fn generalised_momentum(
+        &mut self,
+        at: Point<'_>,
+        p: &mut [f64],
+    ) -> Result<bool, SystemError> {
+        if self.model.prescribed.is_empty() && self.model.dependent.is_empty() {
+            return Ok(false);
+        }
+        self.node_momenta(at)?;
+        self.pull_back_nodes(at.t, None, false);
+        self.model.free.gather(&self.work.r, "momentum p", p)?;
+        Ok(true)
+    }
+
+    /// Writes the momenta M ẋ of all nodes to the residuals.
+    pub(in crate::model) fn node_momenta(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        self.expand(at)?;
+        let (w, model) = (&mut self.work, &*self.model);
+        w.r.fill(0.0);
+        for (e, state) in model.elements.iter().zip(&self.state.elements) {
+            if e.load {
+                continue;
+            }
+            let (local, switched) = (&mut w.local, state.switched);
+            local.gather(e, &model.spans, &w.x);
+            local.gather_rates(e, switched, &model.spans, w.moving.then_some([&w.v, &w.a]));
+            local.switch(e, switched, &model.nodes);
+            local
+                .momenta(e, at.t, false)
+                .map_err(|error| named(error, &e.name))?;
+            let n = e.element.dim();
+            local.r[..n].copy_from_slice(&local.work[..n]);
+            if let Some(enforced) = e.element.enforced().filter(|e| e.penalty().is_none()) {
+                // The momentum of a multiplier is the rate of its equation.
+                let (N, M) = enforced.dims();
+                let mut rates = [0.0; MAX_EQUATIONS];
+                enforced.rates(&local.motion(e, at.t, false), &mut rates[..M]);
+                for i in (0..M).filter(|i| state.left_out & (1 << i) == 0) {
+                    local.r[N + i] = rates[i];
+                }
+            }
+            if switched != 0 {
+                local.pull_back_switch(e, switched, &model.nodes, None, false, false);
+            }
+            local.add_residual(e, &model.spans, &mut w.r);
+        }
+        Ok(())
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,7 @@
+//! Questions about a model and its configuration.
+
+pub(super) mod energies;
+pub(super) mod mobility;
+pub(super) mod query;
+pub(super) mod symmetry;
+pub(super) mod view;

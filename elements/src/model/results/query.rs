@@ -1,0 +1,350 @@
+//! Queries of a model: names, positions, section forces, reactions, supports.
+
+#![allow(non_snake_case)]
+
+use crate::element::{Motion, SectionState};
+use crate::model::build::builder::{ElementId, NodeId};
+use crate::model::{Context, Model, ModelError, NONE, Source};
+use nalgebra::Vector3;
+use pullback_manifold::so3;
+use pullback_manifold::system::{Point, Quantity, System, SystemError};
+use std::collections::BTreeMap;
+
+/// Reaction of a support on the structure, in global components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reaction {
+    /// The supported node.
+    pub node: String,
+    /// The prescribed ones of the six coordinates.
+    pub prescribed: [bool; 6],
+    /// Reaction force, zero along free directions.
+    pub force: Vector3<f64>,
+    /// Reaction moment as a covector for Ψ; the physical moment, T⁻¹ of it, if all three rotations
+    /// are prescribed.
+    pub moment: Vector3<f64>,
+}
+
+impl Model {
+    /// All frame nodes with their names, in the order of definition.
+    pub fn frames(&self) -> impl Iterator<Item = (NodeId, &str)> + '_ {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame())
+            .map(|(k, n)| (NodeId(k as u32), n.name.as_str()))
+    }
+
+    /// Node with a name.
+    pub fn find(&self, name: &str) -> Option<NodeId> {
+        self.nodes
+            .iter()
+            .position(|n| n.name == name)
+            .map(|k| NodeId(k as u32))
+    }
+
+    /// Name and nodes of an element.
+    pub fn element(&self, id: ElementId) -> (&str, Vec<NodeId>) {
+        let e = &self.elements[id.0 as usize];
+        (&e.name, e.nodes.iter().map(|&n| NodeId(n)).collect())
+    }
+
+    /// Names of elements and loads with a tangent that is not symmetric; the stability of
+    /// equilibria then follows from no potential.
+    pub fn asymmetric(&self) -> impl Iterator<Item = &str> {
+        let others = self.elements.iter().filter(|e| !e.element.is_symmetric());
+        others.map(|e| e.name.as_str())
+    }
+
+    /// Reference position of a node.
+    pub fn reference(&self, node: NodeId) -> Vector3<f64> {
+        self.nodes[node.0 as usize].position
+    }
+
+    /// Diagonal of the box around all nodes: the length that scales displacements.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Unknown of a coordinate of a frame node, if it is free.
+    pub fn unknown(&self, node: NodeId, dof: crate::model::Dof) -> Option<usize> {
+        self.unknown_at(node, dof.index())
+    }
+
+    /// The node of a coordinate of all nodes.
+    pub(in crate::model) fn node_of(&self, c: usize) -> usize {
+        self.nodes.partition_point(|n| n.first <= c) - 1
+    }
+
+    pub(in crate::model) fn coordinate_name(&self, c: usize) -> String {
+        let n = &self.nodes[self.node_of(c)];
+        n.coordinate_name(c - n.first)
+    }
+
+    /// Checks that every connected part of the structure is held against rigid motion, as statics
+    /// requires.
+    ///
+    /// # Errors
+    /// [`ModelError::Unsupported`] with a node of the part and its free motion.
+    pub fn check_supports(&self) -> Result<(), ModelError> {
+        let mut parts: BTreeMap<usize, Vec<&crate::model::Node>> = BTreeMap::new();
+        for (node, part) in self.nodes.iter().zip(self.connected_parts()) {
+            if node.is_frame() {
+                parts.entry(part).or_default().push(node);
+            }
+        }
+        for frames in parts.values() {
+            if let Some(motion) = self.free_motion(frames) {
+                return Err(ModelError::Unsupported {
+                    node: frames[0].name.clone(),
+                    motion,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of the connected part of each node.
+    fn connected_parts(&self) -> Vec<usize> {
+        let mut part: Vec<usize> = (0..self.nodes.len()).collect();
+        fn root(part: &mut [usize], mut n: usize) -> usize {
+            while part[n] != n {
+                part[n] = part[part[n]];
+                n = part[n];
+            }
+            n
+        }
+        let mut join = |nodes: &mut dyn Iterator<Item = usize>| {
+            let Some(first) = nodes.next() else { return };
+            for other in nodes {
+                let (a, b) = (root(&mut part, first), root(&mut part, other));
+                part[a.max(b)] = a.min(b);
+            }
+        };
+        for e in self.elements.iter().filter(|e| !e.element.is_load()) {
+            join(&mut e.nodes.iter().map(|&n| n as usize));
+        }
+        for (n, node) in self.nodes.iter().enumerate() {
+            if let Source::Mapped(d) = &node.source {
+                let parents = d.segments.iter().flatten();
+                join(&mut std::iter::once(n).chain(parents.map(|&m| m as usize)));
+            }
+        }
+        (0..self.nodes.len()).map(|n| root(&mut part, n)).collect()
+    }
+
+    /// A rigid motion of these frames that no support prevents, in words.
+    fn free_motion(&self, frames: &[&crate::model::Node]) -> Option<String> {
+        let center: Vector3<f64> =
+            frames.iter().map(|n| n.position).sum::<Vector3<f64>>() / frames.len() as f64;
+        // Gram matrix of the prescribed coordinates over rigid motions (translation, rotation about
+        // the centre times the model's length).
+        let mut gram = nalgebra::Matrix6::<f64>::zeros();
+        for node in frames {
+            let arm = (node.position - center) / self.length;
+            let own = self.carrier(node);
+            for k in 0..6 {
+                let free = self.unknowns[own.first + k] != NONE || !own.is_own();
+                if free {
+                    continue;
+                }
+                let mut row = nalgebra::Vector6::zeros();
+                row[k] = 1.0;
+                if k < 3 {
+                    let turn = -so3::skew(&arm);
+                    for j in 0..3 {
+                        row[3 + j] = turn[(k, j)];
+                    }
+                }
+                gram += row * row.transpose();
+            }
+        }
+        let eigen = gram.symmetric_eigen();
+        let (k, &smallest) = eigen
+            .eigenvalues
+            .iter()
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = eigen.eigenvalues.max();
+        if smallest > 1e-12 * largest.max(1e-300) {
+            return None;
+        }
+        let motion = eigen.eigenvectors.column(k).into_owned();
+        Some(describe_motion(&motion, &center, self.length))
+    }
+
+    /// Whether a coordinate of a frame node is prescribed.
+    pub fn is_prescribed(&self, node: NodeId, dof: crate::model::Dof) -> bool {
+        let n = self.carrier(&self.nodes[node.0 as usize]);
+        n.is_own() && self.unknowns[n.first + dof.index()] == NONE
+    }
+}
+
+impl Context {
+    /// Describes the present state of the map of a node, such as its independent coordinates and
+    /// redundant equations.
+    pub fn describe(&self, node: NodeId) -> Option<String> {
+        match &self.model.nodes[node.0 as usize].source {
+            Source::Own => None,
+            Source::Mapped(d) => self.state.maps[d.index].describe(),
+        }
+    }
+
+    /// Describes how the loops of [`ModelBuilder::close`](crate::model::ModelBuilder::close) are closed:
+    /// the joints of attached children, the joints that close loops, and their present independent
+    /// coordinates.
+    pub fn descriptions(&self) -> Vec<String> {
+        let note = |r: &crate::model::loops::Report| {
+            let of_element = || {
+                r.element
+                    .map_or_else(String::new, |k| self.describe_left_out(k))
+            };
+            match r.map.and_then(|n| self.describe(NodeId(n))) {
+                Some(note) => format!("{}; {note}", r.words),
+                None => r.words.clone() + &of_element(),
+            }
+        };
+        let reports = self.model.reports.iter().map(note);
+        reports.chain(self.state.moved.iter().cloned()).collect()
+    }
+
+    /// Sets the whole configuration, for later queries.
+    ///
+    /// # Errors
+    /// [`SystemError`] if a joint is outside its domain.
+    pub fn configure(&mut self, at: Point<'_>) -> Result<(), SystemError> {
+        self.expand(at)
+    }
+
+    /// Reactions of all supported frame nodes at the last evaluation of the residual.
+    pub fn reactions(&self) -> Vec<Reaction> {
+        let mut out: Vec<Reaction> = Vec::new();
+        let frames = self
+            .model
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| n.is_frame());
+        for (id, n) in frames {
+            let own = self.carrier(n);
+            let prescribed =
+                std::array::from_fn(|k| self.model.unknowns[own.first + k] == NONE && own.is_own());
+            if !prescribed.contains(&true) {
+                continue;
+            }
+            let psi = Vector3::from_column_slice(&self.work.x[n.first + 3..n.first + 6]);
+            // Covector T m of a spatial moment m.
+            let [force, turn] = self.closing_force(NodeId(id as u32));
+            let turn = so3::tangent(&psi) * turn;
+            let mut f = [0.0; 6];
+            for k in (0..6).filter(|&k| prescribed[k]) {
+                let closing = if k < 3 { force[k] } else { turn[k - 3] };
+                f[k] = closing - self.work.r[n.first + k];
+            }
+            let mut moment = Vector3::new(f[3], f[4], f[5]);
+            if prescribed[3..].iter().all(|&p| p) {
+                moment = so3::tangent_inverse(&psi) * moment;
+            }
+            out.push(Reaction {
+                node: n.name.clone(),
+                prescribed,
+                force: Vector3::new(f[0], f[1], f[2]),
+                moment,
+            });
+        }
+        out
+    }
+
+    /// States of all cross-sections in the configuration last set, with their element.
+    pub fn section_states(&self, t: f64) -> Vec<(ElementId, SectionState)> {
+        let mut out = Vec::new();
+        let mut states = Vec::new();
+        for (k, e) in self.model.elements.iter().enumerate() {
+            let [x, ..] = self.element_motion(k);
+            let at = Motion {
+                t,
+                x: &x,
+                v: &[],
+                a: &[],
+            };
+            e.element.section_states(&at, &mut states);
+            out.extend(states.drain(..).map(|s| (ElementId(k as u32), s)));
+        }
+        out
+    }
+
+    /// Strain energy of all elements that are not loads, in the configuration last set.
+    pub fn strain_energy(&self, t: f64) -> f64 {
+        let loads = false;
+        self.energy(t, loads)
+    }
+
+    /// Potential of the loads that have one, in the configuration last set.
+    pub fn load_potential(&self, t: f64) -> f64 {
+        let loads = true;
+        self.energy(t, loads)
+    }
+
+    fn energy(&self, t: f64, loads: bool) -> f64 {
+        self.model
+            .elements
+            .iter()
+            .enumerate()
+            .filter(|(_, e)| e.element.is_load() == loads)
+            .map(|(k, e)| {
+                let [x, ..] = self.element_motion(k);
+                e.element.energy(&Motion {
+                    t,
+                    x: &x,
+                    v: &[],
+                    a: &[],
+                })
+            })
+            .sum()
+    }
+
+    /// Largest rotation angle of any node in the configuration last set.
+    pub fn largest_rotation(&self) -> f64 {
+        self.frames()
+            .map(|(n, _)| self.node_state(n).psi.norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Names of the unknowns with the largest entries of a vector, largest first.
+    pub fn largest_entries(&self, vector: &[f64], count: usize) -> Vec<(String, f64)> {
+        let scale = |i: usize| match self.coordinate_info(i).quantity {
+            Quantity::Length => self.model.length,
+            _ => 1.0,
+        };
+        let mut order: Vec<usize> = (0..vector.len()).collect();
+        order.sort_by(|&a, &b| {
+            (vector[b].abs() / scale(b)).total_cmp(&(vector[a].abs() / scale(a)))
+        });
+        order
+            .into_iter()
+            .take(count)
+            .map(|i| (self.name(i), vector[i]))
+            .collect()
+    }
+}
+
+/// A rigid motion (translation of the centre, rotation times length) in words.
+fn describe_motion(motion: &nalgebra::Vector6<f64>, center: &Vector3<f64>, length: f64) -> String {
+    let translation: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
+    let rotation: Vector3<f64> = motion.fixed_rows::<3>(3) / length;
+    let show = |v: &Vector3<f64>| {
+        let v = v / v.amax();
+        format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z)
+    };
+    if rotation.norm() * length < 1e-6 {
+        return format!("translation along {}", show(&translation));
+    }
+    // The axis passes through center + ω × v / ω².
+    let through = center + rotation.cross(&translation) / rotation.norm_squared();
+    format!(
+        "rotation about the direction {} through ({:.4}, {:.4}, {:.4})",
+        show(&rotation),
+        through.x,
+        through.y,
+        through.z
+    )
+}
