@@ -46,7 +46,7 @@ pub fn file(path: &Path, seed: u64) -> Result<Report, InputError> {
 /// Checks the model of a job at the start of its analysis and at random states around it.
 pub fn job(job: &mut Job, seed: u64) -> Report {
     let mut options = options(job, seed);
-    let mut report = model(&mut job.model, &options);
+    let mut report = model(&mut job.context, &options);
     let nowhere = |report: &Report| {
         let mut rows = report.rows().iter();
         rows.all(|row| row.law == "domain" && row.at == "start")
@@ -58,7 +58,7 @@ pub fn job(job: &mut Job, seed: u64) -> Report {
             break;
         }
         options.t = from + 0.1 * (options.t - from);
-        report = model(&mut job.model, &options);
+        report = model(&mut job.context, &options);
     }
     report
 }
@@ -74,7 +74,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
         Plan::Path(options, _) => options.load_scale,
         Plan::Dynamic(plan) => 0.1 * plan.options.to,
     };
-    let kinks = job.model.kinks();
+    let kinks = job.context.kinks();
     let room = |t: f64| {
         kinks
             .iter()
@@ -89,7 +89,7 @@ pub fn options(job: &Job, seed: u64) -> Options {
         seed,
         t,
         q: job.start.q.clone(),
-        states: if job.model.elements().len() > MANY {
+        states: if job.context.elements().len() > MANY {
             1
         } else {
             STATES

@@ -58,14 +58,14 @@ pub struct Answers {
 
 impl Answers {
     /// Evaluates a model in its present configuration.
-    pub fn of(model: &Context, t: f64) -> Self {
-        let mut reactions = model.reactions();
+    pub fn of(context: &Context, t: f64) -> Self {
+        let mut reactions = context.reactions();
         reactions.sort_unstable_by(|a, b| a.node.cmp(&b.node));
         Self {
-            sections: model.section_states(t),
+            sections: context.section_states(t),
             reactions,
-            strain_energy: model.strain_energy(t),
-            load_potential: model.load_potential(t),
+            strain_energy: context.strain_energy(t),
+            load_potential: context.load_potential(t),
             energy_balance: None,
             energy_defect: 0.0,
         }
@@ -181,8 +181,8 @@ impl Probe {
     }
 
     /// Appends its values at a converged step.
-    pub fn record(&mut self, model: &Context, answers: &Answers, out: &mut Vec<f64>) {
-        let v = self.vector(model, answers);
+    pub fn record(&mut self, context: &Context, answers: &Answers, out: &mut Vec<f64>) {
+        let v = self.vector(context, answers);
         match self.component {
             Component::All(_) => out.extend(v.iter()),
             Component::One(k) => out.push(v[k]),
@@ -194,14 +194,14 @@ impl Probe {
                         ProbeQuantity::joint_acceleration => 2,
                         _ => 0,
                     };
-                    (model.coordinate_motion(*node, 0)).map_or(f64::NAN, |x| x[rate])
+                    (context.coordinate_motion(*node, 0)).map_or(f64::NAN, |x| x[rate])
                 }
                 _ => answers.whole(self.quantity),
             }),
         }
     }
 
-    fn vector(&mut self, model: &Context, answers: &Answers) -> Vector3<f64> {
+    fn vector(&mut self, context: &Context, answers: &Answers) -> Vector3<f64> {
         match &self.target {
             Target::Joint(_) => Vector3::zeros(),
             Target::Whole => {
@@ -218,7 +218,7 @@ impl Probe {
                 _ => s.N,
             }),
             Target::Node(node, name) => {
-                let state = model.node_state(*node);
+                let state = context.node_state(*node);
                 let reaction = |part: fn(&Reaction) -> Vector3<f64>| {
                     let all = &answers.reactions;
                     let own = all.binary_search_by(|r| r.node.cmp(name));
@@ -237,7 +237,7 @@ impl Probe {
                     ProbeQuantity::angular_acceleration => state.omega_dot,
                     ProbeQuantity::joint_force | ProbeQuantity::joint_moment => {
                         let k = usize::from(self.quantity == ProbeQuantity::joint_moment);
-                        let force = model.joint_force(*node);
+                        let force = context.joint_force(*node);
                         force.map_or_else(Vector3::zeros, |both| both[k])
                     }
                     ProbeQuantity::reaction_force => reaction(|r| r.force),

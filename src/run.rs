@@ -120,7 +120,7 @@ pub fn resume_job(
         return Err(ResumeError::Statics.into());
     };
     let settings = serde_json::to_value(&job.file).unwrap_or_default();
-    let checkpoint = Checkpoint::read(directory, &settings, &job.model)?;
+    let checkpoint = Checkpoint::read(directory, &settings, &job.context)?;
     let (t, to) = (checkpoint.progress().state.t, plan.options.to);
     // A run may have been killed between its last step and its results.
     if t > to || t == to && is_complete(directory) {
@@ -137,7 +137,7 @@ fn execute(
     observer: &mut dyn FnMut(&Advance<'_>) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let Job {
-        mut model,
+        mut context,
         start: initial,
         plan,
         probes,
@@ -146,12 +146,12 @@ fn execute(
         file,
         ..
     } = job;
-    let mut notes = model.descriptions();
-    if model.mapped_frames().next().is_some() {
-        notes.push(model.mobility().to_string());
+    let mut notes = context.descriptions();
+    if context.mapped_frames().next().is_some() {
+        notes.push(context.mobility().to_string());
     }
     if !matches!(plan, Plan::Dynamic(_)) {
-        notes.extend(warnings::stability_unknown(&model));
+        notes.extend(warnings::stability_unknown(&context));
     }
     // A refused start leaves the directory unchanged.
     let mut progress = Progress::default();
@@ -160,22 +160,22 @@ fn execute(
         every = plan.checkpoint_every;
         progress = match &checkpoint {
             Some(checkpoint) => {
-                checkpoint.restore(&mut model, directory)?;
+                checkpoint.restore(&mut context, directory)?;
                 checkpoint.progress().clone()
             }
-            None => Progress::new(start(&model, 0.0, &initial.q, &initial.v)?),
+            None => Progress::new(start(&context, 0.0, &initial.q, &initial.v)?),
         };
-        begin(&mut model, &plan.options, &mut progress)?;
+        begin(&mut context, &plan.options, &mut progress)?;
     }
     let mut warnings = Vec::new();
     if checkpoint.is_none() {
-        warnings = warnings::strained(&model, &file, &progress);
+        warnings = warnings::strained(&context, &file, &progress);
         if matches!(plan, Plan::Dynamic(_)) {
-            notes.extend(warnings::carried(&model, &file));
+            notes.extend(warnings::carried(&context, &file));
             warnings.extend(warnings::left_behind(&file));
-            warnings.extend(warnings::immobile(&model));
-            warnings.extend(warnings::massless(&mut model, &progress));
-            warnings.extend(warnings::drowned(&mut model, &file, &progress));
+            warnings.extend(warnings::immobile(&context));
+            warnings.extend(warnings::massless(&mut context, &progress));
+            warnings.extend(warnings::drowned(&mut context, &file, &progress));
         }
     }
     let directory = match &checkpoint {
@@ -190,18 +190,18 @@ fn execute(
         notes: &notes,
         output,
     };
-    let mut recorder = Recorder::new(setting, directory, probes, &model, warnings)?;
+    let mut recorder = Recorder::new(setting, directory, probes, &context, warnings)?;
     match (&plan, checkpoint) {
         (Plan::Dynamic(_), Some(checkpoint)) => {
             recorder.resume(checkpoint)?;
-            recorder.look(&mut model, &progress)?;
+            recorder.look(&mut context, &progress)?;
         }
-        (Plan::Dynamic(_), None) => recorder.start_motion(&mut model, &progress)?,
-        _ => recorder.start(&mut model)?,
+        (Plan::Dynamic(_), None) => recorder.start_motion(&mut context, &progress)?,
+        _ => recorder.start(&mut context)?,
     }
     let mut unwritten = None;
-    let ended = solve(&mut model, &plan, &mut progress, &mut |model, step| {
-        if let Err(error) = take(&mut recorder, model, step, every) {
+    let ended = solve(&mut context, &plan, &mut progress, &mut |context, step| {
+        if let Err(error) = take(&mut recorder, context, step, every) {
             unwritten = Some(error);
             return ControlFlow::Break(());
         }
@@ -214,7 +214,7 @@ fn execute(
         None => {}
     }
     if matches!(plan, Plan::Dynamic(_)) {
-        recorder.checkpoint(&model, &progress)?;
+        recorder.checkpoint(&context, &progress)?;
     }
     let (rows, t) = (
         recorder.rows().len(),
@@ -246,16 +246,16 @@ fn execute(
 /// Records a step, and a checkpoint when it is due.
 fn take(
     recorder: &mut Recorder<'_>,
-    model: &mut Context,
+    context: &mut Context,
     step: &Advance<'_>,
     every: usize,
 ) -> Result<(), RecordError> {
-    recorder.record(model, step)?;
+    recorder.record(context, step)?;
     if let Some(progress) = step.progress
         && every > 0
         && step.number.is_multiple_of(every)
     {
-        recorder.checkpoint(model, progress)?;
+        recorder.checkpoint(context, progress)?;
     }
     Ok(())
 }

@@ -182,7 +182,7 @@ pub struct Ended {
 /// # Errors
 /// [`DynamicsError`].
 pub fn begin(
-    model: &mut Context,
+    context: &mut Context,
     options: &DynamicOptions,
     progress: &mut Progress,
 ) -> Result<(), DynamicsError> {
@@ -190,7 +190,7 @@ pub fn begin(
         to: progress.state.t,
         ..*options
     };
-    dynamics::integrate(model, progress, &options, &mut |_, _| {
+    dynamics::integrate(context, progress, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })
 }
@@ -209,33 +209,34 @@ pub fn point(progress: &Progress) -> Point<'_> {
 /// Runs the analysis of the plan, a motion from the state of `progress`; `observer` is called at every
 /// converged step, with the model in its configuration, and may stop the analysis.
 pub fn solve(
-    model: &mut Context,
+    context: &mut Context,
     plan: &Plan,
     progress: &mut Progress,
     observer: &mut dyn FnMut(&mut Context, &Advance<'_>) -> ControlFlow<()>,
 ) -> Ended {
-    let mut q = model.initial().to_vec();
+    let mut q = context.initial().to_vec();
     let mut counts = Counts::default();
     let mut step_limit = None;
-    let mut seen = |model: &mut Context, step: &Step<'_>| {
+    let mut seen = |context: &mut Context, step: &Step<'_>| {
         let advance = Advance::from(step);
         counts.iterations += advance.iterations;
         if advance.event.is_none() {
             counts.steps = advance.number;
             counts.chart_changes += advance.chart_changes;
         }
-        observer(model, &advance)
+        observer(context, &advance)
     };
     let statics = match plan {
-        Plan::Static(options) => solve_statics(model, &mut q, options, &mut seen),
+        Plan::Static(options) => solve_statics(context, &mut q, options, &mut seen),
         Plan::Path(options, _) => {
             step_limit = Some(options.max_steps);
-            trace_path(model, &mut q, options, &mut seen).map(|path| path.summary)
+            trace_path(context, &mut q, options, &mut seen).map(|path| path.summary)
         }
         Plan::Dynamic(plan) => {
-            let solved = dynamics::integrate(model, progress, &plan.options, &mut |model, step| {
-                observer(model, &Advance::from(step))
-            });
+            let solved =
+                dynamics::integrate(context, progress, &plan.options, &mut |context, step| {
+                    observer(context, &Advance::from(step))
+                });
             return Ended {
                 counts: Counts::of_motion(&progress.summary),
                 finished: solved.is_ok() && progress.summary.finished,

@@ -44,8 +44,8 @@ pub(crate) fn unbalanced(counts: &Counts) -> Option<&'static str> {
 }
 
 /// Why the stability of static equilibria is unknown.
-pub(crate) fn stability_unknown(model: &Context) -> Option<String> {
-    let names: Vec<String> = model.asymmetric().map(str::to_owned).collect();
+pub(crate) fn stability_unknown(context: &Context) -> Option<String> {
+    let names: Vec<String> = context.asymmetric().map(str::to_owned).collect();
     (!names.is_empty()).then(|| {
         format!(
             "the column `unstable` stays empty: moments and follower loads have no potential and make \
@@ -57,8 +57,8 @@ pub(crate) fn stability_unknown(model: &Context) -> Option<String> {
 
 /// Whether any released coordinate of the joint is an unknown of its own (true), or depends on those of
 /// a loop (false).
-fn has(own: bool, model: &Context, joint: &Joint) -> bool {
-    (model.released()).any(|(node, name, _)| model.is_own(node) == own && is_of(joint, name))
+fn has(own: bool, context: &Context, joint: &Joint) -> bool {
+    (context.released()).any(|(node, name, _)| context.is_own(node) == own && is_of(joint, name))
 }
 
 /// Whether a released coordinate of this name belongs to the joint.
@@ -98,26 +98,26 @@ fn are(names: &[String]) -> String {
 }
 
 /// A warning about bodies that start with a velocity as joints attach them to something prescribed.
-pub(crate) fn carried(model: &Context, file: &ModelFile) -> Option<String> {
+pub(crate) fn carried(context: &Context, file: &ModelFile) -> Option<String> {
     let prescribed: Vec<String> = prescribed(file, 1).map(|(name, _)| name).collect();
     if !file.initial.is_empty() || prescribed.is_empty() {
         return None;
     }
     let moves = |name: &str| {
-        model.find(name).is_some_and(|node| {
-            let state = model.node_state(node);
+        context.find(name).is_some_and(|node| {
+            let state = context.node_state(node);
             state.velocity.norm() + state.omega.norm() > 0.0
         })
     };
     // Rates of loops depend on prescribed motion.
     let rests = |joint: &Joint| {
-        let mut own = model.released().filter(|(_, name, _)| is_of(joint, name));
+        let mut own = context.released().filter(|(_, name, _)| is_of(joint, name));
         own.all(|(n, _, dim)| {
-            (0..dim).all(|k| model.coordinate(n, k).is_none_or(|[_, rate]| rate == 0.0))
+            (0..dim).all(|k| context.coordinate(n, k).is_none_or(|[_, rate]| rate == 0.0))
         })
     };
     let carried = (file.joints.iter()).filter(|j| {
-        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, model, j);
+        let free = j.rate.is_none() && j.prescribed.is_none() && has(true, context, j);
         free && rests(j) && moves(&j.name)
     });
     let carried: Vec<String> = carried.map(|j| j.name.clone()).collect();
@@ -152,19 +152,19 @@ pub(crate) fn left_behind(file: &ModelFile) -> impl Iterator<Item = String> {
 
 /// A warning about energy stored at the start of a motion because prescribed coordinates or
 /// initial values differ from the reference configuration.
-pub(crate) fn strained(model: &Context, file: &ModelFile, progress: &Progress) -> Vec<String> {
+pub(crate) fn strained(context: &Context, file: &ModelFile, progress: &Progress) -> Vec<String> {
     let stored = progress.summary.energy.map_or(0.0, |e| e.now.stored);
     let valued = (file.joints.iter()).filter(|j| j.value.is_some_and(|x| x != 0.0));
     let valued = valued.map(|j| (format!("joint {}", j.name), Some(j)));
     let names: Vec<String> = prescribed(file, 0)
         .chain(valued)
         // The coordinates of a loop are compatible.
-        .filter(|(_, joint)| joint.is_none_or(|j| !has(false, model, j)))
+        .filter(|(_, joint)| joint.is_none_or(|j| !has(false, context, j)))
         .map(|(name, _)| name)
         .collect();
     // The energy of a joint's own spring is intended.
     let tight = |(_, s): &(_, SectionState)| s.N.norm() + s.M.norm() > 0.0;
-    let parts = !file.springs.is_empty() || model.section_states(0.0).iter().any(tight);
+    let parts = !file.springs.is_empty() || context.section_states(0.0).iter().any(tight);
     if stored <= 0.0 || names.is_empty() || !parts {
         return Vec::new();
     }
@@ -176,8 +176,8 @@ pub(crate) fn strained(model: &Context, file: &ModelFile, progress: &Progress) -
 }
 
 /// Warnings about loops that cannot move.
-pub(crate) fn immobile(model: &Context) -> impl Iterator<Item = String> {
-    model.locked().into_iter().map(|(joint, x, equations)| {
+pub(crate) fn immobile(context: &Context) -> impl Iterator<Item = String> {
+    context.locked().into_iter().map(|(joint, x, equations)| {
         format!(
             "the loop closed by joint {joint} cannot move: its {equations} equations leave none of \
              {x} coordinates free. If it should, see whether axes and positions are given with all \
@@ -191,15 +191,15 @@ const ROUGH: f64 = 1e-3;
 
 /// A warning about penalties for which rounding errors of the gap are large forces.
 pub(crate) fn drowned(
-    model: &mut Context,
+    context: &mut Context,
     file: &ModelFile,
     progress: &Progress,
 ) -> Option<String> {
     let State { t, q, v, .. } = &progress.state;
     let a = vec![0.0; q.len()];
     let (at, mut r) = (Point { t: *t, q, v, a: &a }, a.clone());
-    model.evaluate(at, Evaluation::residual(&mut r)).ok()?;
-    let scales = model.scales();
+    context.evaluate(at, Evaluation::residual(&mut r)).ok()?;
+    let scales = context.scales();
     let most = ROUGH * scales.measures()[0] / (f64::EPSILON * scales.coordinate[0]);
     let joints = file.joints.iter();
     let large = joints.filter(|j| most > 0.0 && j.penalty.is_some_and(|p| p > most));
@@ -214,10 +214,10 @@ pub(crate) fn drowned(
 }
 
 /// A warning about coordinates on which no mass acts.
-pub(crate) fn massless(model: &mut Context, progress: &Progress) -> Option<String> {
+pub(crate) fn massless(context: &mut Context, progress: &Progress) -> Option<String> {
     let state = &progress.state;
     // A state outside of a domain is reported by the first step.
-    let names = model.massless(state.t, &state.q, &state.v).ok()?;
+    let names = context.massless(state.t, &state.q, &state.v).ok()?;
     (!names.is_empty()).then(|| {
         format!(
             "no mass acts on {}: they follow forces at once. Mass of lines is `rho` of a \

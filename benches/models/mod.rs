@@ -104,5 +104,5 @@ pub fn robot_arm(elements: usize) -> Context {
 pub fn struck() -> Context {
     let text = include_str!("../../examples/models/elbow.toml");
     let job = pullback::input::assemble_text("elbow", text);
-    job.expect("a valid model").model
+    job.expect("a valid model").context
 }

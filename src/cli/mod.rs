@@ -258,9 +258,9 @@ fn check(registry: &Registry, model: &Path, seed: u64, [all, json]: [bool; 2]) -
     let mut notes = String::new();
     let report = match registry.load(model) {
         Ok(mut job) => {
-            if job.model.mapped_frames().next().is_some() {
-                notes = job.model.descriptions().join("\n") + "\n";
-                notes = format!("{}{}\n\n", notes.trim_start(), job.model.mobility());
+            if job.context.mapped_frames().next().is_some() {
+                notes = job.context.descriptions().join("\n") + "\n";
+                notes = format!("{}{}\n\n", notes.trim_start(), job.context.mobility());
             }
             crate::check::job(&mut job, seed)
         }

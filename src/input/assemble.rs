@@ -17,8 +17,8 @@ use std::collections::{BTreeMap, HashMap};
 pub struct Job {
     /// Title, if the file has one.
     pub title: Option<String>,
-    /// The model.
-    pub model: Context,
+    /// The model at its start.
+    pub context: Context,
     /// Initial state of a dynamic analysis.
     pub start: Start,
     /// What to compute.
@@ -277,10 +277,10 @@ pub(super) fn assemble(
         let path = ["joints", &k.to_string(), "name"];
         return Err(source.value(&path, Problem::InitialStatics));
     }
-    let mut model = Context::new(model);
+    let mut context = Context::new(model);
     let start = initial::start(
         source,
-        &mut model,
+        &mut context,
         &nodes,
         &parts.released,
         &geometry.lines,
@@ -296,7 +296,7 @@ pub(super) fn assemble(
     }
     let probes = probes::resolve(
         source,
-        &model,
+        &context,
         &nodes,
         &parts.released,
         &geometry,
@@ -305,7 +305,7 @@ pub(super) fn assemble(
     Ok(Job {
         start,
         title: file.title.clone(),
-        model,
+        context,
         plan,
         probes,
         geometry,

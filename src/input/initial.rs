@@ -25,14 +25,14 @@ pub struct Start {
 
 pub(super) fn start(
     source: &Text<'_>,
-    model: &mut Context,
+    context: &mut Context,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
     file: &ModelFile,
 ) -> Result<Start, InputError> {
-    let n = model.pattern().dim();
-    let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; n]);
+    let n = context.pattern().dim();
+    let (mut q, mut v) = (context.initial().to_vec(), vec![0.0; n]);
     // All positions come before all velocities, whatever their order in the file.
     let (mut chosen, mut placed) = (Vec::new(), Vec::new());
     let known = Names::lines(file);
@@ -46,10 +46,10 @@ pub(super) fn start(
             None => None,
         };
         if let Some(node) = node {
-            check_attached(source, &path, model, node, initial)?;
-            position(source, &path, model, node, initial, &mut q)?;
+            check_attached(source, &path, context, node, initial)?;
+            position(source, &path, context, node, initial, &mut q)?;
             let of = [initial.displacement.is_some(), initial.rotation.is_some()];
-            placed.extend(requests::unknowns(model, node, of));
+            placed.extend(requests::unknowns(context, node, of));
         }
         let line = match &initial.line {
             Some(name) => {
@@ -60,7 +60,7 @@ pub(super) fn start(
         };
         chosen.push((node, line));
     }
-    values::start(source, model, released, lines, file, &mut q, &placed)?;
+    values::start(source, context, released, lines, file, &mut q, &placed)?;
     // Rates prescribed in loops, their names, and the path of the first.
     let (mut spins, mut names, mut first) = (Vec::new(), Vec::new(), None);
     // Velocities prescribed in loops that multipliers and penalties close.
@@ -84,7 +84,7 @@ pub(super) fn start(
         if !moves {
             continue;
         }
-        let here = node.map(|node| at(model, node, &q));
+        let here = node.map(|node| at(context, node, &q));
         let omega = match (initial.angular_velocity, initial.body_angular_velocity) {
             (Some(omega), _) => Vector3::from(omega),
             (None, Some(body)) => {
@@ -103,8 +103,8 @@ pub(super) fn start(
             },
         };
         if let Some(free) = node
-            .map(|n| model.free_rotation_of(n))
-            .filter(|&n| model.in_loop(n))
+            .map(|n| context.free_rotation_of(n))
+            .filter(|&n| context.in_loop(n))
         {
             // The rotation of a spherical joint in a loop.
             let a = vec![0.0; v.len()];
@@ -114,8 +114,10 @@ pub(super) fn start(
                 v: &v,
                 a: &a,
             };
-            let psi = match model.configure(at) {
-                Ok(()) => Vector3::from_fn(|k, _| model.coordinate(free, k).map_or(0.0, |x| x[0])),
+            let psi = match context.configure(at) {
+                Ok(()) => {
+                    Vector3::from_fn(|k, _| context.coordinate(free, k).map_or(0.0, |x| x[0]))
+                }
                 // The analysis reports the error.
                 Err(_) => Vector3::zeros(),
             };
@@ -131,20 +133,20 @@ pub(super) fn start(
             turns.is_some(),
         ];
         // Components that the entry does not prescribe stay.
-        let others = node.map(|node| requests::unknowns(model, node, of.map(|of| !of)));
+        let others = node.map(|node| requests::unknowns(context, node, of.map(|of| !of)));
         let others = others.into_iter().flatten();
         let kept: Vec<(usize, f64)> = others.map(|u| (u, v[u])).collect();
-        model.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
+        context.set_velocity(&q, &mut v, chosen.as_deref(), &motion);
         kept.into_iter().for_each(|(u, rate)| v[u] = rate);
         if let Some(node) = node {
-            movable(source, &path, model, node, initial, &q, &motion)?;
-            requests.push(VelocityRequest::of_node(k, model, node, of));
+            movable(source, &path, context, node, initial, &q, &motion)?;
+            requests.push(VelocityRequest::of_node(k, context, node, of));
         }
         // Where a map cannot be evaluated at the start, the analysis says so.
-        let fitted = model.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
+        let fitted = context.fit_rates(&q, &mut v, chosen.as_deref(), &motion);
         let against = fitted.unwrap_or_default();
         if node.is_none() {
-            requests.push(VelocityRequest::of_nodes(k, model, chosen.as_deref()));
+            requests.push(VelocityRequest::of_nodes(k, context, chosen.as_deref()));
         }
         if let (Some(joint), false) = (against.first(), chosen_rates) {
             let joint = joint.clone();
@@ -156,7 +158,7 @@ pub(super) fn start(
     for (index, name, rate) in given(file, |acts| acts.rate) {
         let at = ["joints", index.as_str(), "rate"];
         let node = released.find(source, &at, &name)?;
-        if let Some(u) = model.unknown_at(node, 0) {
+        if let Some(u) = context.unknown_at(node, 0) {
             v[u] = rate;
             held.push(Rate {
                 u,
@@ -164,10 +166,10 @@ pub(super) fn start(
                 at: whole(&at),
                 given: rate,
             });
-        } else if !model.in_loop(node) {
+        } else if !context.in_loop(node) {
             geared(source, &at, file, &name, "rate")?;
         }
-        if !model.is_own(node) {
+        if !context.is_own(node) {
             rates.push((node, 0, rate));
             names.push(name);
             first.get_or_insert(whole(&at));
@@ -176,7 +178,7 @@ pub(super) fn start(
     if !rates.is_empty() {
         let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.2.abs()));
         // Where a map cannot be evaluated at the start, the analysis says so.
-        let left = model
+        let left = context
             .fit_coordinate_rates(&q, &mut v, &rates)
             .unwrap_or(0.0);
         if left > LEFT * most {
@@ -194,7 +196,7 @@ pub(super) fn start(
         }
     }
     let start = Start { q, v };
-    requests::satisfy(source, model, file, start, &held, &placed, requests)
+    requests::satisfy(source, context, file, start, &held, &placed, requests)
 }
 
 fn check<'a>(
@@ -242,16 +244,16 @@ fn check<'a>(
 fn check_attached<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Context,
+    context: &Context,
     node: NodeId,
     initial: &Initial,
 ) -> Result<(), InputError> {
-    let rotation = model.free_rotation_of(node);
-    let turns = model.is_own(rotation);
-    let spins = turns || model.in_loop(rotation);
+    let rotation = context.free_rotation_of(node);
+    let turns = context.is_own(rotation);
+    let spins = turns || context.in_loop(rotation);
     for (key, given, own) in [
-        ("displacement", initial.displacement, model.is_own(node)),
-        ("velocity", initial.velocity, model.is_own(node)),
+        ("displacement", initial.displacement, context.is_own(node)),
+        ("velocity", initial.velocity, context.is_own(node)),
         ("rotation", initial.rotation, turns),
         ("angular_velocity", initial.angular_velocity, spins),
         (
@@ -269,28 +271,28 @@ fn check_attached<'a>(
 }
 
 /// Position and rotation vector of a node at coordinates.
-fn at(model: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
-    let free = model.free_rotation_of(node);
+fn at(context: &Context, node: NodeId, q: &[f64]) -> [Vector3<f64>; 2] {
+    let free = context.free_rotation_of(node);
     let first = if free == node { 3 } else { 0 };
     let three = |node: NodeId, first: usize| {
-        Vector3::from_fn(|k, _| model.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
+        Vector3::from_fn(|k, _| context.unknown_at(node, first + k).map_or(0.0, |u| q[u]))
     };
-    [model.reference(node) + three(node, 0), three(free, first)]
+    [context.reference(node) + three(node, 0), three(free, first)]
 }
 
 /// Refuses a velocity of a node along a coordinate that is held or prescribed.
 fn movable<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Context,
+    context: &Context,
     node: NodeId,
     initial: &Initial,
     q: &[f64],
     motion: &RigidMotion,
 ) -> Result<(), InputError> {
-    let free = model.free_rotation_of(node);
+    let free = context.free_rotation_of(node);
     let first = if free == node { 3 } else { 0 };
-    let [_, psi] = at(model, node, q);
+    let [_, psi] = at(context, node, q);
     let rate = so3::tangent_inverse(&psi).tr_mul(&motion.omega);
     let spin = if initial.angular_velocity.is_some() {
         "angular_velocity"
@@ -303,8 +305,8 @@ fn movable<'a>(
     ] {
         let tiny = 1e-12 * wanted.amax();
         let held =
-            (0..3).any(|k| wanted[k].abs() > tiny && model.unknown_at(node, first + k).is_none());
-        if held && model.is_own(node) {
+            (0..3).any(|k| wanted[k].abs() > tiny && context.unknown_at(node, first + k).is_none());
+        if held && context.is_own(node) {
             let node = initial.node.clone().unwrap_or_default();
             return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
         }
@@ -328,19 +330,19 @@ fn folded(psi: [f64; 3]) -> [f64; 3] {
 fn position<'a>(
     source: &Text<'_>,
     path: &dyn Fn(&'static str) -> [&'a str; 3],
-    model: &Context,
+    context: &Context,
     node: NodeId,
     initial: &Initial,
     q: &mut [f64],
 ) -> Result<(), InputError> {
-    let free = model.free_rotation_of(node);
+    let free = context.free_rotation_of(node);
     let first = if free == node { 3 } else { 0 };
     for (key, node, first, values) in [
         ("displacement", node, 0, initial.displacement),
         ("rotation", free, first, initial.rotation.map(folded)),
     ] {
         for (i, value) in values.unwrap_or_default().into_iter().enumerate() {
-            if !model.set(q, node, first + i, value) && value != 0.0 {
+            if !context.set(q, node, first + i, value) && value != 0.0 {
                 let node = initial.node.clone().unwrap_or_default();
                 return Err(source.value(&path(key), Problem::InitialHeld { node, key }));
             }

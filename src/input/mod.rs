@@ -142,7 +142,7 @@ pub fn parse(name: &str, text: &str) -> Result<ModelFile, InputError> {
 /// # Errors
 /// As [`load`], without positions.
 pub fn build(name: &str, file: &ModelFile) -> Result<Context, InputError> {
-    job(name, file).map(|job| job.model)
+    job(name, file).map(|job| job.context)
 }
 
 /// Assembles a parsed file.

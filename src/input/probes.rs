@@ -10,7 +10,7 @@ use std::collections::HashSet;
 
 pub(super) fn resolve(
     source: &Text<'_>,
-    model: &Context,
+    context: &Context,
     nodes: &Names<NodeId>,
     released: &Names<NodeId>,
     geometry: &Geometry,
@@ -42,7 +42,7 @@ pub(super) fn resolve(
     .collect();
     let mut out = Vec::with_capacity(described.len());
     for (k, probe) in described.iter().enumerate() {
-        let made = one(source, model, &names, k, probe)?;
+        let made = one(source, context, &names, k, probe)?;
         for column in made.columns() {
             if !columns.insert(column.clone()) {
                 let path = ["probes", &k.to_string(), "name"];
@@ -64,7 +64,7 @@ struct Known<'a> {
 
 fn one(
     source: &Text<'_>,
-    model: &Context,
+    context: &Context,
     names: &Known<'_>,
     k: usize,
     probe: &Described,
@@ -101,7 +101,7 @@ fn one(
                 let node = name.clone();
                 return Err(source.value(&path("node"), Problem::NoReaction { node }));
             }
-            if joint && model.is_own(node) {
+            if joint && context.is_own(node) {
                 let node = name.clone();
                 return Err(source.value(&path(key), Problem::NoJoint { node }));
             }

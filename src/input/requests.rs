@@ -20,23 +20,23 @@ pub(super) struct VelocityRequest {
 
 impl VelocityRequest {
     /// For a node: its velocity (first), the rate of its rotation (second), or both.
-    pub(super) fn of_node(entry: usize, model: &Context, node: NodeId, of: [bool; 2]) -> Self {
+    pub(super) fn of_node(entry: usize, context: &Context, node: NodeId, of: [bool; 2]) -> Self {
         Self {
             entry,
-            unknowns: unknowns(model, node, of).collect(),
+            unknowns: unknowns(context, node, of).collect(),
             of_node: true,
         }
     }
 
     /// For nodes in rigid motion; for the whole model if there is no list.
-    pub(super) fn of_nodes(entry: usize, model: &Context, nodes: Option<&[NodeId]>) -> Self {
-        let all = 0..model.initial().len();
+    pub(super) fn of_nodes(entry: usize, context: &Context, nodes: Option<&[NodeId]>) -> Self {
+        let all = 0..context.initial().len();
         Self {
             entry,
             unknowns: match nodes {
-                Some(nodes) => model.unknowns_behind(nodes),
+                Some(nodes) => context.unknowns_behind(nodes),
                 None => all
-                    .filter(|&u| !model.coordinate_info(u).is_multiplier)
+                    .filter(|&u| !context.coordinate_info(u).is_multiplier)
                     .collect(),
             },
             of_node: false,
@@ -46,17 +46,17 @@ impl VelocityRequest {
 
 /// The unknowns of a node's position (first), of its rotation (second), or both.
 pub(super) fn unknowns(
-    model: &Context,
+    context: &Context,
     node: NodeId,
     of: [bool; 2],
 ) -> impl Iterator<Item = usize> + '_ {
-    let free = model.free_rotation_of(node);
+    let free = context.free_rotation_of(node);
     let turn = if free == node { 3 } else { 0 };
     let all = [(node, 0, of[0]), (free, turn, of[1])].into_iter();
     let chosen = all.filter(|(.., chosen)| *chosen);
     chosen
         .flat_map(|(node, first, _)| (first..first + 3).map(move |k| (node, k)))
-        .filter_map(|(node, k)| model.unknown_at(node, k))
+        .filter_map(|(node, k)| context.unknown_at(node, k))
 }
 
 /// The rate of a joint.
@@ -76,24 +76,24 @@ pub(super) struct Rate {
 /// order of the file.
 pub(super) fn satisfy(
     source: &Text<'_>,
-    model: &mut Context,
+    context: &mut Context,
     file: &ModelFile,
     mut start: Start,
     rates: &[Rate],
     placed: &[usize],
     mut requests: Vec<VelocityRequest>,
 ) -> Result<Start, InputError> {
-    if !model.is_enforced() {
+    if !context.is_enforced() {
         return Ok(start);
     }
     let failed = |error| locate(source, file, error);
     let mut held: Vec<usize> = rates.iter().map(|r| r.u).collect();
-    (model.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
-    let (left, _) = tried(model, &start, &held).map_err(failed)?;
+    (context.project_positions(0.0, &mut start.q, &held, placed)).map_err(failed)?;
+    let (left, _) = tried(context, &start, &held).map_err(failed)?;
     let most = rates.iter().fold(0.0_f64, |m, r| m.max(r.given.abs()));
     if let (Some(first), true) = (rates.first(), most > 0.0 && left > LEFT) {
         for rate in rates {
-            if model.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
+            if context.is_locked(0.0, &start.q, rate.u).map_err(failed)? {
                 let of = rate.of.clone();
                 return Err(source.value(&parts(&rate.at), Problem::LoopLocked { of }));
             }
@@ -113,21 +113,25 @@ pub(super) fn satisfy(
     }
     for request in requests {
         held.extend(request.unknowns);
-        let (left, joint) = tried(model, &start, &held).map_err(failed)?;
+        let (left, joint) = tried(context, &start, &held).map_err(failed)?;
         if left > LEFT {
             let at = ["initial", &request.entry.to_string()];
             return Err(source.value(&at, Problem::LoopMotion { joint }));
         }
     }
     let Start { q, v } = &mut start;
-    (model.satisfy_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
+    (context.satisfy_velocities(BEFORE_START, q, v, &held)).map_err(failed)?;
     Ok(start)
 }
 
 /// The remaining error of velocities with the unknowns `held`, and the joint where it is largest.
-fn tried(model: &mut Context, start: &Start, held: &[usize]) -> Result<(f64, String), ModelError> {
+fn tried(
+    context: &mut Context,
+    start: &Start,
+    held: &[usize],
+) -> Result<(f64, String), ModelError> {
     let mut v = start.v.clone();
-    model.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
+    context.satisfy_velocities(BEFORE_START, &start.q, &mut v, held)
 }
 
 /// A path in the file.

@@ -9,7 +9,7 @@ use pullback_elements::model::{Context, NodeId};
 /// joints included; unknowns that are `placed` stay.
 pub(super) fn start(
     source: &Text<'_>,
-    model: &mut Context,
+    context: &mut Context,
     released: &Names<NodeId>,
     lines: &[LineGeometry],
     file: &ModelFile,
@@ -21,8 +21,8 @@ pub(super) fn start(
         let node = released.find(source, &at, &name)?;
         // In a model that enforces equations values were taken into account by its assembly, as far as they are
         // compatible.
-        let assembled = model.is_enforced() && model.unknown_at(node, 0).is_some();
-        if !assembled && !model.set(q, node, 0, value) && !model.in_loop(node) {
+        let assembled = context.is_enforced() && context.unknown_at(node, 0).is_some();
+        if !assembled && !context.set(q, node, 0, value) && !context.in_loop(node) {
             geared(source, &at, file, &name, "value")?;
         }
     }
@@ -30,8 +30,8 @@ pub(super) fn start(
         return Ok(());
     }
     // Where a map cannot be evaluated at the start, the analysis says so.
-    let carried = model.carry_rotations(q, placed).unwrap_or_default();
-    drawn_apart(source, model, lines, [&carried, placed])
+    let carried = context.carry_rotations(q, placed).unwrap_or_default();
+    drawn_apart(source, context, lines, [&carried, placed])
 }
 
 /// Values of single joint coordinates in the file: number of the joint, name of the coordinate, and the value.
@@ -71,22 +71,22 @@ pub(super) fn geared(
 /// Refuses lines between nodes moved along with a spherical joint and nodes that stay.
 fn drawn_apart(
     source: &Text<'_>,
-    model: &Context,
+    context: &Context,
     lines: &[LineGeometry],
     [carried, placed]: [&[usize]; 2],
 ) -> Result<(), InputError> {
     for (k, line) in lines.iter().enumerate().filter(|_| !carried.is_empty()) {
         let among = |n: NodeId, some: &[usize]| {
-            let behind = model.unknowns_behind(&[n]);
+            let behind = context.unknowns_behind(&[n]);
             behind.iter().any(|u| some.contains(u))
         };
-        let moves = |n: &&NodeId| !model.is_own(**n) && among(**n, carried);
-        let stays = |n: &NodeId| model.is_own(*n) && !among(*n, placed);
+        let moves = |n: &&NodeId| !context.is_own(**n) && among(**n, carried);
+        let stays = |n: &NodeId| context.is_own(*n) && !among(*n, placed);
         let Some(&moves) = line.nodes.iter().find(moves) else {
             continue;
         };
         if line.nodes.iter().any(stays) {
-            let mut frames = model.frames();
+            let mut frames = context.frames();
             let node = frames.find(|(id, _)| *id == moves);
             let problem = Problem::DrawnApart {
                 line: line.name.clone(),

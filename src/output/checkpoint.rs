@@ -161,7 +161,11 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`ResumeError`].
-    pub fn read(directory: &Path, settings: &Value, model: &Context) -> Result<Self, ResumeError> {
+    pub fn read(
+        directory: &Path,
+        settings: &Value,
+        context: &Context,
+    ) -> Result<Self, ResumeError> {
         let path = directory.join(NAME);
         let none = |path: &Path| {
             let path = path.to_owned();
@@ -185,7 +189,7 @@ impl Checkpoint {
         if let Some(part) = changed(&read.settings, settings) {
             return Err(ResumeError::Changed { path, part });
         }
-        if read.unknowns != names(model) {
+        if read.unknowns != names(context) {
             let part = "the order of nodes".to_owned();
             return Err(ResumeError::Changed { path, part });
         }
@@ -211,9 +215,13 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`ResumeError::Damaged`] if they do not belong to this model.
-    pub(crate) fn restore(&self, model: &mut Context, directory: &Path) -> Result<(), ResumeError> {
-        model.set_element_charts(&self.element_charts);
-        if model.restore_maps(&self.maps) {
+    pub(crate) fn restore(
+        &self,
+        context: &mut Context,
+        directory: &Path,
+    ) -> Result<(), ResumeError> {
+        context.set_element_charts(&self.element_charts);
+        if context.restore_maps(&self.maps) {
             return Ok(());
         }
         Err(ResumeError::Damaged {
@@ -229,8 +237,10 @@ impl Checkpoint {
 }
 
 /// Names of the unknowns of a model.
-pub(super) fn names(model: &Context) -> Vec<String> {
-    (0..model.pattern().dim()).map(|i| model.name(i)).collect()
+pub(super) fn names(context: &Context) -> Vec<String> {
+    (0..context.pattern().dim())
+        .map(|i| context.name(i))
+        .collect()
 }
 
 /// The first changed part of the model file that must not change.

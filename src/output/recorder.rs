@@ -70,22 +70,22 @@ impl<'a> Recorder<'a> {
         setting: Setting<'a>,
         directory: Directory,
         probes: Vec<Probe>,
-        model: &Context,
+        context: &Context,
         warnings: Vec<String>,
     ) -> Result<Self, OutputError> {
         let lines = setting.geometry.lines.iter();
         let elements = lines.map(|l| l.elements.len()).sum::<usize>();
         let bodies = setting.geometry.bodies.len();
         let statistics = Statistics {
-            nodes: model.frames().count(),
+            nodes: context.frames().count(),
             elements: elements + bodies + setting.file.springs.len(),
-            unknowns: model.pattern().dim(),
-            symmetric: model.is_symmetric(),
+            unknowns: context.pattern().dim(),
+            symmetric: context.is_symmetric(),
             ..Statistics::default()
         };
         let now = Instant::now();
         let mut recorder = Self {
-            reference: Shapes::of(model, setting.geometry, 0.0),
+            reference: Shapes::of(context, setting.geometry, 0.0),
             grids: Grids::of(setting.output.paraview_every, setting.plan),
             diagnostics: Diagnostics::new(setting.plan.start(), setting.plan.relative()),
             turns: Turns::default(),
@@ -134,8 +134,8 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn start(&mut self, model: &mut Context) -> Result<(), OutputError> {
-        let n = model.pattern().dim();
+    pub fn start(&mut self, context: &mut Context) -> Result<(), OutputError> {
+        let n = context.pattern().dim();
         let (q, t) = (vec![0.0; n], self.setting.plan.start());
         let mut r = vec![0.0; n];
         let at = Point {
@@ -144,7 +144,7 @@ impl<'a> Recorder<'a> {
             v: &[],
             a: &[],
         };
-        let evaluated = model.evaluate(at, Evaluation::residual(&mut r));
+        let evaluated = context.evaluate(at, Evaluation::residual(&mut r));
         if evaluated.is_err() || r.iter().any(|r| *r != 0.0) {
             return Ok(());
         }
@@ -152,7 +152,7 @@ impl<'a> Recorder<'a> {
             t,
             ..Row::default()
         };
-        self.add(model, row, Answers::of(model, t))
+        self.add(context, row, Answers::of(context, t))
     }
 
     /// Records the initial state of a motion.
@@ -161,33 +161,33 @@ impl<'a> Recorder<'a> {
     /// [`RecordError`].
     pub fn start_motion(
         &mut self,
-        model: &mut Context,
+        context: &mut Context,
         progress: &Progress,
     ) -> Result<(), RecordError> {
         self.statistics.counts = Counts::of_motion(&progress.summary);
-        self.record.largest_rotation = model.largest_rotation();
-        self.turns = Turns::new(model, &progress.state);
+        self.record.largest_rotation = context.largest_rotation();
+        self.turns = Turns::new(context, &progress.state);
         let row = Row {
             t: progress.state.t,
             chart_changes: progress.summary.chart_changes,
             ..Row::default()
         };
-        let answers = moving(model, progress)?;
-        Ok(self.add(model, row, answers)?)
+        let answers = moving(context, progress)?;
+        Ok(self.add(context, row, answers)?)
     }
 
     /// Observes the state from which a motion is resumed, without a row of its own.
     ///
     /// # Errors
     /// [`RecordError`].
-    pub fn look(&mut self, model: &mut Context, progress: &Progress) -> Result<(), RecordError> {
-        self.turns = Turns::new(model, &progress.state);
-        let answers = moving(model, progress)?;
+    pub fn look(&mut self, context: &mut Context, progress: &Progress) -> Result<(), RecordError> {
+        self.turns = Turns::new(context, &progress.state);
+        let answers = moving(context, progress)?;
         let row = Row {
             t: progress.state.t,
             ..Row::default()
         };
-        self.last = Some(final_state(model, &answers, &row, self.setting.file));
+        self.last = Some(final_state(context, &answers, &row, self.setting.file));
         Ok(())
     }
 
@@ -195,15 +195,15 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`RecordError`].
-    pub fn record(&mut self, model: &mut Context, step: &Advance<'_>) -> Result<(), RecordError> {
-        let rotation = model.largest_rotation();
+    pub fn record(&mut self, context: &mut Context, step: &Advance<'_>) -> Result<(), RecordError> {
+        let rotation = context.largest_rotation();
         self.record.largest_rotation = self.record.largest_rotation.max(rotation);
         let counts = &mut self.statistics.counts;
         if let Some(progress) = step.progress {
             *counts = Counts::of_motion(&progress.summary);
             let furthest = &mut self.record.turn;
             self.turns
-                .record(model, &progress.state, step.step_size, furthest);
+                .record(context, &progress.state, step.step_size, furthest);
         } else {
             counts.iterations += step.iterations;
             if step.event.is_none() {
@@ -242,16 +242,16 @@ impl<'a> Recorder<'a> {
             ..Row::default()
         };
         let answers = match step.progress {
-            Some(progress) => moving(model, progress)?,
+            Some(progress) => moving(context, progress)?,
             None => {
-                let answers = Answers::of(model, step.t);
+                let answers = Answers::of(context, step.t);
                 let first = step.residuals.first().filter(|_| step.number == 0);
                 let released = first.map_or([0.0; 3], |i| i.residual);
-                self.diagnostics.record(model, &answers, &row, released);
+                self.diagnostics.record(context, &answers, &row, released);
                 answers
             }
         };
-        self.add(model, row, answers)?;
+        self.add(context, row, answers)?;
         if self.saved.elapsed() > SAVED {
             self.write_history()?;
             self.write_results(&Ending::Running)?;
@@ -278,8 +278,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn add(&mut self, model: &Context, mut row: Row, answers: Answers) -> Result<(), OutputError> {
-        row.largest_rotation = model.largest_rotation();
+    fn add(
+        &mut self,
+        context: &Context,
+        mut row: Row,
+        answers: Answers,
+    ) -> Result<(), OutputError> {
+        row.largest_rotation = context.largest_rotation();
         row.strain_energy = answers.strain_energy();
         if answers.is_moving() {
             row.motion = Some([
@@ -288,12 +293,12 @@ impl<'a> Recorder<'a> {
             ]);
         }
         for probe in &mut self.probes {
-            probe.record(model, &answers, &mut row.probes);
+            probe.record(context, &answers, &mut row.probes);
         }
-        self.last = Some(final_state(model, &answers, &row, self.setting.file));
+        self.last = Some(final_state(context, &answers, &row, self.setting.file));
         let number = self.rows.len();
         let scale = self.setting.output.deformation_scale;
-        let shape = (row.t, Shapes::of(model, self.setting.geometry, scale));
+        let shape = (row.t, Shapes::of(context, self.setting.geometry, scale));
         if number.is_multiple_of(self.record.stride) {
             self.record.latest = None;
             self.keep(shape);
@@ -311,7 +316,7 @@ impl<'a> Recorder<'a> {
                 t: at,
                 file: grid_name(self.setting.plan, number),
             };
-            let text = grid(model, self.setting.geometry, &answers, load);
+            let text = grid(context, self.setting.geometry, &answers, load);
             self.record.pending = Some((frame, text));
             let before = self.rows.last().map(|row| row.t);
             if self.grids.due(number, before, row.t) {
@@ -372,7 +377,11 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn checkpoint(&mut self, model: &Context, progress: &Progress) -> Result<(), OutputError> {
+    pub fn checkpoint(
+        &mut self,
+        context: &Context,
+        progress: &Progress,
+    ) -> Result<(), OutputError> {
         let fail = |name: &str| {
             let name = name.to_owned();
             |source| OutputError::Encode { name, source }
@@ -389,9 +398,9 @@ impl<'a> Recorder<'a> {
             crc32: before.crc32_with(&lines),
         };
         let settings = serde_json::to_value(self.setting.file).map_err(fail(checkpoint::NAME))?;
-        let mut checkpoint = Checkpoint::new(settings, checkpoint::names(model), progress);
-        checkpoint.element_charts = model.element_charts();
-        checkpoint.maps = model.save_maps();
+        let mut checkpoint = Checkpoint::new(settings, checkpoint::names(context), progress);
+        checkpoint.element_charts = context.element_charts();
+        checkpoint.maps = context.save_maps();
         checkpoint.memories = self.probes.iter().map(Probe::memory).collect();
         checkpoint.record = self.record.clone();
         checkpoint.record.seconds = self.seconds();
@@ -406,13 +415,13 @@ impl<'a> Recorder<'a> {
 }
 
 /// The answers of a model at the present state of a motion.
-fn moving(model: &mut Context, progress: &Progress) -> Result<Answers, RecordError> {
+fn moving(context: &mut Context, progress: &Progress) -> Result<Answers, RecordError> {
     let t = progress.state.t;
-    let balance = model
+    let balance = context
         .energies_and_momentum(point(progress))
         .map_err(RecordError::System)?;
     let defect = progress.summary.energy.map_or(0.0, |e| e.defect());
-    Ok(Answers::of(model, t).moving(Some(balance), defect))
+    Ok(Answers::of(context, t).moving(Some(balance), defect))
 }
 
 /// Why a step cannot be recorded.

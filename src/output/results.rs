@@ -166,14 +166,14 @@ pub(crate) fn is_complete(directory: &Path) -> bool {
 
 /// The present state of a model.
 pub(super) fn final_state(
-    model: &Context,
+    context: &Context,
     answers: &Answers,
     row: &Row,
     file: &ModelFile,
 ) -> FinalState {
     let moving = answers.is_moving();
-    let nodes = model.frames().map(|(id, name)| {
-        let state = model.node_state(id);
+    let nodes = context.frames().map(|(id, name)| {
+        let state = context.node_state(id);
         let result = NodeResult {
             displacement: state.d.into(),
             rotation: state.psi.into(),
@@ -198,7 +198,7 @@ pub(super) fn final_state(
             N: answers.mean(*id, |s| s.N).into(),
             M: answers.mean(*id, |s| s.M).into(),
         };
-        let name = model.element(*id).0.to_owned();
+        let name = context.element(*id).0.to_owned();
         elements.entry(name).or_insert_with(result);
     }
     FinalState {
@@ -207,7 +207,7 @@ pub(super) fn final_state(
         reactions: reactions.collect(),
         elements,
         strain_energy: answers.strain_energy(),
-        load_potential: model.load_potential(row.t),
+        load_potential: context.load_potential(row.t),
         unstable: row.unstable,
         motion: moving.then(|| {
             let balance = answers.energy_balance();

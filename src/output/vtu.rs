@@ -43,7 +43,12 @@ pub fn collection(frames: &[Frame]) -> String {
 }
 
 /// The grid (`.vtu`) of a model in its present configuration, in statics with the load parameter.
-pub fn grid(model: &Context, geometry: &Geometry, answers: &Answers, load: Option<f64>) -> String {
+pub fn grid(
+    context: &Context,
+    geometry: &Geometry,
+    answers: &Answers,
+    load: Option<f64>,
+) -> String {
     let mut points = Points::default();
     let mut connectivity = Vec::new();
     let mut offsets = Vec::new();
@@ -53,7 +58,7 @@ pub fn grid(model: &Context, geometry: &Geometry, answers: &Answers, load: Optio
     for (l, line) in geometry.lines.iter().enumerate() {
         let first = points.positions.len();
         for (&node, R0) in line.nodes.iter().zip(&line.frames) {
-            points.push(&model.node_state(node), Vector3::zeros(), R0);
+            points.push(&context.node_state(node), Vector3::zeros(), R0);
         }
         for (e, &id) in line.elements.iter().enumerate() {
             let start = first + e * line.order;
@@ -76,7 +81,7 @@ pub fn grid(model: &Context, geometry: &Geometry, answers: &Answers, load: Optio
     for (cell_type, all) in bodies.chain(links) {
         for (node, center) in all {
             connectivity.push(points.positions.len());
-            points.push(&model.node_state(node), center, &Matrix3::identity());
+            points.push(&context.node_state(node), center, &Matrix3::identity());
         }
         offsets.push(connectivity.len());
         types.push(cell_type);

@@ -76,7 +76,7 @@ impl Diagnostics {
     /// loads nor reactions.
     pub(crate) fn record(
         &mut self,
-        model: &Context,
+        context: &Context,
         answers: &Answers,
         row: &Row,
         force: [f64; 3],
@@ -85,7 +85,7 @@ impl Diagnostics {
         self.rows += 1;
         let measures = Scales {
             force,
-            ..model.scales()
+            ..context.scales()
         }
         .measures();
         let mut each = row.residual.iter().zip(measures);
@@ -96,11 +96,11 @@ impl Diagnostics {
         if unresolved && self.unresolved.is_none() {
             self.unresolved = Some((row.residual, part, t));
         }
-        self.moved = self.moved || answers.strain_energy() != 0.0 || moved(model);
+        self.moved = self.moved || answers.strain_energy() != 0.0 || moved(context);
         let mut reactions = answers.reactions().iter();
         self.held |= reactions.any(|r| r.force.norm() + r.moment.norm() > 0.0);
         for (id, state) in answers.sections() {
-            let about = |value| Some((model.element(*id).0.to_owned(), value, t));
+            let about = |value| Some((context.element(*id).0.to_owned(), value, t));
             let stretch = 1.0 + state.Gamma.x;
             if stretch <= 0.0 && self.inverted.is_none() {
                 self.inverted = about(stretch);
@@ -221,9 +221,9 @@ impl Diagnostics {
 }
 
 /// Whether any node has moved from its reference configuration.
-fn moved(model: &Context) -> bool {
-    model.frames().any(|(id, _)| {
-        let state = model.node_state(id);
+fn moved(context: &Context) -> bool {
+    context.frames().any(|(id, _)| {
+        let state = context.node_state(id);
         state.d.norm() + state.psi.norm() > 0.0
     })
 }

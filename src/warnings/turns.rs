@@ -29,9 +29,9 @@ pub(crate) struct Turns {
 
 impl Turns {
     /// Starts at a state.
-    pub(crate) fn new(model: &Context, state: &State) -> Self {
-        let mut angles = model.single_unknowns();
-        angles.retain(|&i| model.coordinate_info(i).quantity == Quantity::Angle);
+    pub(crate) fn new(context: &Context, state: &State) -> Self {
+        let mut angles = context.single_unknowns();
+        angles.retain(|&i| context.coordinate_info(i).quantity == Quantity::Angle);
         let last = angles.iter().map(|&i| state.v[i]).collect();
         Self { angles, last }
     }
@@ -39,7 +39,7 @@ impl Turns {
     /// Records a converged step of size `h`; `furthest` is replaced by a larger change.
     pub(crate) fn record(
         &mut self,
-        model: &Context,
+        context: &Context,
         state: &State,
         h: f64,
         furthest: &mut Option<Turn>,
@@ -49,7 +49,7 @@ impl Turns {
             *last = state.v[i];
             if by > furthest.as_ref().map_or(FAR, |turn| turn.by) {
                 *furthest = Some(Turn {
-                    name: model.name(i),
+                    name: context.name(i),
                     by,
                     t: state.t,
                 });

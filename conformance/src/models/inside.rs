@@ -11,26 +11,26 @@ const STEP: f64 = 0.1;
 
 /// Takes coordinates of joints that are at the edges of their domains, a slide at the end of its
 /// chain, a little inside: nothing can be said about derivatives where a step leads outside.
-pub(super) fn step_inside(model: &mut Context, t: f64, q: &mut [f64], units: &[f64]) {
-    for k in 0..model.mapped_nodes().len() {
-        let Some(margin) = room(model, k, t, q).filter(|&room| room < NARROW) else {
+pub(super) fn step_inside(context: &mut Context, t: f64, q: &mut [f64], units: &[f64]) {
+    for k in 0..context.mapped_nodes().len() {
+        let Some(margin) = room(context, k, t, q).filter(|&room| room < NARROW) else {
             continue;
         };
-        let Some((_, _, parents)) = maps(model).nth(k) else {
+        let Some((_, _, parents)) = maps(context).nth(k) else {
             continue;
         };
         let steps: Vec<(usize, f64)> = (parents.iter())
-            .filter(|&&m| model.nodes()[m as usize].form() == NodeForm::Coordinates)
+            .filter(|&&m| context.nodes()[m as usize].form() == NodeForm::Coordinates)
             .flat_map(|&m| {
-                let free = model.nodes()[m as usize].range();
-                let free = free.filter_map(|c| model.unknown_of(c));
+                let free = context.nodes()[m as usize].range();
+                let free = free.filter_map(|c| context.unknown_of(c));
                 free.map(move |u| (u, STEP * units[m as usize]))
             })
             .collect();
         let mut best = (10.0 * margin, None);
         for (u, step) in steps.into_iter().flat_map(|(u, s)| [(u, s), (u, -s)]) {
             q[u] += step;
-            let there = room(model, k, t, q).unwrap_or(0.0);
+            let there = room(context, k, t, q).unwrap_or(0.0);
             q[u] -= step;
             if there > best.0 {
                 best = (there, Some((u, step)));
@@ -43,9 +43,9 @@ pub(super) fn step_inside(model: &mut Context, t: f64, q: &mut [f64], units: &[f
 }
 
 /// The margin of map number `k` at a state at rest; none outside of its domain.
-fn room(model: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
+fn room(context: &mut Context, k: usize, t: f64, q: &[f64]) -> Option<f64> {
     let (v, a) = (&[][..], &[][..]);
-    model.configure(Point { t, q, v, a }).ok()?;
-    let (_, map, parents) = maps(model).nth(k)?;
-    Some(map.margin(t, parent_state(model, parents, t).x.as_slice()))
+    context.configure(Point { t, q, v, a }).ok()?;
+    let (_, map, parents) = maps(context).nth(k)?;
+    Some(map.margin(t, parent_state(context, parents, t).x.as_slice()))
 }

@@ -17,7 +17,7 @@ const FIRST: f64 = 0.1;
 /// Notes the laws of all joints, in the configuration last set, which is that of a state.
 pub(super) fn laws(
     report: &mut Report,
-    model: &mut Context,
+    context: &mut Context,
     units: &[f64],
     (at, state): &(String, State),
     random: &mut Random,
@@ -29,17 +29,17 @@ pub(super) fn laws(
         v,
         a,
     };
-    if let Err(error) = model.configure(point) {
+    if let Err(error) = context.configure(point) {
         return report.impossible("domain", at, error.to_string());
     }
-    for mapped in maps(model) {
+    for mapped in maps(context) {
         let (n, _, parents) = mapped;
-        let joint = view::joint(model, mapped, units);
-        let rows = view::rows(model, n, units);
-        let node = &model.nodes()[n as usize];
+        let joint = view::joint(context, mapped, units);
+        let rows = view::rows(context, n, units);
+        let node = &context.nodes()[n as usize];
         let framed = view::is_frame(node);
         let mut own = Report::new(joint.name.clone());
-        let s = parent_state(model, parents, state.t);
+        let s = parent_state(context, parents, state.t);
         let of = Mapped {
             map: joint.thing,
             rows: &rows,
@@ -62,7 +62,7 @@ pub(super) fn laws(
             framed,
             position: node.position(),
         };
-        for sides in segments::changes(model, n, s.t) {
+        for sides in segments::changes(context, n, s.t) {
             segments::laws(&mut own, &child, at, &sides, random);
         }
         if framed && !joint.frames.is_empty() && joint.thing.is_objective() {

@@ -69,23 +69,23 @@ impl Default for Options {
 ///
 /// [`Map::freeze_piece`]: pullback_manifold::map::Map::freeze_piece
 /// [`Map::reparametrizes`]: pullback_manifold::map::Map::reparametrizes
-pub fn model(model: &mut Context, options: &Options) -> Report {
+pub fn model(context: &mut Context, options: &Options) -> Report {
     // Random states satisfy nothing that multipliers hold.
-    model.watch_equations(false);
-    let report = all(model, options);
-    model.watch_equations(true);
+    context.watch_equations(false);
+    let report = all(context, options);
+    context.watch_equations(true);
     report
 }
 
-fn all(model: &mut Context, options: &Options) -> Report {
+fn all(context: &mut Context, options: &Options) -> Report {
     let mut report = Report::new("model");
-    let n = model.pattern().dim();
+    let n = context.pattern().dim();
     let mut q = options.q.clone();
     q.resize(n, 0.0);
     let mut random = Random::new(options.seed);
-    let units = view::node_units(model);
-    let mut layout = view::layout(model, &units);
-    inside::step_inside(model, options.t, &mut q, &units);
+    let units = view::node_units(context);
+    let mut layout = view::layout(context, &units);
+    inside::step_inside(context, options.t, &mut q, &units);
 
     let mut plan = vec![("start".to_owned(), Size::NONE)];
     for k in 0..options.states {
@@ -93,61 +93,61 @@ fn all(model: &mut Context, options: &Options) -> Report {
         plan.push((format!("random {}", k + 1), size));
     }
     let mut seen: Vec<(String, Vec<State>)> = Vec::new();
-    let (at_start, memories) = ((options.t, q.as_slice()), model.save_maps());
+    let (at_start, memories) = ((options.t, q.as_slice()), context.save_maps());
     let mut last = None;
     for (k, (at, size)) in plan.iter().enumerate() {
-        model.freeze_pieces(None);
-        let rest = match beside(model, at_start, &memories, *size, &units, &mut random) {
+        context.freeze_pieces(None);
+        let rest = match beside(context, at_start, &memories, *size, &units, &mut random) {
             Ok(rest) => rest,
             Err(error) => {
                 report.impossible("domain", at, error.to_string());
                 return report;
             }
         };
-        model.freeze_pieces(Some((rest.t, rest.x.as_slice())));
+        context.freeze_pieces(Some((rest.t, rest.x.as_slice())));
         if k == 0 {
-            layout.rate = own_rate(model, &rest, &layout.units()).unwrap_or(1.0);
+            layout.rate = own_rate(context, &rest, &layout.units()).unwrap_or(1.0);
         }
         let motion = moving(&rest, &layout.units(), layout.rate, &mut random);
         let states = [
             (format!("{at}, at rest"), rest),
             (format!("{at}, moving"), motion.clone()),
         ];
-        report.extend(system_at("model", &layout, model, &states));
-        transport::laws(&mut report, model, &layout, &states[1], &mut random);
-        joint::laws(&mut report, model, &units, &states[1], &mut random);
-        if k + 1 == plan.len() && view::reparametrizes(model) {
+        report.extend(system_at("model", &layout, context, &states));
+        transport::laws(&mut report, context, &layout, &states[1], &mut random);
+        joint::laws(&mut report, context, &units, &states[1], &mut random);
+        if k + 1 == plan.len() && view::reparametrizes(context) {
             last = Some(states[1].clone());
         }
-        let each = 0..model.elements().len();
+        let each = 0..context.elements().len();
         seen.push((
             at.clone(),
-            each.map(|k| view::element_state(model, k, options.t))
+            each.map(|k| view::element_state(context, k, options.t))
                 .collect(),
         ));
     }
-    for k in 0..model.elements().len() {
+    for k in 0..context.elements().len() {
         let positions = seen.iter().map(|(at, states)| (at.as_str(), &states[k]));
-        let own = component(model, k, &units, layout.rate, positions, &mut random);
+        let own = component(context, k, &units, layout.rate, positions, &mut random);
         report.extend(own);
     }
     if let Some(state) = last {
-        transport::rewriting(&mut report, model, &layout, &state);
+        transport::rewriting(&mut report, context, &layout, &state);
     }
-    model.freeze_pieces(None);
+    context.freeze_pieces(None);
     report.worst()
 }
 
 /// The laws of one element or load at its states in the model.
 fn component<'a>(
-    model: &Context,
+    context: &Context,
     k: usize,
     units: &[f64],
     rate: f64,
     positions: impl Iterator<Item = (&'a str, &'a State)>,
     random: &mut Random,
 ) -> Report {
-    let mut own = view::element(model, k, units);
+    let mut own = view::element(context, k, units);
     let element = own.thing;
     own.layout.rate = rate;
     let mut states = Vec::new();
@@ -208,16 +208,16 @@ fn element_rate(layout: &Layout, f: &Forces) -> Option<f64> {
 const NONE: f64 = 1e-12;
 
 /// The model's rate at a state.
-fn own_rate(model: &mut Context, s: &State, units: &[f64]) -> Option<f64> {
+fn own_rate(context: &mut Context, s: &State, units: &[f64]) -> Option<f64> {
     let n = s.x.len();
     let zero = vec![0.0; n];
     let mut diagonal = |K, C, M| -> Option<Vec<f64>> {
         let mut r = vec![0.0; n];
-        let mut values = vec![0.0; model.pattern().len()];
+        let mut values = vec![0.0; context.pattern().len()];
         let (q, v, a) = (s.x.as_slice(), &zero[..], &zero[..]);
         let out = Evaluation::with_tangent(&mut r, Weights { K, C, M }, &mut values);
-        model.evaluate(Point { t: s.t, q, v, a }, out).ok()?;
-        let pattern = model.pattern();
+        context.evaluate(Point { t: s.t, q, v, a }, out).ok()?;
+        let pattern = context.pattern();
         let block = |j: usize| {
             let (size, first) = (pattern.size(j), pattern.find(j, j));
             let values = &values;

@@ -134,12 +134,12 @@ const NUDGE: f64 = 1e-3;
 
 /// The positions of the next changes of segment of a node's map, along each of the coordinates that it
 /// reads, as the configuration last set has all others: the map before and after.
-pub(super) fn changes(model: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
-    let node = &model.nodes()[n as usize];
-    let Some(map) = model.map_of(node) else {
+pub(super) fn changes(context: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
+    let node = &context.nodes()[n as usize];
+    let Some(map) = context.map_of(node) else {
         return Vec::new();
     };
-    let here = side(model, node, map.duplicate(), t, None);
+    let here = side(context, node, map.duplicate(), t, None);
     let mut all = Vec::new();
     for (j, &along) in here.coordinates.iter().enumerate() {
         for sign in [1.0, -1.0] {
@@ -153,12 +153,12 @@ pub(super) fn changes(model: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
                 continue;
             };
             let border = Some((along, q[j] - sign * late));
-            let before = side(model, node, map.duplicate(), t, border);
+            let before = side(context, node, map.duplicate(), t, border);
             let mut next = map.duplicate();
             next.enter(segment);
             next.change_charts(t, before.state.x.as_slice());
             // It reads other parents now, and may want other charts for them.
-            let mut after = side(model, node, next, t, border);
+            let mut after = side(context, node, next, t, border);
             after.map.change_charts(t, after.state.x.as_slice());
             all.push([before, after]);
         }
@@ -167,7 +167,7 @@ pub(super) fn changes(model: &Context, n: u32, t: f64) -> Vec<[Side; 2]> {
 }
 
 fn side(
-    model: &Context,
+    context: &Context,
     node: &Node,
     mut map: Box<dyn Parametrization>,
     t: f64,
@@ -175,9 +175,9 @@ fn side(
 ) -> Side {
     map.freeze_piece(None);
     let parents = node.parents(map.segment());
-    let ranges = parents.iter().map(|&m| model.nodes()[m as usize].range());
+    let ranges = parents.iter().map(|&m| context.nodes()[m as usize].range());
     let coordinates: Vec<usize> = ranges.flatten().collect();
-    let mut state = parent_state(model, parents, t);
+    let mut state = parent_state(context, parents, t);
     let along = border.map_or(usize::MAX, |(along, _)| along);
     for (j, _) in coordinates.iter().enumerate().filter(|(_, c)| **c == along) {
         state.x[j] = border.map_or(state.x[j], |b| b.1);

@@ -88,7 +88,7 @@ impl Field {
 /// # Errors
 /// [`SystemError`] where `q` itself is outside of a domain.
 pub(super) fn beside(
-    model: &mut Context,
+    context: &mut Context,
     (t, q): (f64, &[f64]),
     memories: &[Vec<f64>],
     size: Size,
@@ -98,19 +98,19 @@ pub(super) fn beside(
     let seed = random.clone();
     let mut factor = 1.0;
     loop {
-        let same_model = model.restore_maps(memories);
+        let same_model = context.restore_maps(memories);
         debug_assert!(same_model, "memories of another model");
-        let regular = model.singularity_warnings().is_empty();
+        let regular = context.singularity_warnings().is_empty();
         *random = seed.clone();
-        let x = moved(model, q, size.times(factor), units, random);
+        let x = moved(context, q, size.times(factor), units, random);
         let mut state = State::statics(t, DVector::from_vec(x));
-        let settled = settle(model, &mut state).and_then(|()| {
+        let settled = settle(context, &mut state).and_then(|()| {
             let (q, v, a) = (state.x.as_slice(), &[][..], &[][..]);
             let mut r = vec![0.0; q.len()];
-            model.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
+            context.evaluate(Point { t, q, v, a }, Evaluation::residual(&mut r))
         });
         match settled {
-            Ok(()) if factor == 0.0 || !regular || model.singularity_warnings().is_empty() => {
+            Ok(()) if factor == 0.0 || !regular || context.singularity_warnings().is_empty() => {
                 return Ok(state);
             }
             Err(error) if factor == 0.0 => return Err(error),
@@ -119,16 +119,16 @@ pub(super) fn beside(
     }
 }
 
-fn moved(model: &Context, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
-    let length = model.length();
+fn moved(context: &Context, q: &[f64], size: Size, units: &[f64], random: &mut Random) -> Vec<f64> {
+    let length = context.length();
     let displacement = Field::new(random, size.displacement * length, length);
     let rotation = Field::new(random, size.rotation, length);
     let mut x = q.to_vec();
-    let unknowns = unknowns(model);
+    let unknowns = unknowns(context);
     for (u, &(node, k, kind)) in unknowns.iter().enumerate() {
         let own = random.range(-1.0, 1.0);
-        let position = model.nodes()[node].position();
-        let frame = is_frame(&model.nodes()[node]);
+        let position = context.nodes()[node].position();
+        let frame = is_frame(&context.nodes()[node]);
         x[u] += match (kind, frame) {
             (Quantity::Length, true) => {
                 displacement.at(&position)[k % 3] + own * size.noise * units[node]
@@ -140,11 +140,11 @@ fn moved(model: &Context, q: &[f64], size: Size, units: &[f64], random: &mut Ran
             (Quantity::Other, _) => own * size.rotation,
         };
     }
-    for rotation_of in model.free_rotations() {
+    for rotation_of in context.free_rotations() {
         let Some(&u) = rotation_of.iter().flatten().next() else {
             continue;
         };
-        let position = model.nodes()[unknowns[u].0].position();
+        let position = context.nodes()[unknowns[u].0].position();
         let turn = rotation.at(&position);
         let now = Vector3::from_fn(|i, _| rotation_of[i].map_or(0.0, |u| x[u]));
         // A rotation that is held in part can only go on about the axes that are free.
@@ -179,7 +179,7 @@ pub(super) fn moving(s: &State, units: &[f64], rate: f64, random: &mut Random) -
 /// Writes rotations of a state in their other charts, with everything that follows from that, as at
 /// the end of a step; how many. Those near 0 or 2π, where the other chart ends, stay.
 pub(super) fn switch(
-    model: &mut Context,
+    context: &mut Context,
     rotations: &[Rotation],
     s: &mut State,
 ) -> Result<usize, SystemError> {
@@ -197,16 +197,16 @@ pub(super) fn switch(
         .iter()
         .filter(|r| complement(r, s, &clear))
         .count();
-    model.follow_charts(s.t, before.as_slice(), s.x.as_slice())?;
+    context.follow_charts(s.t, before.as_slice(), s.x.as_slice())?;
     Ok(count)
 }
 
 /// Charts as a run that starts at a state has them.
-fn settle(model: &mut Context, s: &mut State) -> Result<(), SystemError> {
-    for unknowns in model.free_rotations() {
+fn settle(context: &mut Context, s: &mut State) -> Result<(), SystemError> {
+    for unknowns in context.free_rotations() {
         complement(&unknowns, s, &(PI..TAU));
     }
-    model.settle_charts(s.t, s.x.as_slice())
+    context.settle_charts(s.t, s.x.as_slice())
 }
 
 /// Writes a rotation of a state, in motion or at rest, in its other chart, where its angle is among

@@ -28,50 +28,50 @@ fn point(s: &State) -> Point<'_> {
 /// Notes transport through changes of chart and the balance of power, at a state in motion.
 pub(super) fn laws(
     report: &mut Report,
-    model: &mut Context,
+    context: &mut Context,
     layout: &Layout,
     (at, state): &(String, State),
     random: &mut Random,
 ) {
-    let Some(sizes) = system_sizes(layout, model, state) else {
+    let Some(sizes) = system_sizes(layout, context, state) else {
         return report.impossible("domain", at, "outside of the domain");
     };
-    let all = model.free_rotations();
+    let all = context.free_rotations();
     for set in 0..SETS {
         let chosen: Vec<Rotation> = (all.iter().copied())
             .filter(|_| set == 0 || random.unit() < 0.5)
             .collect();
-        if let Err(error) = transport(report, model, layout, &sizes, at, state, &chosen) {
+        if let Err(error) = transport(report, context, layout, &sizes, at, state, &chosen) {
             report.impossible("change of charts", at, error.to_string());
         }
     }
-    if let Err(error) = power(report, model, layout, &sizes, at, state) {
+    if let Err(error) = power(report, context, layout, &sizes, at, state) {
         report.impossible("balance of power", at, error.to_string());
     }
 }
 
 /// What does not depend on charts.
-fn spatial(model: &mut Context, s: &State) -> Result<(Snapshot, Energies), SystemError> {
-    let now = snapshot(model, s)?;
-    let energies = model.energies(point(s))?;
+fn spatial(context: &mut Context, s: &State) -> Result<(Snapshot, Energies), SystemError> {
+    let now = snapshot(context, s)?;
+    let energies = context.energies(point(s))?;
     Ok((now, energies))
 }
 
 fn transport(
     report: &mut Report,
-    model: &mut Context,
+    context: &mut Context,
     layout: &Layout,
     sizes: &[f64],
     at: &str,
     s: &State,
     chosen: &[Rotation],
 ) -> Result<(), SystemError> {
-    let before = spatial(model, s)?;
+    let before = spatial(context, s)?;
     let mut other = s.clone();
-    if switch(model, chosen, &mut other)? == 0 {
+    if switch(context, chosen, &mut other)? == 0 {
         return Ok(());
     }
-    let after = spatial(model, &other)?;
+    let after = spatial(context, &other)?;
     // Forces go back with the transpose of B_s.
     let mut r = after.0.r.clone();
     let mut bend: f64 = 1.0;
@@ -111,16 +111,16 @@ fn transport(
         "change of charts",
         at,
         [&before, &after],
-        [model.length(), layout.rate, total, bend],
+        [context.length(), layout.rate, total, bend],
     );
 
     // And back, by what a run does after every step.
     let mut back = other.clone();
-    if reparametrizes(model) {
-        switch(model, chosen, &mut back)?;
+    if reparametrizes(context) {
+        switch(context, chosen, &mut back)?;
     } else {
         let (q, v, a) = (&mut back.x, &mut back.v, &mut back.a);
-        model.change_charts(
+        context.change_charts(
             s.t,
             q.as_mut_slice(),
             v.as_mut_slice(),
@@ -195,36 +195,37 @@ fn left(snapshot: &Snapshot, s: &State) -> f64 {
 /// as these are not in balance: of the power supplied, what is not v·r stays.
 pub(super) fn rewriting(
     report: &mut Report,
-    model: &mut Context,
+    context: &mut Context,
     layout: &Layout,
     (at, s): &(String, State),
 ) {
     let law = "change of coordinates";
     let mut settled = s.clone();
-    let balanced = |model: &mut Context, s: &State| -> Result<(Snapshot, Energies), SystemError> {
-        let (snapshot, mut energies) = spatial(model, s)?;
-        energies.supplied -= left(&snapshot, s);
-        Ok((snapshot, energies))
-    };
+    let balanced =
+        |context: &mut Context, s: &State| -> Result<(Snapshot, Energies), SystemError> {
+            let (snapshot, mut energies) = spatial(context, s)?;
+            energies.supplied -= left(&snapshot, s);
+            Ok((snapshot, energies))
+        };
     let mut both = || -> Result<[(Snapshot, Energies); 2], SystemError> {
-        let before = balanced(model, &settled)?;
+        let before = balanced(context, &settled)?;
         let State { t, x, v, a } = &mut settled;
-        model.change_charts(
+        context.change_charts(
             *t,
             x.as_mut_slice(),
             v.as_mut_slice(),
             &mut [a.as_mut_slice()],
         );
-        Ok([before, balanced(model, &settled)?])
+        Ok([before, balanced(context, &settled)?])
     };
     let pair = match both() {
         Ok(pair) => pair,
         Err(error) => return report.impossible(law, at, error.to_string()),
     };
-    let Some(sizes) = system_sizes(layout, model, &settled) else {
+    let Some(sizes) = system_sizes(layout, context, &settled) else {
         return report.impossible(law, at, "outside of the domain");
     };
-    let scale = [model.length(), layout.rate, sizes.iter().sum(), BEND];
+    let scale = [context.length(), layout.rate, sizes.iter().sum(), BEND];
     stays(report, law, at, [&pair[0], &pair[1]], scale);
 }
 
@@ -235,26 +236,26 @@ const BEND: f64 = 10.0;
 /// equations, and any motion will do to check the books.
 fn power(
     report: &mut Report,
-    model: &mut Context,
+    context: &mut Context,
     layout: &Layout,
     sizes: &[f64],
     at: &str,
     s: &State,
 ) -> Result<(), SystemError> {
-    let (now, energies) = spatial(model, s)?;
+    let (now, energies) = spatial(context, s)?;
     // What a potential gains by time alone, and what elements do that tell of no energy.
     let h = 1e-4 / layout.rate;
-    let gained = (model.strain_energy(s.t + h) - model.strain_energy(s.t - h)) / (2.0 * h);
-    let silent = silent_power(model, s.t);
+    let gained = (context.strain_energy(s.t + h) - context.strain_energy(s.t - h)) / (2.0 * h);
+    let silent = silent_power(context, s.t);
     let gain = energies.supplied - energies.dissipated - left(&now, s) + gained + silent;
     let start = energies.kinetic + energies.stored;
 
     let speeds = layout.coordinates(s.v.as_slice());
     let work: f64 = sizes.iter().zip(&speeds).map(|(f, v)| f * v).sum();
     let size = start.abs() + (work + energies.supplied.abs() + energies.dissipated) / layout.rate;
-    let ahead = model.kinks().into_iter().map(|k| k - s.t);
+    let ahead = context.kinks().into_iter().map(|k| k - s.t);
     let next = ahead.filter(|&k| k > 0.0).fold(f64::INFINITY, f64::min);
-    let first = (FIRST / layout.rate.max(prescribed_rate(model))).min(0.5 * next);
+    let first = (FIRST / layout.rate.max(prescribed_rate(context))).min(0.5 * next);
     let mut energy = |tau: f64| {
         let there = State {
             t: s.t + tau,
@@ -262,7 +263,7 @@ fn power(
             v: &s.v + &s.a * tau,
             a: s.a.clone(),
         };
-        let energies = model.energies(point(&there)).ok()?;
+        let energies = context.energies(point(&there)).ok()?;
         Some(energies.kinetic + energies.stored)
     };
     let law = "d(T + U)/dt = supplied - dissipated - v.r";

@@ -30,62 +30,62 @@ pub(super) fn is_frame(node: &Node) -> bool {
 
 /// Element `k` with its layout; `units` are those of the nodes.
 pub(super) fn element<'a>(
-    model: &'a Context,
+    context: &'a Context,
     k: usize,
     units: &[f64],
 ) -> Component<&'a dyn Element> {
-    let e = &model.elements()[k];
+    let e = &context.elements()[k];
     let element = e.element();
     let what = if element.is_load() { "load" } else { "element" };
-    let own = extent(model, e.nodes()).unwrap_or(0.0);
+    let own = extent(context, e.nodes()).unwrap_or(0.0);
     let unit = |n: usize| if own > 0.0 { own } else { units[n] };
     let name = format!("{what} {} ({})", e.name(), plain(element.kind()));
-    component(model, name, element, e.nodes(), &unit)
+    component(context, name, element, e.nodes(), &unit)
 }
 
 /// The state of element `k`, in its chart, without motion.
-pub(super) fn element_state(model: &Context, k: usize, t: f64) -> State {
-    let [x, ..] = model.element_motion(k);
+pub(super) fn element_state(context: &Context, k: usize, t: f64) -> State {
+    let [x, ..] = context.element_motion(k);
     State::statics(t, DVector::from_vec(x))
 }
 
 /// The maps of a model: the node that follows, its map, the nodes that this reads.
-pub(super) fn maps(model: &Context) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
-    model.mapped_nodes().iter().filter_map(|&n| {
-        let node = &model.nodes()[n as usize];
-        let map = model.map_of(node)?;
+pub(super) fn maps(context: &Context) -> impl Iterator<Item = (u32, &dyn Parametrization, &[u32])> {
+    context.mapped_nodes().iter().filter_map(|&n| {
+        let node = &context.nodes()[n as usize];
+        let map = context.map_of(node)?;
         Some((n, map, node.parents(map.segment())))
     })
 }
 
 /// The map of a node with the layout of what it takes.
 pub(super) fn joint<'a>(
-    model: &'a Context,
+    context: &'a Context,
     (n, map, parents): (u32, &'a dyn Parametrization, &[u32]),
     units: &[f64],
 ) -> Component<&'a dyn Parametrization> {
-    let node = &model.nodes()[n as usize];
+    let node = &context.nodes()[n as usize];
     let kind = plain(map.kind());
     let name = match is_frame(node) {
         true => format!("joint {} ({kind})", node.name()),
         false if kind == LOOP => format!("{} ({kind})", node.name()),
         false => format!("coordinate {} ({kind})", node.name()),
     };
-    component(model, name, map, parents, &|n| units[n])
+    component(context, name, map, parents, &|n| units[n])
 }
 
 /// The kind of the map of a closed loop, whose node's name says what it is.
 const LOOP: &str = "closed loop";
 
 /// The layout of what the map of a node gives.
-pub(super) fn rows(model: &Context, n: u32, units: &[f64]) -> Layout {
-    component(model, String::new(), (), &[n], &|n| units[n]).layout
+pub(super) fn rows(context: &Context, n: u32, units: &[f64]) -> Layout {
+    component(context, String::new(), (), &[n], &|n| units[n]).layout
 }
 
 /// The motion of the parents of a map, in the configuration last set.
-pub(super) fn parent_state(model: &Context, parents: &[u32], t: f64) -> State {
-    let [x, v, a] = model.configuration().map(|all| {
-        let ranges = parents.iter().map(|&m| model.nodes()[m as usize].range());
+pub(super) fn parent_state(context: &Context, parents: &[u32], t: f64) -> State {
+    let [x, v, a] = context.configuration().map(|all| {
+        let ranges = parents.iter().map(|&m| context.nodes()[m as usize].range());
         DVector::from_iterator(
             ranges.clone().map(|r| r.len()).sum(),
             ranges.flatten().map(|c| all[c]),
@@ -95,7 +95,7 @@ pub(super) fn parent_state(model: &Context, parents: &[u32], t: f64) -> State {
 }
 
 fn component<T>(
-    model: &Context,
+    context: &Context,
     name: String,
     thing: T,
     nodes: &[u32],
@@ -104,7 +104,7 @@ fn component<T>(
     let (mut groups, mut first) = (Vec::new(), 0);
     let (mut frames, mut rotations) = (Vec::new(), Vec::new());
     for &n in nodes {
-        let node = &model.nodes()[n as usize];
+        let node = &context.nodes()[n as usize];
         for (range, name, kind) in groups_of(node) {
             let range = range.start + first..range.end + first;
             groups.push(group(node, range, name, kind, unit(n as usize)));
@@ -129,9 +129,9 @@ fn component<T>(
 }
 
 /// The largest distance between frames among nodes; `None` where there are none.
-fn extent(model: &Context, nodes: &[u32]) -> Option<f64> {
+fn extent(context: &Context, nodes: &[u32]) -> Option<f64> {
     let positions = || {
-        let nodes = nodes.iter().map(|&n| &model.nodes()[n as usize]);
+        let nodes = nodes.iter().map(|&n| &context.nodes()[n as usize]);
         nodes.filter(|n| is_frame(n)).map(Node::position)
     };
     positions()
@@ -141,10 +141,10 @@ fn extent(model: &Context, nodes: &[u32]) -> Option<f64> {
 
 /// A typical length at each node: the size of the smallest element that it belongs to, and of the
 /// model where that has none.
-pub(super) fn node_units(model: &Context) -> Vec<f64> {
-    let mut units = vec![f64::INFINITY; model.nodes().len()];
-    for e in model.elements() {
-        if let Some(size) = extent(model, e.nodes()).filter(|&l| l > 0.0) {
+pub(super) fn node_units(context: &Context) -> Vec<f64> {
+    let mut units = vec![f64::INFINITY; context.nodes().len()];
+    for e in context.elements() {
+        if let Some(size) = extent(context, e.nodes()).filter(|&l| l > 0.0) {
             for &n in e.nodes() {
                 let unit = &mut units[n as usize];
                 *unit = unit.min(size);
@@ -152,9 +152,9 @@ pub(super) fn node_units(model: &Context) -> Vec<f64> {
         }
     }
     // The coordinates of a joint are of the size of what it joins.
-    for &n in model.mapped_nodes().iter().rev() {
-        let node = &model.nodes()[n as usize];
-        let parents = model
+    for &n in context.mapped_nodes().iter().rev() {
+        let node = &context.nodes()[n as usize];
+        let parents = context
             .map_of(node)
             .map_or(&[][..], |map| node.parents(map.segment()));
         let all = || parents.iter().chain([&n]).map(|&m| m as usize);
@@ -166,17 +166,17 @@ pub(super) fn node_units(model: &Context) -> Vec<f64> {
         });
     }
     let missing = units.iter_mut().filter(|u| u.is_infinite());
-    missing.for_each(|u| *u = model.length());
+    missing.for_each(|u| *u = context.length());
     units
 }
 
 /// The layout of the unknowns.
-pub(super) fn layout(model: &Context, units: &[f64]) -> Layout {
+pub(super) fn layout(context: &Context, units: &[f64]) -> Layout {
     let mut groups: Vec<Group> = Vec::new();
-    for (n, node) in model.nodes().iter().enumerate() {
+    for (n, node) in context.nodes().iter().enumerate() {
         for (range, name, kind) in groups_of(node) {
             let all = range.start + node.range().start..range.end + node.range().start;
-            let mut unknowns = all.filter_map(|c| model.unknown_of(c));
+            let mut unknowns = all.filter_map(|c| context.unknown_of(c));
             if let Some(first) = unknowns.next() {
                 let range = first..first + 1 + unknowns.count();
                 groups.push(group(node, range, name, kind, units[n]));
@@ -188,36 +188,36 @@ pub(super) fn layout(model: &Context, units: &[f64]) -> Layout {
 
 /// Rate at which prescribed coordinates change, in radians and lengths of the model, in the
 /// configuration last set.
-pub(super) fn prescribed_rate(model: &Context) -> f64 {
-    let [_, v, a] = model.configuration();
-    let own = (model.nodes().iter()).filter(|n| model.map_of(n).is_none());
+pub(super) fn prescribed_rate(context: &Context) -> f64 {
+    let [_, v, a] = context.configuration();
+    let own = (context.nodes().iter()).filter(|n| context.map_of(n).is_none());
     let coordinates = own.flat_map(|node| node.range().zip(node.quantities()));
     let rate = |(c, kind): (usize, &Quantity)| {
         let unit = if *kind == Quantity::Length {
-            model.length()
+            context.length()
         } else {
             1.0
         };
         (v[c].abs() / unit).max((a[c].abs() / unit).sqrt())
     };
-    let prescribed = coordinates.filter(|(c, _)| model.unknown_of(*c).is_none());
+    let prescribed = coordinates.filter(|(c, _)| context.unknown_of(*c).is_none());
     prescribed.map(rate).fold(0.0, f64::max)
 }
 
 /// For each unknown: its node, which coordinate of the node it is, and what it measures.
-pub(super) fn unknowns(model: &Context) -> Vec<(usize, usize, Quantity)> {
-    let nodes = model.nodes().iter().enumerate();
+pub(super) fn unknowns(context: &Context) -> Vec<(usize, usize, Quantity)> {
+    let nodes = context.nodes().iter().enumerate();
     let coordinates = nodes.flat_map(|(n, node)| {
         let own = node.range().zip(node.quantities()).enumerate();
         own.map(move |(k, (c, &kind))| (c, (n, k, kind)))
     });
-    let free = coordinates.filter(|(c, _)| model.unknown_of(*c).is_some());
+    let free = coordinates.filter(|(c, _)| context.unknown_of(*c).is_some());
     free.map(|(_, unknown)| unknown).collect()
 }
 
 /// Whether a map may give coordinates another meaning.
-pub(super) fn reparametrizes(model: &Context) -> bool {
-    maps(model).any(|(_, map, _)| map.reparametrizes())
+pub(super) fn reparametrizes(context: &Context) -> bool {
+    maps(context).any(|(_, map, _)| map.reparametrizes())
 }
 
 /// What a model answers that does not depend on the charts of its nodes, and the residual.
@@ -230,13 +230,13 @@ pub(super) struct Snapshot {
 }
 
 /// Residual and configuration at a state in motion.
-pub(super) fn snapshot(model: &mut Context, s: &State) -> Result<Snapshot, SystemError> {
+pub(super) fn snapshot(context: &mut Context, s: &State) -> Result<Snapshot, SystemError> {
     let mut r = vec![0.0; s.x.len()];
     let [q, v, a] = [&s.x, &s.v, &s.a].map(|x| x.as_slice());
-    model.evaluate(Point { t: s.t, q, v, a }, Evaluation::residual(&mut r))?;
+    context.evaluate(Point { t: s.t, q, v, a }, Evaluation::residual(&mut r))?;
     let direction = Vector3::new(0.48, -0.6, 0.64);
-    let frames = model.frames().map(|(n, _)| {
-        let n = model.node_state(n);
+    let frames = context.frames().map(|(n, _)| {
+        let n = context.node_state(n);
         [
             n.position,
             n.R * direction,
@@ -253,11 +253,11 @@ pub(super) fn snapshot(model: &mut Context, s: &State) -> Result<Snapshot, Syste
 
 /// The power of elements that exert forces at rest but tell of no energy: control forces, say. They
 /// count as loads, in the configuration last evaluated in motion.
-pub(super) fn silent_power(model: &mut Context, t: f64) -> f64 {
+pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
     let mut power = 0.0;
-    for k in 0..model.elements().len() {
-        let element = model.elements()[k].element();
-        let [x, v, _] = model.element_motion(k);
+    for k in 0..context.elements().len() {
+        let element = context.elements()[k].element();
+        let [x, v, _] = context.element_motion(k);
         let rest = Motion {
             t,
             x: &x,
@@ -268,7 +268,7 @@ pub(super) fn silent_power(model: &mut Context, t: f64) -> f64 {
             continue;
         }
         // Outside of a domain the evaluation before has failed.
-        if let Ok(r) = model.element_forces(k) {
+        if let Ok(r) = context.element_forces(k) {
             power += r.iter().zip(&v).map(|(r, v)| r * v).sum::<f64>();
         }
     }

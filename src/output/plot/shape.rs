@@ -39,13 +39,13 @@ pub struct Shapes {
 
 impl Shapes {
     /// The present configuration of a model, with displacements times `scale`; 0 gives the reference configuration.
-    pub fn of(model: &Context, geometry: &Geometry, scale: f64) -> Self {
+    pub fn of(context: &Context, geometry: &Geometry, scale: f64) -> Self {
         let between = |reference: Vector3<f64>, position: Vector3<f64>| match scale {
             0.0 => reference,
             1.0 => position,
             _ => reference + (position - reference) * scale,
         };
-        let position = |node| between(model.reference(node), model.node_state(node).position);
+        let position = |node| between(context.reference(node), context.node_state(node).position);
         let mut out = Self {
             supports: geometry.supports.iter().map(|&n| position(n)).collect(),
             ..Self::default()
@@ -59,9 +59,9 @@ impl Shapes {
             out.links.push(link.map(position));
         }
         for body in &geometry.bodies {
-            let state = model.node_state(body.node);
+            let state = context.node_state(body.node);
             let center = between(
-                model.reference(body.node) + body.center,
+                context.reference(body.node) + body.center,
                 state.position + state.R * body.center,
             );
             out.bodies.push(center);

@@ -36,7 +36,7 @@ pub fn looked_at(make: &Maker<'_>, steps: &[f64]) -> Result<(Vec<String>, Vec<f6
     let job = make(Formulation::Total)?;
     let plan = dynamic(&job.plan).ok_or(CompareError::Static)?;
     let grid = Grid::new(plan.options.to, steps)?;
-    let nodes = job.model.frames().map(|(_, name)| name.to_owned());
+    let nodes = job.context.frames().map(|(_, name)| name.to_owned());
     Ok((nodes.collect(), grid.all_times()))
 }
 
@@ -78,7 +78,7 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         let name = reference.to_string();
         return Err(CompareError::Reference { name });
     }
-    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
+    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
     // With the reference's scheme: that of the file may not suit this model.
     begins(make, &reference.into())?;
     Ok(Prepared {
@@ -86,9 +86,9 @@ pub(super) fn prepare(make: &Maker<'_>, options: &Options) -> Result<Prepared, C
         long,
         reference,
         unknowns: start.q.len(),
-        nodes: job.model.frames().count(),
-        enforced: job.model.is_enforced(),
-        multipliers: job.model.has_multipliers(),
+        nodes: job.context.frames().count(),
+        enforced: job.context.is_enforced(),
+        multipliers: job.context.has_multipliers(),
         title: job.title,
         refused,
     })
@@ -106,8 +106,8 @@ fn begins(make: &Maker<'_>, candidate: &Candidate) -> Result<(), CompareError> {
         interval: None,
         ..plan.options
     };
-    let start = start(&job.model, 0.0, &job.start.q, &job.start.v)?;
-    begin(&mut job.model, &options, &mut Progress::new(start))?;
+    let start = start(&job.context, 0.0, &job.start.q, &job.start.v)?;
+    begin(&mut job.context, &options, &mut Progress::new(start))?;
     Ok(())
 }
 

@@ -150,7 +150,7 @@ fn advance(
 ) -> Result<(), Failure> {
     let mut job = make(task.candidate.formulation())?;
     if task.late_charts {
-        job.model.keep_charts_until(LATE_CHARTS);
+        job.context.keep_charts_until(LATE_CHARTS);
     }
     let Some(plan) = dynamic(&job.plan) else {
         return Err(Failure::Failed("the analysis is not dynamic".to_owned()));
@@ -162,7 +162,7 @@ fn advance(
             return in_general(&mut job, &general, grid, hooks, ran);
         }
     };
-    let model = &mut job.model;
+    let model = &mut job.context;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let before = model.assemblies();
     let clock = Instant::now();
@@ -229,7 +229,7 @@ fn in_general(
     use pullback_elements::model::Context;
     use pullback_integrators::dynamics::State;
     use pullback_manifold::system::Point;
-    let model = &mut job.model;
+    let model = &mut job.context;
     let mut progress = Progress::new(start(model, 0.0, &job.start.q, &job.start.v)?);
     let clock = Instant::now();
     let before = model.assemblies();
@@ -303,7 +303,7 @@ pub(super) fn clock(
                     energies: false,
                     ..options(task, method, grid, dynamic(&job.plan)?)
                 };
-                let model = &mut job.model;
+                let model = &mut job.context;
                 let from = start(model, 0.0, &job.start.q, &job.start.v).ok()?;
                 let mut progress = Progress::new(from);
                 let begin = Instant::now();

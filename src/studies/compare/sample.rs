@@ -175,12 +175,14 @@ impl Sample {
 
     /// Evaluates a model.
     pub(super) fn of(
-        model: &mut Context,
+        context: &mut Context,
         at: Point<'_>,
         defect: Option<f64>,
     ) -> Result<Self, SystemError> {
-        let balance = model.energies_and_momentum(at)?;
-        let nodes = model.frames().map(|(id, _)| model.node_state(id).into());
+        let balance = context.energies_and_momentum(at)?;
+        let nodes = context
+            .frames()
+            .map(|(id, _)| context.node_state(id).into());
         let (kinetic, stored) = (balance.energies.kinetic, balance.energies.stored);
         Ok(Self {
             t: at.t,
@@ -189,7 +191,7 @@ impl Sample {
             gross_energy: kinetic + stored.abs() + balance.load_potential.abs(),
             defect,
             momenta: [balance.momentum.linear, balance.momentum.angular],
-            violation: model.violation(),
+            violation: context.violation(),
         })
     }
 }

@@ -297,12 +297,12 @@ impl Watched {
     }
 }
 
-fn record(model: &Context, node: NodeId, step: &Step<'_>) -> Record {
+fn record(context: &Context, node: NodeId, step: &Step<'_>) -> Record {
     Record {
         t: step.t,
         event: step.event,
         iterations: step.iterations,
-        state: model.node_state(node),
+        state: context.node_state(node),
     }
 }
 

@@ -49,7 +49,7 @@ pub(super) fn joints<const N: usize>(
     let Plan::Dynamic(plan) = job.plan else {
         return Err(report.setup("its analysis is not dynamic"));
     };
-    let mut model = job.model;
+    let mut model = job.context;
     let missing = |node: &str| CaseError::Node {
         case: case.to_owned(),
         node: node.to_owned(),

@@ -103,7 +103,7 @@ impl CaseReport {
         let Plan::Dynamic(plan) = job.plan else {
             return Err(self.setup("its analysis is not dynamic"));
         };
-        let mut model = job.model;
+        let mut model = job.context;
         let ids = nodes
             .iter()
             .map(|&node| {

@@ -58,11 +58,11 @@ fn end(run: &Run, words: &str, step: f64) -> (Vec<f64>, usize) {
     };
     let text: String = text.lines().map(with).collect();
     let mut job = assemble_text(name, &text).unwrap();
-    let nodes: Vec<_> = nodes.iter().map(|n| job.model.find(n).unwrap()).collect();
+    let nodes: Vec<_> = nodes.iter().map(|n| job.context.find(n).unwrap()).collect();
     let options = tight(Scheme::chung_hulbert(0.8).unwrap(), *to, step);
     let start = [&job.start.q[..], &job.start.v[..]];
     let (mut positions, mut unknowns) = (Vec::new(), 0);
-    observed(&mut job.model, start, &options, &mut |model, step| {
+    observed(&mut job.context, start, &options, &mut |model, step| {
         let position = |n: &_| <[f64; 3]>::from(model.node_state(*n).position);
         positions = nodes.iter().flat_map(position).collect();
         unknowns = step.progress.state.q.len();

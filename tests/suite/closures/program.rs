@@ -84,15 +84,15 @@ fn values_and_rates_are_satisfied_as_by_the_map() {
             v: &job.start.v,
             a: &vec![0.0; job.start.q.len()],
         };
-        job.model.configure(at).unwrap();
+        job.context.configure(at).unwrap();
         ["A", "B", "C", "D"].map(|name| {
             let all: Vec<_> = job
-                .model
+                .context
                 .released()
                 .map(|(n, s, _)| (n, s.to_owned()))
                 .collect();
             let (node, _) = all.into_iter().find(|(_, s)| s.starts_with(name)).unwrap();
-            job.model.coordinate(node, 0).unwrap()
+            job.context.coordinate(node, 0).unwrap()
         })
     };
     let map = turned("");

@@ -25,10 +25,10 @@ fn flexible(words: &str, step: f64) -> Vec<f64> {
     );
     let mut job = assemble_text("flexible.toml", &text).unwrap();
     let options = tight(Scheme::chung_hulbert(0.3).unwrap(), 0.6, step);
-    let [tip, pin] = ["coupler tip", "C"].map(|n| job.model.find(n).unwrap());
+    let [tip, pin] = ["coupler tip", "C"].map(|n| job.context.find(n).unwrap());
     let start = [&job.start.q[..], &job.start.v[..]];
     let mut out = Vec::new();
-    observed(&mut job.model, start, &options, &mut |model, step| {
+    observed(&mut job.context, start, &options, &mut |model, step| {
         let s = &step.progress.state;
         let at = Point {
             t: s.t,

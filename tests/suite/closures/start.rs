@@ -60,13 +60,13 @@ fn loaded(force: [f64; 2], penalty: f64) -> Result<[f64; 3], String> {
     let load = format!("[[loads]]\nnode = \"coupler tip\"\nforce = [{x:?}, {y:?}, 0]\n");
     let linkage = four_bar(["spring = { k = 30 }", "", ""], &closure);
     let mut job = assemble_text("model.toml", &[GROUND, &linkage, &load].concat()).unwrap();
-    let mut q = job.model.initial().to_vec();
+    let mut q = job.context.initial().to_vec();
     let options = StaticOptions::default();
     let go_on = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-    solve_statics(&mut job.model, &mut q, &options, go_on).map_err(|error| error.to_string())?;
+    solve_statics(&mut job.context, &mut q, &options, go_on).map_err(|error| error.to_string())?;
     Ok(["A", "B", "D"].map(|joint| {
-        let angle = job.model.find(&format!("{joint} angle")).unwrap();
-        q[job.model.unknown_at(angle, 0).unwrap()]
+        let angle = job.context.find(&format!("{joint} angle")).unwrap();
+        q[job.context.unknown_at(angle, 0).unwrap()]
     }))
 }
 
@@ -213,9 +213,9 @@ fn velocities_of_bodies_are_kept_where_the_loop_allows_them() {
         let mut job = assemble_text("model.toml", &text).unwrap();
         let a = vec![0.0; job.start.q.len()];
         let (t, q, v) = (0.0, &job.start.q, &job.start.v);
-        job.model.configure(Point { t, q, v, a: &a }).unwrap();
+        job.context.configure(Point { t, q, v, a: &a }).unwrap();
         // The arm between them is 1 long: ω = (3 − 1)/1 about the third axis.
-        let [a, b] = ["a", "b"].map(|n| job.model.node_state(job.model.find(n).unwrap()));
+        let [a, b] = ["a", "b"].map(|n| job.context.node_state(job.context.find(n).unwrap()));
         for (found, wanted) in [
             (a.velocity, [0.0, 1.0, 0.0]),
             (b.velocity, [0.0, 3.0, 0.0]),
@@ -359,8 +359,8 @@ fn a_linkage_at_rest_starts_closed_to_rounding_and_stays() {
         let mut job = assemble_text("model.toml", &text).unwrap();
         let a = vec![0.0; job.start.q.len()];
         let (t, q, v) = (0.0, &job.start.q, &job.start.v);
-        job.model.configure(Point { t, q, v, a: &a }).unwrap();
-        let violation = job.model.violation().unwrap();
+        job.context.configure(Point { t, q, v, a: &a }).unwrap();
+        let violation = job.context.violation().unwrap();
         assert!(violation < 5e-16, "{violation:e}");
         let (_, rows) = rows(&format!("start-rest-{k}"), &text);
         let [first, last] = [rows.first(), rows.last()].map(|r| number(r.unwrap(), "D"));

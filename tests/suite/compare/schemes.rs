@@ -90,9 +90,9 @@ fn every_scheme_of_the_list_runs_the_pendulum_of_a_model_file() {
             scheme: word.parse().unwrap(),
             ..DynamicOptions::new(1.0, 0.005)
         };
-        let state = start(&job.model, 0.0, &job.start.q, &job.start.v).unwrap();
+        let state = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
         let mut progress = Progress::new(state);
-        integrate(&mut job.model, &mut progress, &options, &mut |_, _| {
+        integrate(&mut job.context, &mut progress, &options, &mut |_, _| {
             ControlFlow::Continue(())
         })
         .unwrap();

@@ -20,8 +20,8 @@ fn setup(text: &str) -> (Context, State, DynamicOptions) {
     let Plan::Dynamic(plan) = job.plan else {
         panic!("a motion");
     };
-    let first = start(&job.model, 0.0, &job.start.q, &job.start.v).unwrap();
-    (job.model, first, plan.options)
+    let first = start(&job.context, 0.0, &job.start.q, &job.start.v).unwrap();
+    (job.context, first, plan.options)
 }
 
 /// The state after some more steps, bit by bit.

@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 fn run(text: &str, scheme: &str, step: f64, at: &mut dyn FnMut(&mut Context, &State)) -> Context {
     let text = format!("{text}step = {step:?}\nscheme = \"{scheme}\"\n");
     let job = assemble_text("model", &text).unwrap();
-    let mut model = job.model;
+    let mut model = job.context;
     let Plan::Dynamic(plan) = job.plan else {
         panic!("it is a motion");
     };

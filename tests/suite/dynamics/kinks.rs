@@ -128,7 +128,7 @@ fn at_the_start_it_does_as_later() {
 fn jerk(from: f64) {
     let table = format!("[[{from:?}, 0], [{:?}, 2]]", from + 0.5);
     let job = assemble_text("rotor", &ROTOR.replace("[[0.5, 0], [1, 2]]", &table)).unwrap();
-    let mut model = job.model;
+    let mut model = job.context;
     let Plan::Dynamic(plan) = job.plan else {
         panic!("it is a motion");
     };
@@ -207,7 +207,7 @@ step = 0.01
 "#
     );
     let job = assemble_text("jerked", &text).unwrap();
-    let mut model = job.model;
+    let mut model = job.context;
     let Plan::Dynamic(plan) = job.plan else {
         panic!("it is a motion");
     };

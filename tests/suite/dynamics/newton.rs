@@ -317,7 +317,7 @@ fn going_on_with_the_velocity_needs_extrapolated_stresses_in_the_struck_cantilev
         let Plan::Dynamic(plan) = job.plan else {
             panic!("a motion")
         };
-        (job.model, plan.options)
+        (job.context, plan.options)
     };
     let plain = |predictor| {
         let (model, options) = model();

@@ -199,7 +199,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
         // A step centres the charts, and spins begin.
         let options = tight(Scheme::default(), 0.05, 0.01);
         let start = [&job.start.q[..], &job.start.v];
-        let progress = observed(&mut job.model, start, &options, &mut |_, _| {});
+        let progress = observed(&mut job.context, start, &options, &mut |_, _| {});
         let mut state = check::State {
             t: progress.state.t,
             x: progress.state.q.into(),
@@ -210,7 +210,7 @@ fn the_tangent_of_spins_is_that_of_their_residual() {
             *x += 0.2 * (1.7 * k as f64).sin();
         }
         let states = [("between steps".to_owned(), state)];
-        let report = check::system("rod", &mut job.model, &states);
+        let report = check::system("rod", &mut job.context, &states);
         if formulation == Formulation::Updated {
             report.assert();
             continue;

@@ -86,11 +86,11 @@ fn stepped(name: &str, h: f64, steps: usize) -> Vec<(Matrix3<f64>, Vector3<f64>)
     let method: Method = name.parse().unwrap();
     let file = input::parse("heavy_top.toml", TOP).unwrap();
     let mut job = input::job_in("heavy_top.toml", &file, method.formulation()).unwrap();
-    let top = job.model.find("top").unwrap();
+    let top = job.context.find("top").unwrap();
     let options = tight(method.scheme(), steps as f64 * h, h);
     let start = [&job.start.q[..], &job.start.v];
     let mut out = Vec::new();
-    observed(&mut job.model, start, &options, &mut |model, _| {
+    observed(&mut job.context, start, &options, &mut |model, _| {
         let node = model.node_state(top);
         out.push((node.R, node.R.tr_mul(&node.omega)));
     });

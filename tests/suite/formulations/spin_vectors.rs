@@ -86,7 +86,7 @@ fn run(job: &mut Job, method: &Method, to: f64, h: f64) -> (Vec<Vec<Matrix3<f64>
     let mut steps = Vec::new();
     let options = tight(method.scheme(), to, h);
     let start = [&job.start.q[..], &job.start.v];
-    let progress = observed(&mut job.model, start, &options, &mut |model, _| {
+    let progress = observed(&mut job.context, start, &options, &mut |model, _| {
         let frames: Vec<_> = model.frames().map(|(id, _)| id).collect();
         steps.push(frames.iter().map(|&id| model.node_state(id).R).collect());
     });
@@ -138,8 +138,8 @@ fn rates_that_are_not_transported_cost_an_order() {
         let method: Method = name.parse().unwrap();
         let mut job = job(BODY, &method);
         run(&mut job, &method, to, h);
-        let (node, _) = job.model.frames().next().unwrap();
-        let (node, (R, omega)) = (job.model.node_state(node), exact(to));
+        let (node, _) = job.context.frames().next().unwrap();
+        let (node, (R, omega)) = (job.context.node_state(node), exact(to));
         (
             so3::log_rotation(&(R.transpose() * node.R), &Vector3::zeros()),
             node.omega - omega,
@@ -209,12 +209,12 @@ fn returned(name: &str, h: f64) -> f64 {
     let (_, mut progress) = run(&mut job, &method, 1.0, h);
     progress.state.v.iter_mut().for_each(|v| *v = -*v);
     let options = tight(method.scheme(), 2.0, h);
-    let whole = integrate(&mut job.model, &mut progress, &options, &mut |_, _| {
+    let whole = integrate(&mut job.context, &mut progress, &options, &mut |_, _| {
         ControlFlow::Continue(())
     });
     whole.unwrap();
-    let (node, _) = job.model.frames().next().unwrap();
-    (job.model.node_state(node).R - Matrix3::identity()).norm()
+    let (node, _) = job.context.frames().next().unwrap();
+    (job.context.node_state(node).R - Matrix3::identity()).norm()
 }
 
 #[test]

@@ -230,7 +230,7 @@ fn a_singular_start_is_told_by_the_equation_that_vanishes_only_there() {
 fn notes(text: &str) -> Vec<String> {
     pullback::input::assemble_text("model.toml", text)
         .unwrap()
-        .model
+        .context
         .descriptions()
 }
 
@@ -266,7 +266,7 @@ fn degrees_of_freedom_are_told() {
     let text = with(&[("child = \"rocker tip\"", closure)]);
     let text = text.replace("newmark = [0.25, 0.5]", "generalised-alpha = 0.8");
     let job = pullback::input::assemble_text("model.toml", &text).unwrap();
-    assert_eq!(job.model.mobility().to_string(), said);
+    assert_eq!(job.context.mobility().to_string(), said);
 }
 
 #[test]

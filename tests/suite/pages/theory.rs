@@ -2,17 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs::read_to_string;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The text of a file, or of all files of a directory.
 fn text(path: &Path) -> String {
-    let mut files: Vec<PathBuf> = vec![path.to_owned()];
-    if path.is_dir() {
-        let entries = std::fs::read_dir(path).unwrap();
-        files = entries.map(|e| e.unwrap().path()).collect();
+    if !path.is_dir() {
+        return read_to_string(path).unwrap();
     }
-    let files = files.iter().filter(|f| f.is_file());
-    files.map(|f| read_to_string(f).unwrap()).collect()
+    let entries = std::fs::read_dir(path).unwrap();
+    entries.map(|e| text(&e.unwrap().path())).collect()
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn it_twists_a_cantilever() {
                 "[analysis.static]",
             );
             let job = assemble_text("cantilever", &text).unwrap();
-            let mut model = job.model;
+            let mut model = job.context;
             let tip = model.find("tip").unwrap();
             let q = vec![0.0; job.start.q.len()];
             let zeros = start(&model, 0.0, &q, &q).unwrap();
@@ -95,7 +95,7 @@ step = {step}
         ),
     );
     let job = assemble_text("pendulum", &text).unwrap();
-    let mut model = job.model;
+    let mut model = job.context;
     let Plan::Dynamic(_) = job.plan else {
         panic!("it is a motion");
     };
@@ -134,7 +134,7 @@ fn what_falls_freely_does_not_turn() {
             );
             let support = "[[supports]]\nnode = \"root\"\nfix = \"all\"\n";
             let job = assemble_text("falling", &text.replace(support, "")).unwrap();
-            let mut model = job.model;
+            let mut model = job.context;
             let tip = model.find("tip").unwrap();
             let start = start(&model, 0.0, &job.start.q, &job.start.v).unwrap();
             let ended = solve(

@@ -105,8 +105,12 @@ fn what_ball_joints_hold_starts_with_the_value_above_them() {
             &job.start.v,
             vec![0.0; job.start.q.len()],
         );
-        job.model.configure(Point { t, q, v, a: &a }).unwrap();
-        ["e", "f"].map(|n| job.model.node_state(job.model.find(n).unwrap()).position)
+        job.context.configure(Point { t, q, v, a: &a }).unwrap();
+        ["e", "f"].map(|n| {
+            job.context
+                .node_state(job.context.find(n).unwrap())
+                .position
+        })
     };
     for (value, scheme) in [
         (0.5_f64, "newmark"),

@@ -20,17 +20,17 @@ fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsErr
     let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
     match &job.plan {
         Plan::Static(options) => {
-            let done = solve_statics(&mut job.model, &mut q, options, proceed)?;
+            let done = solve_statics(&mut job.context, &mut q, options, proceed)?;
             assert!(done.finished, "{analysis}");
         }
         Plan::Path(options, _) => {
-            let done = trace_path(&mut job.model, &mut q, options, proceed)?;
+            let done = trace_path(&mut job.context, &mut q, options, proceed)?;
             assert!(done.summary.finished, "{analysis}");
             found = done.events.iter().map(|(_, load)| *load).collect();
         }
         Plan::Dynamic(_) => unreachable!(),
     }
-    Ok((job.model, found))
+    Ok((job.context, found))
 }
 
 /// The displacement of a node along an axis.

@@ -70,10 +70,10 @@ fn counts(text: &str) -> Vec<(f64, Option<usize>)> {
     };
     match &job.plan {
         Plan::Static(options) => {
-            solve_statics(&mut job.model, &mut vec![], options, &mut observe).unwrap();
+            solve_statics(&mut job.context, &mut vec![], options, &mut observe).unwrap();
         }
         Plan::Path(options, _) => {
-            trace_path(&mut job.model, &mut vec![], options, &mut observe).unwrap();
+            trace_path(&mut job.context, &mut vec![], options, &mut observe).unwrap();
         }
         Plan::Dynamic(_) => unreachable!(),
     }

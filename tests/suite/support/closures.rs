@@ -89,10 +89,10 @@ pub fn start(text: &str) -> (HashMap<String, [f64; 2]>, Vec<String>) {
     let mut job = assemble_text("model.toml", text).unwrap();
     let a = vec![0.0; job.start.q.len()];
     let (t, q, v) = (0.0, &job.start.q, &job.start.v);
-    job.model.configure(Point { t, q, v, a: &a }).unwrap();
-    let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.model.coordinate(n, 0)?));
+    job.context.configure(Point { t, q, v, a: &a }).unwrap();
+    let coordinate = |(n, s, _): (_, &str, _)| Some((s.to_owned(), job.context.coordinate(n, 0)?));
     (
-        job.model.released().filter_map(coordinate).collect(),
-        job.model.descriptions(),
+        job.context.released().filter_map(coordinate).collect(),
+        job.context.descriptions(),
     )
 }

@@ -45,11 +45,11 @@ pub fn assert_heavy_top(text: &str, methods: &[(&str, i32)]) {
         let method: Method = method.parse().unwrap();
         let position = |h: f64| -> Vector3<f64> {
             let mut job = input::job_in("top.toml", &file, method.formulation()).unwrap();
-            let top = job.model.find("top").unwrap();
+            let top = job.context.find("top").unwrap();
             let options = tight(method.scheme(), 1.0, h);
             let mut axis = Vector3::zeros();
             let start = [&job.start.q[..], &job.start.v];
-            observed(&mut job.model, start, &options, &mut |model, _| {
+            observed(&mut job.context, start, &options, &mut |model, _| {
                 axis = model.node_state(top).R.column(1).into();
             });
             axis
