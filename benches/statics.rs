@@ -41,10 +41,10 @@ fn rollup(elements: usize) -> Context {
 }
 
 /// Seconds and iterations of the whole analysis in equal steps.
-fn analyse(model: &mut Context) -> (f64, usize) {
+fn analyse(context: &mut Context) -> (f64, usize) {
     let start = Instant::now();
     let options = StaticOptions::equal_steps(8);
-    let mut run = LoadSteps::new(model, Vec::new(), &options).expect("valid options");
+    let mut run = LoadSteps::new(context, Vec::new(), &options).expect("valid options");
     run.finish().expect("converges");
     (start.elapsed().as_secs_f64(), run.summary().iterations)
 }

@@ -15,10 +15,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Seconds of a whole run, everything included, and what it did.
-fn run(model: &mut Context, options: &DynamicOptions) -> (f64, Progress) {
+fn run(context: &mut Context, options: &DynamicOptions) -> (f64, Progress) {
     let start_time = Instant::now();
-    let state = start(model, 0.0, &[], &[]).expect("a valid start");
-    let mut run = Simulation::new(model, state, options).expect("a valid start");
+    let state = start(context, 0.0, &[], &[]).expect("a valid start");
+    let mut run = Simulation::new(context, state, options).expect("a valid start");
     run.finish().expect("converges");
     (start_time.elapsed().as_secs_f64(), run.progress().clone())
 }

@@ -38,16 +38,16 @@ fn allocations(steps: u32, by: Closure) -> u64 {
     }
     b.close_by(pin.frame, free, by).unwrap();
     b.close_by(last.frame, end, by).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let options = DynamicOptions {
         scheme: Scheme::chung_hulbert(0.8).unwrap(),
         ..DynamicOptions::new(f64::from(steps) * 1e-4, 1e-4)
     };
-    let zero = vec![0.0; model.initial().len()];
-    let mut progress = Progress::new(start(&model, 0.0, model.initial(), &zero).unwrap());
+    let zero = vec![0.0; context.initial().len()];
+    let mut progress = Progress::new(start(&context, 0.0, context.initial(), &zero).unwrap());
     let counted = measure(|| {
         let mut observer = |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        integrate(&mut model, &mut progress, &options, &mut observer).unwrap();
+        integrate(&mut context, &mut progress, &options, &mut observer).unwrap();
     });
     assert_eq!(progress.summary.steps, steps as usize);
     counted.count_total

@@ -36,18 +36,18 @@ struct Outcome {
 }
 
 /// Starts the linkage with the crank's rate.
-fn started(model: &mut Context, crank: NodeId) -> [Vec<f64>; 2] {
-    let mut q = model.initial().to_vec();
+fn started(context: &mut Context, crank: NodeId) -> [Vec<f64>; 2] {
+    let mut q = context.initial().to_vec();
     let mut v = vec![0.0; q.len()];
-    match model.unknown_at(crank, 0) {
+    match context.unknown_at(crank, 0) {
         Some(u) => {
             v[u] = CRANK_RATE;
-            let left = model.satisfy(0.0, &mut q, &mut v, &[u]).unwrap();
+            let left = context.satisfy(0.0, &mut q, &mut v, &[u]).unwrap();
             assert!(left < 1e-12, "{left:e}");
         }
         None => {
             let rates = [(crank, 0, CRANK_RATE)];
-            let left = model.fit_coordinate_rates(&q, &mut v, &rates).unwrap();
+            let left = context.fit_coordinate_rates(&q, &mut v, &rates).unwrap();
             assert!(left < 1e-12, "{left:e}");
         }
     }
@@ -61,17 +61,17 @@ fn go(by: Closure, span: [f64; 2]) -> Outcome {
 fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, by);
-    let mut model = Context::new(b.build().unwrap());
-    let unknowns = model.pattern().dim();
-    let [q, v] = started(&mut model, angles[0]);
+    let mut context = Context::new(b.build().unwrap());
+    let unknowns = context.pattern().dim();
+    let [q, v] = started(&mut context, angles[0]);
     let mut options = tight(scheme, to, step);
     options.newton.absolute = 1e-12;
     let [tip, other, pin] =
-        ["tip of the coupler", "tip of the rocker", "C"].map(|n| model.find(n).unwrap());
+        ["tip of the coupler", "tip of the rocker", "C"].map(|n| context.find(n).unwrap());
     let [coupler, rocker] = closed_form(CRANK_START);
     let (mut end, mut force, mut gap) = (Vec::new(), Vec::new(), 0.0_f64);
-    let progress = observed(&mut model, [&q, &v], &options, &mut |model, step| {
-        let [a, b, d] = [0, 1, 3].map(|k| model.coordinate(angles[k], 0).unwrap());
+    let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
+        let [a, b, d] = [0, 1, 3].map(|k| context.coordinate(angles[k], 0).unwrap());
         end = vec![
             CRANK_START + a[0],
             coupler + a[0] + b[0],
@@ -80,7 +80,8 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
             a[1] + b[1],
             d[1],
         ];
-        gap = gap.max((model.node_state(tip).position - model.node_state(other).position).norm());
+        gap =
+            gap.max((context.node_state(tip).position - context.node_state(other).position).norm());
         let s = &step.progress.state;
         let at = Point {
             t: s.t,
@@ -89,8 +90,8 @@ fn go_with(scheme: Scheme, by: Closure, [to, step]: [f64; 2]) -> Outcome {
             a: &s.a,
         };
         let mut r = vec![0.0; s.q.len()];
-        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-        force.push(model.joint_force(pin).unwrap()[0]);
+        context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        force.push(context.joint_force(pin).unwrap()[0]);
     });
     Outcome {
         end,
@@ -220,9 +221,9 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[angles[3]]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    model.check_supports().unwrap();
-    let mut q = model.initial().to_vec();
+    let mut context = Context::new(b.build().unwrap());
+    context.check_supports().unwrap();
+    let mut q = context.initial().to_vec();
     let options = StaticOptions {
         newton: NewtonOptions {
             relative: 1e-13,
@@ -230,17 +231,17 @@ fn equilibrium(by: Closure) -> (f64, Vector2<f64>) {
         },
         ..StaticOptions::default()
     };
-    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+    solve_statics(&mut context, &mut q, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })
     .unwrap();
     let (t, v, a) = (1.0, &[][..], &[][..]);
     let mut r = vec![0.0; q.len()];
     let at = Point { t, q: &q, v, a };
-    model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-    let pin = model.find("C").unwrap();
-    let force = model.joint_force(pin).unwrap()[0];
-    let crank = model.coordinate(angles[0], 0).unwrap()[0];
+    context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+    let pin = context.find("C").unwrap();
+    let force = context.joint_force(pin).unwrap()[0];
+    let crank = context.coordinate(angles[0], 0).unwrap()[0];
     (CRANK_START + crank, flat(&force))
 }
 
@@ -281,8 +282,8 @@ fn a_loop_in_equilibrium_all_three_ways() {
 fn conditioning_does_not_depend_on_the_step() {
     let mut b = ModelBuilder::new();
     let angles = linkage_by(&mut b, CRANK_START, at_once, Closure::Multipliers);
-    let mut model = Context::new(b.build().unwrap());
-    let [q, v] = started(&mut model, angles[0]);
+    let mut context = Context::new(b.build().unwrap());
+    let [q, v] = started(&mut context, angles[0]);
     let n = q.len();
     let a = vec![0.0; n];
     let at = Point {
@@ -291,7 +292,7 @@ fn conditioning_does_not_depend_on_the_step() {
         v: &v,
         a: &a,
     };
-    let pattern = model.pattern().clone();
+    let pattern = context.pattern().clone();
     let mut conditions = [Vec::new(), Vec::new()];
     for k in 2..8 {
         let h = 10.0_f64.powi(-k);
@@ -302,7 +303,7 @@ fn conditioning_does_not_depend_on_the_step() {
         };
         let (mut r, mut S) = (vec![0.0; n], vec![0.0; pattern.len()]);
         let out = Evaluation::with_tangent(&mut r, weights, &mut S);
-        model.evaluate(at, out).unwrap();
+        context.evaluate(at, out).unwrap();
         let mut scales = vec![1.0; n];
         let dense = |scales: &[f64]| {
             let mut A = DMatrix::zeros(n, n);
@@ -357,11 +358,11 @@ fn a_scheme_that_damps_nothing_is_refused_by_name() {
     let run = |scheme: Scheme, by: Closure| {
         let mut b = ModelBuilder::new();
         let angles = linkage_by(&mut b, CRANK_START, at_once, by);
-        let mut model = Context::new(b.build().unwrap());
-        let [q, v] = started(&mut model, angles[0]);
+        let mut context = Context::new(b.build().unwrap());
+        let [q, v] = started(&mut context, angles[0]);
         let options = tight(scheme, 0.01, 1e-3);
-        let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
-        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+        let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
+        integrate(&mut context, &mut progress, &options, &mut |_, _| {
             ControlFlow::Continue(())
         })
     };
@@ -413,13 +414,13 @@ fn an_equation_that_followed_at_a_singular_start_only_is_named() {
     let C = revolute(&mut b, "C", tip, E3).unwrap();
     let end = offset(&mut b, "end", rocker.frame, Q).unwrap();
     b.close_by(C.frame, end, Closure::Multipliers).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    let note = model.descriptions()[0].clone();
+    let mut context = Context::new(b.build().unwrap());
+    let note = context.descriptions()[0].clone();
     assert!(note.contains("the gap along e1"), "{note}");
-    let zero = vec![0.0; model.pattern().dim()];
-    let mut progress = Progress::new(start(&model, 0.0, &zero, &zero).unwrap());
+    let zero = vec![0.0; context.pattern().dim()];
+    let mut progress = Progress::new(start(&context, 0.0, &zero, &zero).unwrap());
     let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.5, 1e-3);
-    let error = integrate(&mut model, &mut progress, &options, &mut |_, _| {
+    let error = integrate(&mut context, &mut progress, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })
     .unwrap_err();

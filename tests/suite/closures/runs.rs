@@ -90,22 +90,22 @@ fn multipliers_go_through_changes_of_chart() {
     let go = |n: u32| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Multipliers);
-        let mut model = Context::new(b.build().unwrap());
-        let mut q = model.initial().to_vec();
+        let mut context = Context::new(b.build().unwrap());
+        let mut q = context.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         let held: Vec<usize> = (0..3)
-            .map(|k| model.unknown_at(rotation, k).unwrap())
+            .map(|k| context.unknown_at(rotation, k).unwrap())
             .collect();
         for (k, &u) in held.iter().enumerate() {
             v[u] = 7.0 * e[k];
         }
-        assert!(model.satisfy(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
+        assert!(context.satisfy(0.0, &mut q, &mut v, &held).unwrap() < 1e-12);
         let scheme = Scheme::chung_hulbert(0.9).unwrap();
         let options = tight(scheme, 1.5, 1.5 / f64::from(n));
-        let ends = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
+        let ends = ["coupler end", "rocker end"].map(|n| context.find(n).unwrap());
         let (mut position, mut residual) = (Vector3::zeros(), 0.0_f64);
-        let run = observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            let [p, q] = ends.map(|n| model.node_state(n).position);
+        let run = observed(&mut context, [&q, &v], &options, &mut |context, _| {
+            let [p, q] = ends.map(|n| context.node_state(n).position);
             position = p;
             residual = residual.max((p - q).norm());
         });
@@ -120,16 +120,16 @@ fn multipliers_go_through_changes_of_chart() {
     let map = |n: u32| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Map);
-        let mut model = Context::new(b.build().unwrap());
-        let mut v = vec![0.0; model.pattern().dim()];
+        let mut context = Context::new(b.build().unwrap());
+        let mut v = vec![0.0; context.pattern().dim()];
         let q = v.clone();
         let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
-        model.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
+        context.fit_coordinate_rates(&q, &mut v, &spin).unwrap();
         let options = tight(Scheme::default(), 1.5, 1.5 / f64::from(n));
-        let end = model.find("coupler end").unwrap();
+        let end = context.find("coupler end").unwrap();
         let mut position = Vector3::zeros();
-        observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            position = model.node_state(end).position;
+        observed(&mut context, [&q, &v], &options, &mut |context, _| {
+            position = context.node_state(end).position;
         });
         position
     };
@@ -157,15 +157,15 @@ fn a_drive_that_jumps_strikes_the_whole_loop() {
         let points = vec![[0.0, 0.0], [0.1, 0.1], [0.2, 0.4], [0.4, 0.5]];
         let drive = Table::new(points).unwrap();
         b.prescribe_coordinate(angles[0], 0, Box::new(drive));
-        let mut model = Context::new(b.build().unwrap());
-        let mut q = model.initial().to_vec();
+        let mut context = Context::new(b.build().unwrap());
+        let mut q = context.initial().to_vec();
         let mut v = vec![0.0; q.len()];
         // Of a model that enforces nothing this takes nothing.
-        model.satisfy(BEFORE_START, &mut q, &mut v, &[]).unwrap();
+        context.satisfy(BEFORE_START, &mut q, &mut v, &[]).unwrap();
         let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 0.3, h);
         let mut end = Vec::new();
-        observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            let [x, x_dot] = model.coordinate(pendulum, 0).unwrap();
+        observed(&mut context, [&q, &v], &options, &mut |context, _| {
+            let [x, x_dot] = context.coordinate(pendulum, 0).unwrap();
             end = vec![x, x_dot];
         });
         end

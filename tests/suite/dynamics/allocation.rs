@@ -147,17 +147,17 @@ fn allocations(
 ) -> (u64, Summary, usize) {
     // Energy is kept where nothing is driven.
     let driven = !options.scheme.keeps_energy();
-    let (mut model, [way, q]) = everything(formulation, driven);
-    let n = model.pattern().dim();
+    let (mut context, [way, q]) = everything(formulation, driven);
+    let n = context.pattern().dim();
     let mut v = vec![0.0; n];
     let turning = RigidMotion {
         omega: Vector3::z() * 3.0,
         ..RigidMotion::default()
     };
-    model.set_velocity(&vec![0.0; n], &mut v, None, &turning);
-    assert!(model.set(&mut v, q, 0, 3.0));
-    let mut progress = Progress::new(start(&model, 0.0, &[], &v).unwrap());
-    let way = model.unknown_at(way, 0).unwrap();
+    context.set_velocity(&vec![0.0; n], &mut v, None, &turning);
+    assert!(context.set(&mut v, q, 0, 3.0));
+    let mut progress = Progress::new(start(&context, 0.0, &[], &v).unwrap());
+    let way = context.unknown_at(way, 0).unwrap();
     let (mut element, mut moves) = (1.0, 0);
     let mut observer = |_: &mut Context, report: &StepReport<'_>| {
         // Elements of length 0.5, the ring started at 0.7.
@@ -170,7 +170,7 @@ fn allocations(
         }
     };
     let counted = measure(|| {
-        integrate(&mut model, &mut progress, options, &mut observer).unwrap();
+        integrate(&mut context, &mut progress, options, &mut observer).unwrap();
     });
     (counted.count_total, progress.summary, moves)
 }

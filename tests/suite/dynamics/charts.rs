@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 
 /// A model, the nodes compared, its start, and where its free rotation vectors stand.
 struct Problem {
-    model: Context,
+    context: Context,
     probes: Vec<NodeId>,
     q: Vec<f64>,
     v: Vec<f64>,
@@ -44,30 +44,32 @@ impl Problem {
             self.q[k..k + 3].copy_from_slice(other.as_slice());
             self.v[k..k + 3].copy_from_slice(rate.as_slice());
         }
-        let mut charts = self.model.element_charts();
+        let mut charts = self.context.element_charts();
         charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
-        self.model.set_element_charts(&charts);
+        self.context.set_element_charts(&charts);
         self
     }
 
     /// A run in `n` steps with changes of chart as the model has them.
     fn by_itself(self, scheme: Scheme, to: f64, n: usize) -> Vec<NodeState> {
         let Self {
-            mut model,
+            mut context,
             probes,
             q,
             v,
             ..
         } = self;
         let options = tight(scheme, to, to / n as f64);
-        history(&mut model, &probes, [&q, &v], &options, 8).0
+        history(&mut context, &probes, [&q, &v], &options, 8).0
     }
 
     /// A run in `n` steps with all charts changed after step `change`, and never otherwise.
     fn changed(self, scheme: Scheme, to: f64, n: usize, change: Option<usize>) -> Vec<NodeState> {
         let mut system = Flipped {
             beams: self.beams,
-            ..Flipped::new(self.model, self.rotations, move |step| Some(step) == change)
+            ..Flipped::new(self.context, self.rotations, move |step| {
+                Some(step) == change
+            })
         };
         let options = tight(scheme, to, to / n as f64);
         let from = [&self.q[..], &self.v[..]];
@@ -97,8 +99,8 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
     let probe = offset(&mut b, "probe", ball.frame, center).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = Context::new(b.build().unwrap());
-    let k = model.unknown_at(ball.rotation, 0).unwrap();
+    let context = Context::new(b.build().unwrap());
+    let k = context.unknown_at(ball.rotation, 0).unwrap();
     let mut q = vec![0.0; 3];
     q[k..k + 3].copy_from_slice(&psi);
     let mut v = vec![0.0; 3];
@@ -106,9 +108,9 @@ fn pendulum(J: Matrix3<f64>, center: [f64; 3], psi: [f64; 3], omega: [f64; 3]) -
         omega: omega.into(),
         ..RigidMotion::default()
     };
-    model.set_velocity(&q, &mut v, None, &motion);
+    context.set_velocity(&q, &mut v, None, &motion);
     Problem {
-        model,
+        context,
         probes: vec![ball.frame, probe],
         q,
         v,
@@ -147,27 +149,27 @@ fn beam(psi: [f64; 3], omega: [f64; 3]) -> Problem {
         section: section.with_mass(1.0, J),
     };
     let nodes = b.line("beam", &axis, ends, &line).unwrap().nodes;
-    let model = Context::new(b.build().unwrap());
+    let context = Context::new(b.build().unwrap());
     let psi = Vector3::from(psi);
-    let mut q = vec![0.0; model.pattern().dim()];
+    let mut q = vec![0.0; context.pattern().dim()];
     let mut rotations = Vec::new();
     for &node in &nodes {
-        let X = model.reference(node);
+        let X = context.reference(node);
         let d = so3::rotation(&psi) * X - X;
         for k in 0..3 {
-            model.set(&mut q, node, k, d[k]);
-            model.set(&mut q, node, 3 + k, psi[k]);
+            context.set(&mut q, node, k, d[k]);
+            context.set(&mut q, node, 3 + k, psi[k]);
         }
-        rotations.push(model.unknown(node, Dof::RX).unwrap());
+        rotations.push(context.unknown(node, Dof::RX).unwrap());
     }
     let mut v = vec![0.0; q.len()];
     let motion = RigidMotion {
         omega: omega.into(),
         ..RigidMotion::default()
     };
-    model.set_velocity(&q, &mut v, None, &motion);
+    context.set_velocity(&q, &mut v, None, &motion);
     Problem {
-        model,
+        context,
         probes: nodes,
         q,
         v,
@@ -243,7 +245,7 @@ fn in_space_histories_agree_to_the_order_of_the_scheme() {
 fn nothing_in_space_jumps_at_a_change() {
     for problem in [spatial, || beam([0.3, 0.8, -1.0], [1.0, -0.5, 3.0])] {
         let Problem {
-            model,
+            context,
             probes,
             q,
             v,
@@ -252,19 +254,19 @@ fn nothing_in_space_jumps_at_a_change() {
         } = problem();
         let mut system = Flipped {
             beams,
-            ..Flipped::new(model, rotations, |step| step == 1)
+            ..Flipped::new(context, rotations, |step| step == 1)
         };
         // A step, and the same step again with its charts changed at the end.
         let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 0.01, 0.01);
         let mut ends = Vec::new();
         for steps in [10, 0] {
             system.steps = steps;
-            observed(&mut system, [&q, &v], &options, &mut |model, step| {
+            observed(&mut system, [&q, &v], &options, &mut |context, step| {
                 assert_eq!(step.chart_changes > 0, steps == 0);
                 ends.push(
                     probes
                         .iter()
-                        .map(|&n| model.node_state(n))
+                        .map(|&n| context.node_state(n))
                         .collect::<Vec<_>>(),
                 );
             });

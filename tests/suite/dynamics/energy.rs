@@ -59,12 +59,12 @@ fn soft() -> Section {
 }
 
 /// Energies at the end of a run.
-fn balance(model: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
+fn balance(context: &mut Context, v: &[f64], scheme: Scheme, to: f64, n: usize) -> EnergyBalance {
     let options = DynamicOptions {
         energies: true,
         ..tight(scheme, to, to / n as f64)
     };
-    let progress = observed(model, [&[], v], &options, &mut |_, _| ());
+    let progress = observed(context, [&[], v], &options, &mut |_, _| ());
     progress.summary.energy.unwrap()
 }
 
@@ -101,16 +101,16 @@ fn the_power_balance_closes_to_the_order_of_the_scheme() {
                 2,
                 soft().with_damping(damping).unwrap(),
             );
-            let mut model = Context::new(b.build().unwrap());
-            let mut v = vec![0.0; model.pattern().dim()];
-            model.set(&mut v, hinge.angle, 0, 0.5);
+            let mut context = Context::new(b.build().unwrap());
+            let mut v = vec![0.0; context.pattern().dim()];
+            context.set(&mut v, hinge.angle, 0, 0.5);
             // The beam begins to move with the shaft, which turns at 3 rad/s.
             let motion = RigidMotion {
                 omega: Vector3::new(0.3, 0.2, 1.0).normalize() * 3.0,
                 ..RigidMotion::default()
             };
-            model.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
-            let energy = balance(&mut model, &v, scheme, 1.0, n);
+            context.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
+            let energy = balance(&mut context, &v, scheme, 1.0, n);
             supplied = energy.work;
             energy.largest_defect
         });
@@ -127,15 +127,15 @@ fn free_beam(interpolation: Interpolation) -> (Context, Vec<f64>) {
     let ends = [[0.0; 3], [1.0, 0.0, 0.0]];
     let ends = [b.node("a", ends[0]).unwrap(), b.node("b", ends[1]).unwrap()];
     beam_with(&mut b, ends, 2, soft(), interpolation);
-    let model = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; model.pattern().dim()];
+    let context = Context::new(b.build().unwrap());
+    let mut v = vec![0.0; context.pattern().dim()];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),
         omega: Vector3::new(0.6, -1.0, -1.2),
         about: Vector3::new(0.5, 0.0, 0.0),
     };
-    model.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
-    (model, v)
+    context.set_velocity(&vec![0.0; v.len()], &mut v, None, &motion);
+    (context, v)
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn free_beam_conserves(interpolation: Interpolation) {
     let to = 1.5;
     let mut linear = 0.0_f64;
     let errors = [200, 400, 800].map(|n| {
-        let (mut model, v) = free_beam(interpolation);
+        let (mut context, v) = free_beam(interpolation);
         let q = vec![0.0; v.len()];
         let start = Point {
             t: 0.0,
@@ -160,13 +160,13 @@ fn free_beam_conserves(interpolation: Interpolation) {
             v: &v,
             a: &q,
         };
-        let first = model.energies_and_momentum(start).unwrap();
+        let first = context.energies_and_momentum(start).unwrap();
         assert!(first.momentum.linear.norm() > 0.9 && first.momentum.angular.norm() > 0.3);
         let energy = first.energies.kinetic;
         let mut largest = [0.0_f64; 2];
         let mut stored = 0.0_f64;
         let options = tight(Scheme::default(), to, to / n as f64);
-        let progress = observed(&mut model, [&q, &v], &options, &mut |model, step| {
+        let progress = observed(&mut context, [&q, &v], &options, &mut |context, step| {
             let s = &step.progress.state;
             let at = Point {
                 t: s.t,
@@ -174,7 +174,7 @@ fn free_beam_conserves(interpolation: Interpolation) {
                 v: &s.v,
                 a: &s.a,
             };
-            let now = model.energies_and_momentum(at).unwrap();
+            let now = context.energies_and_momentum(at).unwrap();
             let total = now.energies.kinetic + now.energies.stored;
             stored = stored.max(now.energies.stored);
             largest[0] = largest[0].max((total - energy).abs());
@@ -216,11 +216,11 @@ fn bar(scheme: Scheme, elements: usize, [h, to]: [f64; 2], v: &dyn Fn(f64) -> f6
     for &node in &nodes[1..] {
         b.support(node, &[Dof::Y, Dof::Z, Dof::RX, Dof::RY, Dof::RZ]);
     }
-    let mut model = Context::new(b.build().unwrap());
-    let mut rates = vec![0.0; model.pattern().dim()];
+    let mut context = Context::new(b.build().unwrap());
+    let mut rates = vec![0.0; context.pattern().dim()];
     for &node in &nodes[1..] {
-        let x = model.reference(node).x;
-        model.set(&mut rates, node, 0, v(x));
+        let x = context.reference(node).x;
+        context.set(&mut rates, node, 0, v(x));
     }
     let mut options = DynamicOptions {
         energies: true,
@@ -229,7 +229,7 @@ fn bar(scheme: Scheme, elements: usize, [h, to]: [f64; 2], v: &dyn Fn(f64) -> f6
     // Forces die away, and are to be balanced all the same.
     options.newton.absolute = f64::MIN_POSITIVE;
     let mut energies = vec![1.0];
-    observed(&mut model, [&[], &rates], &options, &mut |_, step| {
+    observed(&mut context, [&[], &rates], &options, &mut |_, step| {
         let energy = step.progress.summary.energy.unwrap();
         energies.push((energy.now.kinetic + energy.now.stored) / energy.start);
     });
@@ -311,24 +311,24 @@ fn cantilever(damping: Damping) -> [f64; 2] {
         .unwrap();
     let nodes = beam(&mut b, ends, 12, section);
     b.support(ends[0], &Dof::ALL);
-    let mut model = Context::new(b.build().unwrap());
-    let mut q = vec![0.0; model.pattern().dim()];
+    let mut context = Context::new(b.build().unwrap());
+    let mut q = vec![0.0; context.pattern().dim()];
     // Euler–Bernoulli: w = cosh κx − cos κx − σ (sinh κx − sin κx), cos κ cosh κ = −1.
     let kappa: f64 = 1.875_104_068_711_961;
     let sigma = (kappa.sinh() - kappa.sin()) / (kappa.cosh() + kappa.cos());
     for &node in &nodes[1..] {
-        let x = kappa * model.reference(node).x;
+        let x = kappa * context.reference(node).x;
         let w = x.cosh() - x.cos() - sigma * (x.sinh() - x.sin());
         let slope = kappa * (x.sinh() + x.sin() - sigma * (x.cosh() - x.cos()));
-        model.set(&mut q, node, Dof::Z.index(), 5e-4 * w);
-        model.set(&mut q, node, Dof::RY.index(), -5e-4 * slope);
+        context.set(&mut q, node, Dof::Z.index(), 5e-4 * w);
+        context.set(&mut q, node, Dof::RY.index(), -5e-4 * slope);
     }
     let omega = kappa * kappa;
     let h = TAU / omega / 200.0;
     let mut tips = Vec::new();
     let options = tight(Scheme::default(), 1220.0 * h, h);
-    observed(&mut model, [&q, &[]], &options, &mut |model, _| {
-        tips.push(model.node_state(ends[1]).d.z);
+    observed(&mut context, [&q, &[]], &options, &mut |context, _| {
+        tips.push(context.node_state(ends[1]).d.z);
     });
     let mut maxima = Vec::new();
     for (k, w) in tips.windows(3).enumerate() {

@@ -75,30 +75,30 @@ fn weight(b: &mut ModelBuilder, ends: [NodeId; 2]) {
 }
 
 /// The velocities of a rigid motion about the middle of the beam.
-fn spun(model: &Context) -> (Vec<f64>, RigidMotion) {
-    let n = model.pattern().dim();
+fn spun(context: &Context) -> (Vec<f64>, RigidMotion) {
+    let n = context.pattern().dim();
     let mut v = vec![0.0; n];
     let motion = RigidMotion {
         velocity: Vector3::new(0.5, -0.3, 0.8),
         omega: Vector3::new(0.6, -1.0, -1.2),
         about: Vector3::new(0.2 + 0.5 * LENGTH, 0.1, 0.0),
     };
-    model.set_velocity(&vec![0.0; n], &mut v, None, &motion);
+    context.set_velocity(&vec![0.0; n], &mut v, None, &motion);
     (v, motion)
 }
 
 /// The model's energy with the potential of its loads, and its momenta.
-fn audit(model: &mut Context, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
-    let audit = model.energies_and_momentum(at).unwrap();
+fn audit(context: &mut Context, at: Point<'_>) -> (f64, [Vector3<f64>; 2]) {
+    let audit = context.energies_and_momentum(at).unwrap();
     let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
     (energy, [audit.momentum.linear, audit.momentum.angular])
 }
 
 /// Energy and momenta at rest in the reference configuration but for the velocities.
-fn at_start(model: &mut Context, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
-    let (q, a) = (model.initial().to_vec(), vec![0.0; v.len()]);
+fn at_start(context: &mut Context, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
+    let (q, a) = (context.initial().to_vec(), vec![0.0; v.len()]);
     audit(
-        model,
+        context,
         Point {
             t: 0.0,
             q: &q,
@@ -111,15 +111,15 @@ fn at_start(model: &mut Context, v: &[f64]) -> (f64, [Vector3<f64>; 2]) {
 /// The largest differences from an energy, and from those components of momenta that a mask has, along
 /// a run.
 fn run(
-    model: &mut Context,
+    context: &mut Context,
     v: &[f64],
     options: &DynamicOptions,
     (energy, momenta): (f64, [Vector3<f64>; 2]),
     mask: [Vector3<f64>; 2],
 ) -> ([f64; 3], Progress) {
     let mut worst = [0.0_f64; 3];
-    let q = model.initial().to_vec();
-    let progress = observed(model, [&q, v], options, &mut |model, step| {
+    let q = context.initial().to_vec();
+    let progress = observed(context, [&q, v], options, &mut |context, step| {
         let s = &step.progress.state;
         let at = Point {
             t: s.t,
@@ -127,7 +127,7 @@ fn run(
             v: &s.v,
             a: &s.a,
         };
-        let (now, both) = audit(model, at);
+        let (now, both) = audit(context, at);
         worst[0] = worst[0].max((now - energy).abs());
         for k in 0..2 {
             let gap = (both[k] - momenta[k]).component_mul(&mask[k]).norm();
@@ -205,10 +205,10 @@ fn it_is_of_order_two() {
     };
     for word in ["projected-newmark", "projected-newmark:0.8"] {
         let top = |scheme, n| {
-            let (mut model, v) = heavy_top();
-            let node = [model.find("tip").unwrap()];
+            let (mut context, v) = heavy_top();
+            let node = [context.find("tip").unwrap()];
             let options = options(scheme, 1.0, n);
-            history(&mut model, &node, [&[0.0; 3], &v], &options, 10).0
+            history(&mut context, &node, [&[0.0; 3], &v], &options, 10).0
         };
         order(word, &top, 400);
         let free = |scheme, n| {
@@ -235,10 +235,10 @@ impl Energies<1> for Flywheel {
 
 #[test]
 fn symmetries_are_found() {
-    let count = |model: &mut Context| {
-        let n = model.pattern().dim();
-        let (q, v) = (model.initial().to_vec(), vec![0.1; n]);
-        let found = model.symmetries([0.0, 10.0], &q, &v);
+    let count = |context: &mut Context| {
+        let n = context.pattern().dim();
+        let (q, v) = (context.initial().to_vec(), vec![0.1; n]);
+        let found = context.symmetries([0.0, 10.0], &q, &v);
         found.len()
     };
     use Interpolation::{Geodesic, Total};
@@ -306,24 +306,24 @@ fn heavy_top() -> (Context, Vec<f64>) {
     let top = RigidBody::new(1.0, J, [0.0, 0.1, 0.4].into()).unwrap();
     body(&mut b, "top", ball.frame, top);
     offset(&mut b, "tip", ball.frame, [0.0, 0.0, 1.0]).unwrap();
-    let model = Context::new(b.build().unwrap());
+    let context = Context::new(b.build().unwrap());
     let mut v = vec![0.0; 3];
     let motion = RigidMotion {
         omega: Vector3::new(0.5, 0.2, 9.0),
         ..RigidMotion::default()
     };
-    model.set_velocity(&[0.0; 3], &mut v, None, &motion);
-    (model, v)
+    context.set_velocity(&[0.0; 3], &mut v, None, &motion);
+    (context, v)
 }
 
 #[test]
 fn a_heavy_top_keeps_energy_and_vertical_momentum() {
     let go = |scheme: &str| {
-        let (mut model, v) = heavy_top();
-        let start = at_start(&mut model, &v);
+        let (mut context, v) = heavy_top();
+        let start = at_start(&mut context, &v);
         let mask = [Vector3::zeros(), Vector3::z()];
         let scheme = scheme.parse().unwrap();
-        run(&mut model, &v, &options(scheme, 20.0, 4000), start, mask)
+        run(&mut context, &v, &options(scheme, 20.0, 4000), start, mask)
     };
     let (kept, progress) = go("projected-newmark");
     assert_eq!(progress.invariants.unwrap().motions.len(), 1);
@@ -342,16 +342,16 @@ fn a_free_body_keeps_energy_and_momenta() {
     let J = Matrix3::from_diagonal(&Vector3::new(0.3, 0.25, 0.1));
     let free = RigidBody::new(1.0, J, [0.0, 0.1, 0.0].into()).unwrap();
     b.element("body", free, &[node]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut v = vec![0.0; 6];
     let motion = RigidMotion {
         omega: Vector3::new(0.3, 3.0, 0.2),
         velocity: Vector3::new(0.1, 0.0, 0.3),
         ..RigidMotion::default()
     };
-    model.set_velocity(&[0.0; 6], &mut v, None, &motion);
-    let start = at_start(&mut model, &v);
-    let (kept, _) = run(&mut model, &v, &options(em(), 60.0, 3000), start, ALL);
+    context.set_velocity(&[0.0; 6], &mut v, None, &motion);
+    let start = at_start(&mut context, &v);
+    let (kept, _) = run(&mut context, &v, &options(em(), 60.0, 3000), start, ALL);
     assert!(
         kept[0] < 1e-12 && kept[1] < 1e-12 && kept[2] < 1e-11,
         "{kept:?}"
@@ -374,16 +374,16 @@ fn constant_loads_change_momentum_by_their_impulse() {
     heavy_body(&mut b, "body", node, 0.5, [0.0, 0.2, 0.4]);
     let beam_force = Vector3::new(0.2, 0.3, 0.2 - 3.0 * LENGTH);
     let body_force = Vector3::new(0.0, 0.0, -0.5 * 9.81);
-    for (mut model, force) in [
+    for (mut context, force) in [
         (beam, beam_force),
         (Context::new(b.build().unwrap()), body_force),
     ] {
-        let (v, _) = spun(&model);
-        let (start, [p, _]) = at_start(&mut model, &v);
+        let (v, _) = spun(&context);
+        let (start, [p, _]) = at_start(&mut context, &v);
         let mut worst = [0.0_f64; 2];
         let q = vec![0.0; v.len()];
         let options = options(em(), 10.0, 500);
-        observed(&mut model, [&q, &v], &options, &mut |model, step| {
+        observed(&mut context, [&q, &v], &options, &mut |context, step| {
             let s = &step.progress.state;
             let at = Point {
                 t: s.t,
@@ -391,7 +391,7 @@ fn constant_loads_change_momentum_by_their_impulse() {
                 v: &s.v,
                 a: &s.a,
             };
-            let (energy, [now, _]) = audit(model, at);
+            let (energy, [now, _]) = audit(context, at);
             let off = [energy - start, (now - p - force * s.t).norm()];
             worst = std::array::from_fn(|k| worst[k].max(off[k].abs()));
         });

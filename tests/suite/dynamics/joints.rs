@@ -27,18 +27,18 @@ fn ground(b: &mut ModelBuilder) -> NodeId {
 }
 
 /// Zeros with some coordinates set.
-fn values(model: &Context, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
-    let mut x = vec![0.0; model.pattern().dim()];
+fn values(context: &Context, set: &[(NodeId, usize, f64)]) -> Vec<f64> {
+    let mut x = vec![0.0; context.pattern().dim()];
     for &(node, k, value) in set {
-        assert!(model.set(&mut x, node, k, value));
+        assert!(context.set(&mut x, node, k, value));
     }
     x
 }
 
 /// Values and rates of coordinate nodes at the end of a run.
-fn ending(model: &mut Context, progress: &Progress, nodes: &[NodeId]) -> Vec<f64> {
-    configure(model, &progress.state);
-    let both = |&n: &NodeId| model.coordinate(n, 0).unwrap();
+fn ending(context: &mut Context, progress: &Progress, nodes: &[NodeId]) -> Vec<f64> {
+    configure(context, &progress.state);
+    let both = |&n: &NodeId| context.coordinate(n, 0).unwrap();
     nodes.iter().flat_map(both).collect()
 }
 
@@ -80,16 +80,16 @@ fn linked(stiffness: Option<f64>) -> Vec<NodeState> {
         offset(&mut b, "second", first, position).unwrap()
     };
     heavy_body(&mut b, "second", second, 0.5, [0.0, 0.1, 0.1]);
-    let mut model = Context::new(b.build().unwrap());
-    let q = values(&model, &[]);
+    let mut context = Context::new(b.build().unwrap());
+    let q = values(&context, &[]);
     let mut v = q.clone();
     let motion = RigidMotion {
         omega: Vector3::new(0.4, -0.3, 1.0),
         ..RigidMotion::default()
     };
-    model.set_velocity(&q, &mut v, None, &motion);
+    context.set_velocity(&q, &mut v, None, &motion);
     let options = tight(Scheme::chung_hulbert(0.5).unwrap(), 1.0, 1e-3);
-    history(&mut model, &[first, second], [&q, &v], &options, 10).0
+    history(&mut context, &[first, second], [&q, &v], &options, 10).0
 }
 
 #[test]
@@ -129,15 +129,15 @@ fn a_pendulum_on_a_skew_axis() {
         let ground = ground(&mut b);
         let hinge = revolute(&mut b, "hinge", ground, axis.into()).unwrap();
         body(&mut b, "bar", hinge.frame, RigidBody::new(m, J, c).unwrap());
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let (q, v) = (
-            values(&model, &[(hinge.angle, 0, 0.3)]),
-            values(&model, &[(hinge.angle, 0, 2.0)]),
+            values(&context, &[(hinge.angle, 0, 0.3)]),
+            values(&context, &[(hinge.angle, 0, 2.0)]),
         );
         let options = tight(Scheme::default(), to, to / n as f64);
-        let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
+        let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
         gaps(
-            &ending(&mut model, &progress, &[hinge.angle]),
+            &ending(&mut context, &progress, &[hinge.angle]),
             exact.as_slice(),
         )
     });
@@ -190,17 +190,17 @@ fn a_double_pendulum_of_bars() {
         let tip = offset(&mut b, "tip", second.frame, [0.0, 0.0, -l[0] - l[1]]).unwrap();
         b.element("fly", PointMass::new(1e-12).unwrap(), &[tip])
             .unwrap();
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let (u, w) = (first.angle, second.angle);
-        let q = values(&model, &[(u, 0, start[0]), (w, 0, start[1] - start[0])]);
-        let v = values(&model, &[(u, 0, start[2]), (w, 0, start[3] - start[2])]);
+        let q = values(&context, &[(u, 0, start[0]), (w, 0, start[1] - start[0])]);
+        let v = values(&context, &[(u, 0, start[2]), (w, 0, start[3] - start[2])]);
         let options = tight(Scheme::default(), to, to / n as f64);
-        let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
-        let found = ending(&mut model, &progress, &[u, w]);
+        let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
+        let found = ending(&mut context, &progress, &[u, w]);
         // The tip is where the angles say.
         let hang = |angle: f64, l: f64| so3::rotation(&(e * angle)) * Vector3::new(0.0, 0.0, -l);
         let position = hang(found[0], l[0]) + hang(found[0] + found[2], l[1]);
-        assert!((model.node_state(tip).position - position).norm() < 1e-13);
+        assert!((context.node_state(tip).position - position).norm() < 1e-13);
         gaps(&found, &exact)
     });
     let names = ["first angle", "its rate", "second angle", "its rate"];
@@ -239,18 +239,18 @@ fn a_spherical_pendulum() {
         let weight = point.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
         b.element("mass", point, &[end]).unwrap();
         b.element("weight", weight, &[end]).unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        let q = values(&model, &[]);
+        let mut context = Context::new(b.build().unwrap());
+        let q = values(&context, &[]);
         let mut v = q.clone();
         let motion = RigidMotion {
             omega,
             ..RigidMotion::default()
         };
-        model.set_velocity(&q, &mut v, None, &motion);
+        context.set_velocity(&q, &mut v, None, &motion);
         let options = tight(Scheme::default(), to, to / n as f64);
-        let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
-        configure(&mut model, &progress.state);
-        let s = model.node_state(end);
+        let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
+        configure(&mut context, &progress.state);
+        let s = context.node_state(end);
         let (position, rate) = (exact.fixed_rows::<3>(0) * l, exact.fixed_rows::<3>(3) * l);
         vec![(s.position - position).norm(), (s.velocity - rate).norm()]
     });
@@ -282,18 +282,18 @@ fn turntable(more: impl FnOnce(&mut ModelBuilder, RevoluteNodes)) -> (Context, R
 fn a_constant_torque_gives_a_constant_acceleration() {
     let torque = 3.0;
     for scheme in second_order() {
-        let (mut model, hinge, J) = turntable(|b, hinge| {
+        let (mut context, hinge, J) = turntable(|b, hinge| {
             let motor = CoordinateForce::new(Constant(torque));
             b.element("motor", motor, &[hinge.angle]).unwrap();
         });
         let to = 4.0;
         let progress = observed(
-            &mut model,
+            &mut context,
             [&[], &[]],
             &tight(scheme, to, 0.05),
             &mut |_, _| (),
         );
-        let found = ending(&mut model, &progress, &[hinge.angle]);
+        let found = ending(&mut context, &progress, &[hinge.angle]);
         // A parabola is exact in every scheme of the family; 16 rad are two turns and a half.
         let exact = [0.5 * torque / J * to * to, torque / J * to];
         for gap in gaps(&found, &exact) {
@@ -309,7 +309,7 @@ fn a_spring_and_a_damper_on_the_angle_make_an_oscillator() {
     for scheme in second_order() {
         let mut exact = Vec::new();
         let errors = [200, 400, 800].map(|n| {
-            let (mut model, hinge, J) = turntable(|b, hinge| {
+            let (mut context, hinge, J) = turntable(|b, hinge| {
                 let law = CoordinateLaw { k, k3: 0.0, c, x0 };
                 let spring = CoordinateSpring::new(law).unwrap();
                 b.element("spring", spring, &[hinge.angle]).unwrap();
@@ -323,10 +323,10 @@ fn a_spring_and_a_damper_on_the_angle_make_an_oscillator() {
                 x0 + amplitude * (cos + delta / omega * s),
                 -amplitude * (omega + delta * delta / omega) * s,
             ];
-            let q = values(&model, &[(hinge.angle, 0, start)]);
+            let q = values(&context, &[(hinge.angle, 0, start)]);
             let options = tight(scheme, to, to / n as f64);
-            let progress = observed(&mut model, [&q, &[]], &options, &mut |_, _| ());
-            gaps(&ending(&mut model, &progress, &[hinge.angle]), &exact)
+            let progress = observed(&mut context, [&q, &[]], &options, &mut |_, _| ());
+            gaps(&ending(&mut context, &progress, &[hinge.angle]), &exact)
         });
         assert_slopes(scheme.name, &["angle", "rate"], &errors, 2.0, 0.1);
         assert!(errors[2][0] < 1e-4, "{errors:?}");
@@ -348,22 +348,22 @@ fn a_prescribed_angle_is_followed_exactly() {
     let end = offset(&mut b, "end", hinge.frame, X.into()).unwrap();
     let free = revolute(&mut b, "free", end, [1.0, 0.0, 0.0]).unwrap();
     heavy_body(&mut b, "free", free.frame, 0.4, [0.0, 0.2, 0.1]);
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut turned = 0.0_f64;
     let options = tight(Scheme::chung_hulbert(0.8).unwrap(), 3.0, 0.01);
-    let progress = observed(&mut model, [&[], &[]], &options, &mut |model, step| {
+    let progress = observed(&mut context, [&[], &[]], &options, &mut |context, step| {
         let [angle, rate, second] = drive.at(step.progress.state.t);
         let R = so3::rotation(&(e * angle));
         let x = R * X;
         let (along, across) = (e.cross(&x), e.cross(&e.cross(&x)));
-        let (frame, end) = (model.node_state(hinge.frame), model.node_state(end));
+        let (frame, end) = (context.node_state(hinge.frame), context.node_state(end));
         assert!((frame.R - R).amax() < 1e-13);
         assert!((frame.omega - e * rate).norm() < 1e-12);
         assert!((end.position - x).norm() < 1e-13);
         assert!((end.velocity - along * rate).norm() < 1e-12);
         let acceleration = along * second + across * (rate * rate);
         assert!((end.acceleration - acceleration).norm() < 1e-10);
-        turned = turned.max(model.coordinate(free.angle, 0).unwrap()[0].abs());
+        turned = turned.max(context.coordinate(free.angle, 0).unwrap()[0].abs());
     });
     assert!(turned > 0.1, "the second body is to move");
     assert!(progress.summary.chart_changes >= 4);

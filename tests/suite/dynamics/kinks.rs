@@ -55,13 +55,13 @@ fn pushed(force: impl FnOnce(&mut ModelBuilder) -> Box<dyn TimeFunction>) -> Con
 }
 
 /// Position and velocity after two seconds in steps of a tenth; `turn` is called after the first.
-fn after(model: &mut Context, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
+fn after(context: &mut Context, word: &str, turn: &mut dyn FnMut()) -> [f64; 2] {
     let options = DynamicOptions {
         scheme: word.parse().unwrap(),
         ..DynamicOptions::new(2.0, 0.1)
     };
-    let mut progress = Progress::new(start(model, 0.0, &[], &[]).unwrap());
-    integrate(model, &mut progress, &options, &mut |_, step| {
+    let mut progress = Progress::new(start(context, 0.0, &[], &[]).unwrap());
+    integrate(context, &mut progress, &options, &mut |_, step| {
         if step.progress.summary.steps == 10 {
             turn();
         }

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 /// A model, the nodes whose motion is compared, and its initial velocities.
 struct Problem {
-    model: Context,
+    context: Context,
     probes: Vec<NodeId>,
     v: Vec<f64>,
 }
@@ -37,14 +37,14 @@ fn two_bodies(spin: [f64; 3]) -> Problem {
     let probe = offset(&mut b, "probe", ball.frame, [1.3, 0.6, -0.3]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; model.pattern().dim()];
-    model.set(&mut v, hinge.angle, 0, 3.0);
+    let context = Context::new(b.build().unwrap());
+    let mut v = vec![0.0; context.pattern().dim()];
+    context.set(&mut v, hinge.angle, 0, 3.0);
     for (k, rate) in spin.into_iter().enumerate() {
-        model.set(&mut v, ball.rotation, k, rate);
+        context.set(&mut v, ball.rotation, k, rate);
     }
     Problem {
-        model,
+        context,
         probes: vec![arm, probe],
         v,
     }
@@ -82,18 +82,18 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
     };
     b.line_with("beam", &axis, [arm, tip], &line, interpolation)
         .unwrap();
-    let model = Context::new(b.build().unwrap());
-    let q = vec![0.0; model.pattern().dim()];
+    let context = Context::new(b.build().unwrap());
+    let q = vec![0.0; context.pattern().dim()];
     let mut v = q.clone();
     let omega = 5.0;
     let motion = RigidMotion {
         omega: Vector3::z() * omega,
         ..RigidMotion::default()
     };
-    model.set_velocity(&q, &mut v, None, &motion);
-    model.set(&mut v, hinge.angle, 0, omega);
+    context.set_velocity(&q, &mut v, None, &motion);
+    context.set(&mut v, hinge.angle, 0, omega);
     Problem {
-        model,
+        context,
         probes: vec![arm, tip],
         v,
     }
@@ -102,12 +102,12 @@ fn swung_beam_with(elements: usize, tilt: f64, interpolation: Interpolation) -> 
 /// The spatial history of a problem, and how many charts changed.
 fn by_itself(problem: Problem, scheme: Scheme, to: f64, n: usize) -> (Vec<NodeState>, usize) {
     let Problem {
-        mut model,
+        mut context,
         probes,
         v,
     } = problem;
     let options = tight(scheme, to, to / n as f64);
-    let (states, progress) = history(&mut model, &probes, [&[], &v], &options, 8);
+    let (states, progress) = history(&mut context, &probes, [&[], &v], &options, 8);
     (states, progress.summary.chart_changes)
 }
 
@@ -161,13 +161,13 @@ fn upside_down() -> (Problem, Vec<f64>) {
     let probe = offset(&mut b, "probe", ball.frame, [0.3, 0.1, 0.9]).unwrap();
     b.element("fly", PointMass::new(0.1).unwrap(), &[probe])
         .unwrap();
-    let model = Context::new(b.build().unwrap());
-    let k = model.unknown_at(ball.rotation, 0).unwrap();
+    let context = Context::new(b.build().unwrap());
+    let k = context.unknown_at(ball.rotation, 0).unwrap();
     let (mut q, mut v) = (vec![0.0; 3], vec![0.0; 3]);
     q[k..k + 3].copy_from_slice(&[PI - 0.3, 0.1, 0.2]);
     v[k..k + 3].copy_from_slice(&[0.3, 0.1, 0.05]);
     let probes = vec![ball.frame, probe];
-    (Problem { model, probes, v }, q)
+    (Problem { context, probes, v }, q)
 }
 
 #[test]
@@ -176,12 +176,12 @@ fn swings_about_the_border_of_a_chart() {
     let run = |scheme, n: usize| {
         let (problem, q) = upside_down();
         let Problem {
-            mut model,
+            mut context,
             probes,
             v,
         } = problem;
         let options = tight(scheme, to, to / n as f64);
-        let (states, progress) = history(&mut model, &probes, [&q, &v], &options, 8);
+        let (states, progress) = history(&mut context, &probes, [&q, &v], &options, 8);
         // At the largest step more often than after every twelfth.
         let changes = progress.summary.chart_changes;
         assert!(12 * changes >= 80, "{changes} changes");
@@ -198,12 +198,12 @@ fn swings_about_the_border_of_a_chart() {
 
 /// The two bodies, the second one turned at the start, and changes of its chart after chosen steps.
 fn flipped(when: impl Fn(usize) -> bool + 'static) -> (Flipped, Vec<NodeId>, [Vec<f64>; 2]) {
-    let Problem { model, probes, v } = two_bodies([1.0, 1.5, 0.4]);
-    let ball = model.find("ball rotation").unwrap();
-    let k = model.unknown_at(ball, 0).unwrap();
+    let Problem { context, probes, v } = two_bodies([1.0, 1.5, 0.4]);
+    let ball = context.find("ball rotation").unwrap();
+    let k = context.unknown_at(ball, 0).unwrap();
     let mut q = vec![0.0; v.len()];
     q[k..k + 3].copy_from_slice(&[0.5, 1.0, 0.4]);
-    (Flipped::new(model, vec![k], when), probes, [q, v])
+    (Flipped::new(context, vec![k], when), probes, [q, v])
 }
 
 /// With changes of chart every so many steps; `per_run` of them, or after every tenth step.
@@ -261,8 +261,8 @@ fn a_flexible_beam_swung_in_a_plane_across_changes_of_chart() {
 fn a_flexible_beam_swung_in_space_within_one_chart() {
     let to = 1.0;
     let run = |scheme, n: usize| {
-        let Problem { model, probes, v } = swung_beam(2, 0.3);
-        let mut system = Flipped::new(model, Vec::new(), |_| false);
+        let Problem { context, probes, v } = swung_beam(2, 0.3);
+        let mut system = Flipped::new(context, Vec::new(), |_| false);
         let options = tight(scheme, to, to / n as f64);
         let (states, progress) = history(&mut system, &probes, [&[], &v], &options, 8);
         assert_eq!(progress.summary.chart_changes, 0);
@@ -296,8 +296,8 @@ fn a_geodesic_beam_swung_in_space_across_changes_of_chart() {
 fn of_a_change(elements: usize, interpolation: Interpolation, n: usize) -> [Vec<f64>; 2] {
     let to = 1.0;
     let run = |when: usize| {
-        let Problem { model, probes, v } = swung_beam_with(elements, 0.3, interpolation);
-        let mut system = Flipped::new(model, Vec::new(), move |step| step == when);
+        let Problem { context, probes, v } = swung_beam_with(elements, 0.3, interpolation);
+        let mut system = Flipped::new(context, Vec::new(), move |step| step == when);
         system.beams = elements;
         let options = tight(Scheme::default(), to, to / n as f64);
         history(&mut system, &probes, [&[], &v], &options, 8).0
@@ -329,8 +329,8 @@ fn what_a_change_of_chart_does_to_a_beam_in_space_falls_with_the_mesh() {
         let options = tight(Scheme::default(), to, to / n as f64);
         let (changing, changes) = by_itself(swung_beam(elements, 0.3), Scheme::default(), to, n);
         assert_eq!(changes, elements + 1);
-        let Problem { model, probes, v } = swung_beam(elements, 0.3);
-        let mut system = Flipped::new(model, Vec::new(), |_| false);
+        let Problem { context, probes, v } = swung_beam(elements, 0.3);
+        let mut system = Flipped::new(context, Vec::new(), |_| false);
         let (staying, _) = history(&mut system, &probes, [&[], &v], &options, 8);
         distances(&changing, &staying)
     });

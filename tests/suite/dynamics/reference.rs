@@ -20,23 +20,23 @@ const G: f64 = 9.81;
 /// Rotation and angular velocity (global components) of `node` after `n` steps from the reference
 /// configuration with angular velocity `omega`, and the number of changes of chart.
 fn spin(
-    (mut model, node): (Context, NodeId),
+    (mut context, node): (Context, NodeId),
     omega: Vector3<f64>,
     scheme: Scheme,
     to: f64,
     n: usize,
 ) -> (Matrix3<f64>, Vector3<f64>, usize) {
-    let q = vec![0.0; model.pattern().dim()];
+    let q = vec![0.0; context.pattern().dim()];
     let mut v = q.clone();
     let motion = RigidMotion {
         omega,
         ..RigidMotion::default()
     };
-    model.set_velocity(&q, &mut v, None, &motion);
+    context.set_velocity(&q, &mut v, None, &motion);
     let options = tight(scheme, to, to / n as f64);
-    let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
-    configure(&mut model, &progress.state);
-    let s = model.node_state(node);
+    let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
+    configure(&mut context, &progress.state);
+    let s = context.node_state(node);
     (s.R, s.omega, progress.summary.chart_changes)
 }
 
@@ -182,14 +182,14 @@ fn pendulum(scheme: Scheme, start: [f64; 2], to: f64, n: usize) -> (Vector3<f64>
     let weight = mass.weight([0.0, 0.0, -G], Box::new(Constant(1.0)));
     b.element("mass", mass, &[end]).unwrap();
     b.element("weight", weight, &[end]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let options = tight(scheme, to, to / n as f64);
     let [q, v] = start.map(|x| [x]);
-    let progress = observed(&mut model, [&q, &v], &options, &mut |_, _| ());
-    configure(&mut model, &progress.state);
-    let angle = model.coordinate(hinge.angle, 0).unwrap();
+    let progress = observed(&mut context, [&q, &v], &options, &mut |_, _| ());
+    configure(&mut context, &progress.state);
+    let angle = context.coordinate(hinge.angle, 0).unwrap();
     let changes = progress.summary.chart_changes;
-    (model.node_state(end).position, angle, changes)
+    (context.node_state(end).position, angle, changes)
 }
 
 #[test]
@@ -271,13 +271,13 @@ fn hooke(beta: f64, k: f64) -> [f64; 2] {
     let coupling = Bushing::new(&ends, &Matrix3::identity(), &K, &Matrix6::zeros()).unwrap();
     b.element("coupling", coupling, &[yoke.frame, output.frame])
         .unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut worst = [0.0_f64; 2];
     // A scheme that damps the vibrations of the coupling.
     let options = tight(Scheme::chung_hulbert(0.0).unwrap(), PI, PI / 2000.0);
-    observed(&mut model, [&[], &[]], &options, &mut |model, step| {
+    observed(&mut context, [&[], &[]], &options, &mut |context, step| {
         let [first, rate, _] = drive.at(step.progress.state.t);
-        let [second, speed] = model.coordinate(output.angle, 0).unwrap();
+        let [second, speed] = context.coordinate(output.angle, 0).unwrap();
         let [exact, ratio] = hooke_relation(beta, first);
         let gap = (second - exact) / TAU;
         worst[0] = worst[0].max((gap - gap.round()).abs() * TAU);

@@ -81,12 +81,12 @@ fn energy(by: By, base: f64, twist: f64, steps: usize) -> Result<f64, StaticsErr
     b.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RY, Dof::RZ]);
     b.prescribe(root, Dof::RX, Proportional(base));
     b.prescribe(tip, Dof::RX, Proportional(base + twist));
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut q = Vec::new();
-    solve_statics(&mut model, &mut q, &options(steps), &mut |_, _| {
+    solve_statics(&mut context, &mut q, &options(steps), &mut |_, _| {
         ControlFlow::Continue(())
     })?;
-    Ok(model.strain_energy(1.0))
+    Ok(context.strain_energy(1.0))
 }
 
 const SHAFTS: [By; 7] = [
@@ -132,20 +132,20 @@ fn a_torque_twists_one_element_and_lets_it_go() {
         };
         let moment = NodalLoad::new(LoadKind::SpatialMoment, [5.5 * GJ, 0.0, 0.0], course);
         b.element("torque", moment, &[tip]).unwrap();
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let mut q = Vec::new();
         let mut most = 0.0_f64;
-        solve_statics(&mut model, &mut q, &options(20), &mut |model, step| {
+        solve_statics(&mut context, &mut q, &options(20), &mut |context, step| {
             let twist = 5.5 * (TAU * step.t).sin();
             most = most.max(twist.abs());
             let exact = 0.5 * GJ * twist * twist;
-            let found = model.strain_energy(step.t);
+            let found = context.strain_energy(step.t);
             assert!(
                 (found - exact).abs() < 1e-7,
                 "{by:?}, {twist} rad: {found} for {exact}"
             );
             let turned = nalgebra::Rotation3::new(Vector3::x() * twist);
-            assert!((model.node_state(tip).R - turned.matrix()).amax() < 1e-7);
+            assert!((context.node_state(tip).R - turned.matrix()).amax() < 1e-7);
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -192,10 +192,10 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
         b.support(root, &Dof::ALL);
         let disk = RigidBody::new(1.0, Matrix3::identity() * inertia, Vector3::zeros()).unwrap();
         b.element("disk", disk, &[tip]).unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        let n = model.pattern().dim();
+        let mut context = Context::new(b.build().unwrap());
+        let n = context.pattern().dim();
         let mut v = vec![0.0; n];
-        v[model.unknown(tip, Dof::RX).unwrap()] = 5.5 * omega;
+        v[context.unknown(tip, Dof::RX).unwrap()] = 5.5 * omega;
         let until = 1.3 * TAU / omega;
         let mut run = |steps: usize, stop: Option<usize>| {
             let options = tight(
@@ -203,14 +203,14 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
                 until,
                 until / steps as f64,
             );
-            let mut progress = Progress::new(start(&model, 0.0, &vec![0.0; n], &v).unwrap());
+            let mut progress = Progress::new(start(&context, 0.0, &vec![0.0; n], &v).unwrap());
             let mut errors = 0.0_f64;
-            let mut go = |progress: &mut Progress, model: &mut Context| {
-                integrate(model, progress, &options, &mut |model, step| {
+            let mut go = |progress: &mut Progress, context: &mut Context| {
+                integrate(context, progress, &options, &mut |context, step| {
                     let state = &step.progress.state;
-                    crate::support::dynamics::configure(model, state);
+                    crate::support::dynamics::configure(context, state);
                     let theta = 5.5 * (omega * state.t).sin();
-                    let found = (2.0 * model.strain_energy(state.t) / GJ).sqrt();
+                    let found = (2.0 * context.strain_energy(state.t) / GJ).sqrt();
                     errors = errors.max((found - theta.abs()).abs());
                     if stop == Some(step.progress.summary.steps) {
                         ControlFlow::Break(())
@@ -220,13 +220,13 @@ fn a_disk_swings_by_nearly_a_turn_on_one_element() {
                 })
                 .unwrap();
             };
-            go(&mut progress, &mut model);
+            go(&mut progress, &mut context);
             if stop.is_some() {
                 // Stopped in mid-swing, and another run has been made with the model since.
-                let charts = model.element_charts();
-                model.start(0.0, &vec![0.0; n]);
-                model.set_element_charts(&charts);
-                go(&mut progress, &mut model);
+                let charts = context.element_charts();
+                context.start(0.0, &vec![0.0; n]);
+                context.set_element_charts(&charts);
+                go(&mut progress, &mut context);
             }
             errors
         };

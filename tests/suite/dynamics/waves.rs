@@ -103,20 +103,20 @@ fn a_blow_runs_through_the_bar_and_back_as_d_alembert_has_it() {
             .sum::<f64>()
     };
     let error = |elements: usize| {
-        let (mut model, nodes) = bar(elements, blow);
+        let (mut context, nodes) = bar(elements, blow);
         // Until it is back in the middle, and over the elements' own step as a whole number of steps.
         let to = 1.6 * LENGTH / c;
         let h = to / (to / (0.9 * stable(elements))).ceil();
         let mut worst = [0.0_f64; 2];
         observed(
-            &mut model,
+            &mut context,
             [&[]; 2],
             &explicit(to, h),
-            &mut |model, step| {
+            &mut |context, step| {
                 let t = step.progress.state.t;
                 for (k, &node) in nodes.iter().enumerate() {
                     let x = LENGTH * k as f64 / elements as f64;
-                    let node = model.node_state(node);
+                    let node = context.node_state(node);
                     worst[0] = worst[0].max((node.d.x - exact(x, t)).abs());
                     worst[1] = worst[1].max(node.d.yz().norm());
                 }
@@ -148,10 +148,10 @@ fn the_stable_step_is_that_of_linear_elements_with_consistent_mass() {
     for elements in [10, 80] {
         let exact = stable(elements);
         let run = |h: f64| -> Result<Summary, DynamicsError> {
-            let (mut model, _) = bar(elements, blow);
-            let mut progress = Progress::new(start(&model, 0.0, &[], &[])?);
+            let (mut context, _) = bar(elements, blow);
+            let mut progress = Progress::new(start(&context, 0.0, &[], &[])?);
             integrate(
-                &mut model,
+                &mut context,
                 &mut progress,
                 &explicit(5.0 * h, h),
                 &mut |_, _| ControlFlow::Continue(()),

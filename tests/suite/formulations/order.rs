@@ -25,22 +25,22 @@ fn body(updated: bool) -> (Context, NodeId, Vec<f64>) {
     let J = Matrix3::from_diagonal(&Vector3::new(2.0, 2.0, 1.0));
     let body = RigidBody::new(1.0, J, Vector3::zeros()).unwrap();
     b.element("body", body, &[node]).unwrap();
-    let model = Context::new(b.build().unwrap());
-    let mut v = vec![0.0; model.pattern().dim()];
+    let context = Context::new(b.build().unwrap());
+    let mut v = vec![0.0; context.pattern().dim()];
     for (k, omega) in [(3, 3.0), (5, 4.0)] {
-        model.set(&mut v, rotation, k, omega);
+        context.set(&mut v, rotation, k, omega);
     }
-    (model, node, v)
+    (context, node, v)
 }
 
 /// Distance of the rotation at t = 2 from the exact one, and the number of changes of chart.
 fn error(updated: bool, scheme: Scheme, n: usize) -> (f64, usize) {
     let to = 2.0;
-    let (mut model, node, v) = body(updated);
+    let (mut context, node, v) = body(updated);
     let options = tight(scheme, to, to / n as f64);
     let mut R = Matrix3::zeros();
-    let progress = observed(&mut model, [&[], &v], &options, &mut |model, _| {
-        R = model.node_state(node).R;
+    let progress = observed(&mut context, [&[], &v], &options, &mut |context, _| {
+        R = context.node_state(node).R;
     });
     // Landau & Lifshitz, Mechanics, section 33: about L with |L|/J₁, about its axis with
     // Ω₃ (1 − J₃/J₁).

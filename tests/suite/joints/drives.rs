@@ -84,7 +84,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
     let free = b.node("free", [0.0; 3]).unwrap();
     let sphere = RigidBody::new(1.0, Matrix3::identity(), Vector3::zeros()).unwrap();
     b.element("free", sphere, &[free]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let start = joint.pose(0.0, &SVector::zeros()).d;
     let pose = |t: f64| {
         let q = SVector::<f64, 6>::from_fn(|k, _| {
@@ -102,7 +102,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
             },
         }
     };
-    let zeros = vec![0.0; model.pattern().dim()];
+    let zeros = vec![0.0; context.pattern().dim()];
     for t in [0.0, 0.4, 1.1, 2.3] {
         let at = Point {
             t,
@@ -111,8 +111,8 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
             a: &zeros,
         };
         let mut r = zeros.clone();
-        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-        let state = model.node_state(made.frame);
+        context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        let state = context.node_state(made.frame);
         let turn = |t: f64| so3::rotation(&so3::log_quaternion(&pose(t).rotation));
         assert!((state.d - pose(t).d).norm() < 1e-13, "{what} at {t}");
         assert!((state.R - turn(t)).norm() < 1e-13, "{what} at {t}");
@@ -127,7 +127,7 @@ fn driven<J: Joint<D> + Copy + 'static, const D: usize>(what: &str, joint: J, tu
             let [rate, _] = differences(&|t| turn(t) * e, t);
             close(state.omega.cross(&(state.R * e)), rate, "angular velocity");
         }
-        let [force, moment] = model.joint_force(made.frame).unwrap();
+        let [force, moment] = context.joint_force(made.frame).unwrap();
         close(force, acceleration * MASS, "force");
         assert!(moment.norm() < 1e-12);
     }
@@ -162,12 +162,12 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
             let boom = prismatic(&mut b, "boom", hub.frame, [1.0, 0.0, 0.0]).unwrap();
             b.element("mass", PointMass::new(MASS).unwrap(), &[boom.frame])
                 .unwrap();
-            let mut model = Context::new(b.build().unwrap());
-            let mut progress = Progress::new(start(&model, 0.0, &[first], &[0.0]).unwrap());
+            let mut context = Context::new(b.build().unwrap());
+            let mut progress = Progress::new(start(&context, 0.0, &[first], &[0.0]).unwrap());
             let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, to / steps as f64);
             let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-            integrate(&mut model, &mut progress, &options, go_on).unwrap();
-            configure(&mut model, &progress.state);
+            integrate(&mut context, &mut progress, &options, go_on).unwrap();
+            configure(&mut context, &progress.state);
             // r̈ = Ω² r, and the moment of the drive is the rate of m r² Ω.
             let (r, rate) = (
                 first * (omega * to).cosh(),
@@ -180,10 +180,10 @@ fn a_carriage_on_a_driven_boom_is_flung_and_pulls_at_the_drive() {
                 v: &state.v,
                 a: &state.a,
             };
-            model
+            context
                 .evaluate(at, Evaluation::residual(&mut [0.0]))
                 .unwrap();
-            let [_, moment] = model.joint_force(hub.frame).unwrap();
+            let [_, moment] = context.joint_force(hub.frame).unwrap();
             let exact = 2.0 * MASS * r * rate * omega;
             vec![
                 (state.q[0] - r).abs(),

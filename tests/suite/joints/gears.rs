@@ -255,16 +255,16 @@ fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
         assert!(error.to_string().starts_with(wrong), "{error}");
         let motor = CoordinateForce::new(Constant(0.3));
         b.element("motor", motor, &[planet]).unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        assert_eq!(model.pattern().dim(), 1);
+        let mut context = Context::new(b.build().unwrap());
+        assert_eq!(context.pattern().dim(), 1);
         // m a² + J (7/3)² + J (8/3)² and the motor's 4/3 of its moment.
         let squares = (7.0_f64 / 3.0).powi(2) + (8.0_f64 / 3.0).powi(2);
         let acceleration = 0.3 * (4.0 / 3.0) / (2.0 * 0.49 + 0.05 * squares);
-        let mut progress = Progress::new(start(&model, 0.0, &[0.0], &[0.0]).unwrap());
+        let mut progress = Progress::new(start(&context, 0.0, &[0.0], &[0.0]).unwrap());
         let mut options = DynamicOptions::new(2.0, 0.01);
         options.scheme = Scheme::newmark(0.25, 0.5).unwrap();
         let go_on = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        integrate(&mut model, &mut progress, &options, go_on).unwrap();
+        integrate(&mut context, &mut progress, &options, go_on).unwrap();
         let angle = 0.5 * acceleration * 4.0;
         assert!((progress.state.q[0] - angle).abs() < 1e-9);
         let state = &progress.state;
@@ -274,8 +274,8 @@ fn a_planet_rolls_around_a_fixed_sun_and_drives_a_train() {
             v: &state.v,
             a: &state.a,
         };
-        model.configure(at).unwrap();
-        let [found, rate] = model.coordinate(pinion, 0).unwrap();
+        context.configure(at).unwrap();
+        let [found, rate] = context.coordinate(pinion, 0).unwrap();
         assert!((found - angle * 8.0 / 3.0).abs() < 1e-9);
         assert!((rate - acceleration * 2.0 * 8.0 / 3.0).abs() < 1e-9);
     }

@@ -32,34 +32,34 @@ fn ball(hang: impl Fn(&mut ModelBuilder, NodeId) -> JointNodes) -> (Context, Joi
 
 /// Runs with rates of the released coordinates; the orientation at each step is handed to `at`.
 fn run(
-    model: &mut Context,
+    context: &mut Context,
     made: &JointNodes,
     rates: &[f64],
     to: f64,
     at: &mut dyn FnMut(f64, &NodeState),
 ) -> Result<Progress, DynamicsError> {
-    let n = model.pattern().dim();
+    let n = context.pattern().dim();
     let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
     let positions = made
         .coordinates
         .iter()
         .flat_map(|&r| [(r, 0), (r, 1), (r, 2)]);
     let positions: Vec<_> = positions
-        .filter(|&(r, k)| model.unknown_at(r, k).is_some())
+        .filter(|&(r, k)| context.unknown_at(r, k).is_some())
         .collect();
     for (&(node, k), &rate) in positions.iter().zip(rates) {
-        assert!(model.set(&mut v, node, k, rate));
+        assert!(context.set(&mut v, node, k, rate));
     }
-    let mut progress = Progress::new(start(model, 0.0, &q, &v)?);
+    let mut progress = Progress::new(start(context, 0.0, &q, &v)?);
     let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), to, 0.01);
     let frame = made.frame;
     integrate(
-        model,
+        context,
         &mut progress,
         &options,
-        &mut |model: &mut Context, step| {
-            configure(model, &step.progress.state);
-            at(step.progress.state.t, &model.node_state(frame));
+        &mut |context: &mut Context, step| {
+            configure(context, &step.progress.state);
+            at(step.progress.state.t, &context.node_state(frame));
             ControlFlow::Continue(())
         },
     )?;
@@ -69,11 +69,11 @@ fn run(
 #[test]
 fn a_universal_joint_goes_through_a_right_angle_and_any_number_of_turns() {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let (mut model, made) = ball(|b, on| universal(b, "cross", on, axes).unwrap());
+    let (mut context, made) = ball(|b, on| universal(b, "cross", on, axes).unwrap());
     // The axes stay at right angles, so T = ½ J (α̇² + β̇²): both angles grow evenly.
     let (alpha, beta) = (1.0, 3.0);
     let mut largest = 0.0_f64;
-    let progress = run(&mut model, &made, &[alpha, beta], 5.0, &mut |t, state| {
+    let progress = run(&mut context, &made, &[alpha, beta], 5.0, &mut |t, state| {
         let exact = so3::rotation(&(Vector3::x() * (alpha * t)))
             * so3::rotation(&(Vector3::y() * (beta * t)));
         largest = largest.max((state.R - exact).norm());
@@ -95,7 +95,7 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
     let bob = offset(&mut b, "bob", made.frame, [0.0, 0.0, -1.0]).unwrap();
     b.element("mass", PointMass::new(1.0).unwrap(), &[bob])
         .unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let beta = 1.2_f64;
     let (sin, cos) = beta.sin_cos();
     for rates in [[1.0, 2.0], [0.2, 2.0]] {
@@ -107,11 +107,11 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
             let options = tight(Scheme::newmark(0.25, 0.5).unwrap(), 0.4, h);
             let mut last = (Vector3::zeros(), 0.0);
             observed(
-                &mut model,
+                &mut context,
                 [&[0.0, beta], &rates],
                 &options,
-                &mut |model, step| {
-                    last = (model.node_state(bob).position, step.progress.state.q[0]);
+                &mut |context, step| {
+                    last = (context.node_state(bob).position, step.progress.state.q[0]);
                 },
             );
             assert!(last.1 > 2.0, "not beyond: {}", last.1);
@@ -126,18 +126,24 @@ fn a_point_mass_on_a_universal_joint_passes_a_right_angle_on_a_great_circle() {
 
 #[test]
 fn a_spherical_joint_turns_any_number_of_times() {
-    let (mut model, made) = ball(|b, on| spherical(b, "socket", on).unwrap().into());
+    let (mut context, made) = ball(|b, on| spherical(b, "socket", on).unwrap().into());
     let omega = Vector3::new(3.0, -4.0, 12.0);
     let mut largest = 0.0_f64;
-    let progress = run(&mut model, &made, omega.as_slice(), 2.0, &mut |t, state| {
-        largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
-    });
+    let progress = run(
+        &mut context,
+        &made,
+        omega.as_slice(),
+        2.0,
+        &mut |t, state| {
+            largest = largest.max((state.R - so3::rotation(&(omega * t))).norm());
+        },
+    );
     let progress = progress.unwrap();
     // 26 rad: the chart changes at π, 3π, 5π and 7π.
     assert!(largest < 1e-10, "{largest:e}");
     assert!(progress.summary.chart_changes >= 4);
     for k in 0..3 {
-        let [value, _] = model.coordinate(made.coordinates[0], k).unwrap();
+        let [value, _] = context.coordinate(made.coordinates[0], k).unwrap();
         assert!(value.abs() < 0.6 * TAU);
     }
 }
@@ -145,14 +151,14 @@ fn a_spherical_joint_turns_any_number_of_times() {
 #[test]
 fn a_tilt_of_a_whole_turn_is_refused_with_the_name_of_the_coupling() {
     let axis = [0.0, 0.0, 1.0];
-    let (mut model, made) = ball(|b, on| {
+    let (mut context, made) = ball(|b, on| {
         let made = constant_velocity(b, "coupling", on, [axis; 2]).unwrap();
         b.prescribe_coordinate(made.coordinates[0], 0, Box::new(Proportional(2.0)));
         b.prescribe_coordinate(made.coordinates[1], 0, Box::new(Constant(0.0)));
         made
     });
     let mut reached = 0.0_f64;
-    let ended = run(&mut model, &made, &[], 4.0, &mut |t, state| {
+    let ended = run(&mut context, &made, &[], 4.0, &mut |t, state| {
         reached = t;
         // The shaft is tilted by 2 t, through half a turn and beyond.
         let tilted = (state.R * Vector3::z()).z;
@@ -185,9 +191,9 @@ impl Curve for Rail {
 
 #[test]
 fn the_end_of_a_curve_is_refused_with_the_name_of_the_point() {
-    let (mut model, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
+    let (mut context, made) = ball(|b, on| on_curve(b, "carriage", on, Rail).unwrap());
     let mut reached = 0.0_f64;
-    let ended = run(&mut model, &made, &[2.0], 4.0, &mut |t, state| {
+    let ended = run(&mut context, &made, &[2.0], 4.0, &mut |t, state| {
         reached = state.position.x;
         assert!((state.position.x - 2.0 * t).abs() < 1e-12);
     });
@@ -212,18 +218,23 @@ fn a_spring_along_a_line_lets_its_nodes_turn() {
     let positions = [ground, end].map(|n| b.position(n));
     let spring = AxialSpring::new(&positions, 1.0, 0.5).unwrap();
     b.element("spring", spring, &[ground, end]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let (q, mut v) = (vec![0.0; 6], vec![0.0; 6]);
     v[5] = rate;
-    let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+    let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
     let options = tight(Scheme::default(), to, 0.01);
-    integrate(&mut model, &mut progress, &options, &mut |model, step| {
-        configure(model, &step.progress.state);
-        let now = model.node_state(end);
-        let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
-        assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
-        ControlFlow::Continue(())
-    })
+    integrate(
+        &mut context,
+        &mut progress,
+        &options,
+        &mut |context, step| {
+            configure(context, &step.progress.state);
+            let now = context.node_state(end);
+            let turned = so3::rotation(&Vector3::new(0.0, 0.0, rate * step.progress.state.t));
+            assert!((now.R - turned).norm() < 1e-9 && now.d.norm() < 1e-12);
+            ControlFlow::Continue(())
+        },
+    )
     .unwrap();
     assert_eq!(progress.state.t, to);
 }

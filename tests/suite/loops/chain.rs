@@ -285,23 +285,28 @@ fn over(known: &dyn Fn(f64) -> f64, rate: Option<f64>) -> (f64, Option<String>) 
         let ground = b.find("ground").unwrap();
         bar(&mut b, ground, [9.0, 0.0, 0.0], free, 1.0, 1.0);
     }
-    let mut model = Context::new(b.build().unwrap());
-    let zero = vec![0.0; model.pattern().dim()];
-    let mut progress = Progress::new(start(&model, 0.0, &zero, &[rate.unwrap_or(0.0)]).unwrap());
+    let mut context = Context::new(b.build().unwrap());
+    let zero = vec![0.0; context.pattern().dim()];
+    let mut progress = Progress::new(start(&context, 0.0, &zero, &[rate.unwrap_or(0.0)]).unwrap());
     let options = tight(Scheme::default(), 1.0, 1e-3);
     let mut at = from;
-    let ended = integrate(&mut model, &mut progress, &options, &mut |model, step| {
-        let state = &step.progress.state;
-        configure(model, state);
-        let x: [f64; 4] = std::array::from_fn(|k| model.coordinate(x, k).unwrap()[0]);
-        at = known(state.t);
-        assert!(gap(&x, &[at, at, at, 0.0]) < 1e-4, "{x:?} for {at}");
-        if at < 0.4 {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
-    });
+    let ended = integrate(
+        &mut context,
+        &mut progress,
+        &options,
+        &mut |context, step| {
+            let state = &step.progress.state;
+            configure(context, state);
+            let x: [f64; 4] = std::array::from_fn(|k| context.coordinate(x, k).unwrap()[0]);
+            at = known(state.t);
+            assert!(gap(&x, &[at, at, at, 0.0]) < 1e-4, "{x:?} for {at}");
+            if at < 0.4 {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        },
+    );
     (at, ended.err().map(|error| error.to_string()))
 }
 

@@ -27,11 +27,11 @@ struct Motion {
     progress: Progress,
 }
 
-fn go(mut model: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) -> Motion {
-    let n = model.pattern().dim();
+fn go(mut context: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) -> Motion {
+    let n = context.pattern().dim();
     let zero = vec![0.0; n];
     let mut v = zero.clone();
-    let left = model
+    let left = context
         .fit_coordinate_rates(&zero, &mut v, &[(angles[0], 0, rate)])
         .unwrap();
     assert!(left < 1e-12, "{left:e}");
@@ -41,22 +41,26 @@ fn go(mut model: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) 
         end: Vec::new(),
         residual: 0.0,
         drift: 0.0,
-        notes: model.descriptions().into_iter().map(|n| (0.0, n)).collect(),
+        notes: context
+            .descriptions()
+            .into_iter()
+            .map(|n| (0.0, n))
+            .collect(),
         progress: Progress::default(),
     };
-    let tips = ["tip of the coupler", "tip of the rocker"].map(|n| model.find(n).unwrap());
-    let frame = model.find("C").unwrap();
+    let tips = ["tip of the coupler", "tip of the rocker"].map(|n| context.find(n).unwrap());
+    let frame = context.find("C").unwrap();
     let mut start = None;
     let (mut end, mut residual, mut drift, mut notes) =
         (Vec::new(), 0.0_f64, 0.0_f64, out.notes.clone());
-    out.progress = observed(&mut model, [&zero, &v], &options, &mut |model, step| {
-        let both = [0, 1, 3].map(|k| model.coordinate(angles[k], 0).unwrap());
+    out.progress = observed(&mut context, [&zero, &v], &options, &mut |context, step| {
+        let both = [0, 1, 3].map(|k| context.coordinate(angles[k], 0).unwrap());
         let [a, b, d] = both;
         end = vec![a[0], a[0] + b[0], d[0], a[1], a[1] + b[1], d[1]];
-        let [p, q] = tips.map(|n| model.node_state(n).position);
-        let turn = model.node_state(frame).R - model.node_state(tips[1]).R;
+        let [p, q] = tips.map(|n| context.node_state(n).position);
+        let turn = context.node_state(frame).R - context.node_state(tips[1]).R;
         residual = residual.max((p - q).norm()).max(turn.norm());
-        let note = model.descriptions()[0].clone();
+        let note = context.descriptions()[0].clone();
         if notes.last().is_none_or(|last| last.1 != note) {
             notes.push((step.progress.state.t, note));
         }
@@ -67,7 +71,7 @@ fn go(mut model: Context, angles: [NodeId; 4], rate: f64, [to, step]: [f64; 2]) 
             v: &s.v,
             a: &s.a,
         };
-        let audit = model.energies_and_momentum(at).unwrap();
+        let audit = context.energies_and_momentum(at).unwrap();
         let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
         drift = drift.max((energy - *start.get_or_insert(energy)).abs());
     });
@@ -84,9 +88,9 @@ fn a_four_bar_linkage_of_bodies_and_joints() {
     let runs = [1200, 2400, 4800].map(|n| {
         let mut b = ModelBuilder::new();
         let angles = linkage(&mut b, CRANK_START, at_once);
-        let model = Context::new(b.build().unwrap());
-        assert_eq!(model.pattern().dim(), 1);
-        go(model, angles, CRANK_RATE, [to, to / f64::from(n)])
+        let context = Context::new(b.build().unwrap());
+        assert_eq!(context.pattern().dim(), 1);
+        go(context, angles, CRANK_RATE, [to, to / f64::from(n)])
     });
     for run in &runs {
         let end: Vec<f64> = run.end.iter().zip(drawn).map(|(x, d)| x + d).collect();
@@ -132,21 +136,21 @@ fn a_driven_crank_takes_the_loop_along() {
         offset: 0.0,
     };
     b.prescribe_coordinate(angles[0], 0, Box::new(drive));
-    let mut model = Context::new(b.build().unwrap());
-    assert_eq!(model.pattern().dim(), 1);
+    let mut context = Context::new(b.build().unwrap());
+    assert_eq!(context.pattern().dim(), 1);
     assert!(
-        model.descriptions()[0].contains("nothing is free"),
+        context.descriptions()[0].contains("nothing is free"),
         "{:?}",
-        model.descriptions()
+        context.descriptions()
     );
     let drawn = closed_form(CRANK_START);
     let options = tight(Scheme::default(), 2.5, 5e-3);
     let mut worst = 0.0_f64;
     observed(
-        &mut model,
+        &mut context,
         [&[0.0], &[0.0]],
         &options,
-        &mut |model, step| {
+        &mut |context, step| {
             let s = &step.progress.state;
             let at = Point {
                 t: s.t,
@@ -154,7 +158,7 @@ fn a_driven_crank_takes_the_loop_along() {
                 v: &s.v,
                 a: &s.a,
             };
-            model.configure(at).unwrap();
+            context.configure(at).unwrap();
             let [x, x_dot, x_ddot] = drive.at(s.t);
             let crank = Taylor {
                 v: CRANK_START + x,
@@ -162,7 +166,7 @@ fn a_driven_crank_takes_the_loop_along() {
                 dd: x_ddot,
             };
             let exact = closed_form(crank);
-            let [a, b, d] = [0, 1, 3].map(|k| model.coordinate_motion(angles[k], 0).unwrap());
+            let [a, b, d] = [0, 1, 3].map(|k| context.coordinate_motion(angles[k], 0).unwrap());
             for k in 0..3 {
                 let of = |x: Taylor<f64>| [x.v, x.d, x.dd][k];
                 let [first, second] = if k == 0 { drawn } else { [0.0; 2] };
@@ -188,17 +192,17 @@ fn a_loop_in_equilibrium() {
     };
     let spring = CoordinateSpring::new(law).unwrap();
     b.element("spring", spring, &[angles[3]]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    model.check_supports().unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    context.check_supports().unwrap();
     let mut q = Vec::new();
     let options = StaticOptions::default();
-    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+    solve_statics(&mut context, &mut q, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })
     .unwrap();
     let (t, v, a) = (1.0, &[][..], &[][..]);
-    model.configure(Point { t, q: &q, v, a }).unwrap();
-    let found = CRANK_START + model.coordinate(angles[0], 0).unwrap()[0];
+    context.configure(Point { t, q: &q, v, a }).unwrap();
+    let found = CRANK_START + context.coordinate(angles[0], 0).unwrap()[0];
     // The same by bisection of the slope of the potential.
     let drawn = closed_form(CRANK_START)[1];
     let slope = |crank: f64| {
@@ -258,27 +262,32 @@ fn other_tree(b: &mut ModelBuilder, crank: f64) -> NodeId {
 
 #[test]
 fn forces_do_not_depend_on_where_the_loop_is_closed() {
-    let forces = |mut model: Context, crank: NodeId| {
+    let forces = |mut context: Context, crank: NodeId| {
         let mut v = [0.0];
-        model
+        context
             .fit_coordinate_rates(&[0.0], &mut v, &[(crank, 0, CRANK_RATE)])
             .unwrap();
-        let nodes = ["B", "C"].map(|n| model.find(n).unwrap());
+        let nodes = ["B", "C"].map(|n| context.find(n).unwrap());
         let mut out = Vec::new();
         let options = tight(Scheme::default(), 0.3, 1e-2);
-        observed(&mut model, [&[0.0], &v], &options, &mut |model, step| {
-            let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
-            model.energies_and_momentum(at).unwrap();
-            let mut r = [0.0];
-            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-            out.push(nodes.map(|n| model.joint_force(n).unwrap()[0]));
-        });
+        observed(
+            &mut context,
+            [&[0.0], &v],
+            &options,
+            &mut |context, step| {
+                let s = &step.progress.state;
+                let at = Point {
+                    t: s.t,
+                    q: &s.q,
+                    v: &s.v,
+                    a: &s.a,
+                };
+                context.energies_and_momentum(at).unwrap();
+                let mut r = [0.0];
+                context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+                out.push(nodes.map(|n| context.joint_force(n).unwrap()[0]));
+            },
+        );
         out
     };
     let mut b = ModelBuilder::new();
@@ -298,29 +307,34 @@ fn forces_do_not_depend_on_where_the_loop_is_closed() {
     }
     assert!(size > 10.0, "{size}");
     // At the start both are at the same state: to rounding.
-    let start = |mut model: Context, crank: NodeId| {
+    let start = |mut context: Context, crank: NodeId| {
         let mut v = [0.0];
-        model
+        context
             .fit_coordinate_rates(&[0.0], &mut v, &[(crank, 0, CRANK_RATE)])
             .unwrap();
         let mut options = tight(Scheme::default(), 0.0, 1e-2);
         options.to = 1e-9;
         options.step = 1e-9;
         options.min_step = 1e-12;
-        let nodes = ["B", "C"].map(|n| model.find(n).unwrap());
+        let nodes = ["B", "C"].map(|n| context.find(n).unwrap());
         let mut out = [Vector3::zeros(); 2];
-        observed(&mut model, [&[0.0], &v], &options, &mut |model, step| {
-            let s = &step.progress.state;
-            let at = Point {
-                t: s.t,
-                q: &s.q,
-                v: &s.v,
-                a: &s.a,
-            };
-            let mut r = [0.0];
-            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-            out = nodes.map(|n| model.joint_force(n).unwrap()[0]);
-        });
+        observed(
+            &mut context,
+            [&[0.0], &v],
+            &options,
+            &mut |context, step| {
+                let s = &step.progress.state;
+                let at = Point {
+                    t: s.t,
+                    q: &s.q,
+                    v: &s.v,
+                    a: &s.a,
+                };
+                let mut r = [0.0];
+                context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+                out = nodes.map(|n| context.joint_force(n).unwrap()[0]);
+            },
+        );
         out
     };
     let mut b = ModelBuilder::new();
@@ -346,20 +360,20 @@ fn ball_joints_in_a_loop_change_their_charts() {
     let runs = [500, 1000, 2000].map(|n| {
         let mut b = ModelBuilder::new();
         let (rotation, e) = balls(&mut b, Closure::Map);
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         // Eight unknowns, six equations: the mechanism's freedom and the spin of the coupler.
-        assert_eq!(model.pattern().dim(), 2);
+        assert_eq!(context.pattern().dim(), 2);
         let zero = [0.0; 2];
         let mut v = zero;
         let spin = [0, 1, 2].map(|k| (rotation, k, 7.0 * e[k]));
-        let left = model.fit_coordinate_rates(&zero, &mut v, &spin).unwrap();
+        let left = context.fit_coordinate_rates(&zero, &mut v, &spin).unwrap();
         assert!(left < 1e-12, "{left:e}");
         let mut options = tight(Scheme::default(), 2.0, 2.0 / f64::from(n));
         options.newton.absolute = 1e-13;
-        let names = ["coupler end", "rocker end"].map(|n| model.find(n).unwrap());
+        let names = ["coupler end", "rocker end"].map(|n| context.find(n).unwrap());
         let (mut residual, mut drift, mut start, mut turned) = (0.0_f64, 0.0_f64, None, 0.0_f64);
         let mut position = Vector3::zeros();
-        let progress = observed(&mut model, [&zero, &v], &options, &mut |model, step| {
+        let progress = observed(&mut context, [&zero, &v], &options, &mut |context, step| {
             let s = &step.progress.state;
             let at = Point {
                 t: s.t,
@@ -367,11 +381,11 @@ fn ball_joints_in_a_loop_change_their_charts() {
                 v: &s.v,
                 a: &s.a,
             };
-            let audit = model.energies_and_momentum(at).unwrap();
-            let [p, q] = names.map(|n| model.node_state(n).position);
+            let audit = context.energies_and_momentum(at).unwrap();
+            let [p, q] = names.map(|n| context.node_state(n).position);
             position = p;
             residual = residual.max((p - q).norm());
-            turned = turned.max(model.coordinate(rotation, 0).unwrap()[0].abs());
+            turned = turned.max(context.coordinate(rotation, 0).unwrap()[0].abs());
             let energy = audit.energies.kinetic + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         });

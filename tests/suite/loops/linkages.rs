@@ -132,15 +132,18 @@ fn the_same_equations_by_multipliers_and_by_a_penalty() {
             Some(p) => b.element("h", Penalty::<_, 3, 2>::new(h, stiffness(p)).unwrap(), &[x]),
         }
         .unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        let (mut q, mut v) = (model.initial().to_vec(), vec![0.0; model.initial().len()]);
+        let mut context = Context::new(b.build().unwrap());
+        let (mut q, mut v) = (
+            context.initial().to_vec(),
+            vec![0.0; context.initial().len()],
+        );
         v[1] = 12.0 * CRANK;
-        assert!(model.satisfy(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
+        assert!(context.satisfy(0.0, &mut q, &mut v, &[1]).unwrap() < 1e-14);
         let scheme = Scheme::chung_hulbert(0.8).unwrap();
         let options = tight(scheme, to, to / f64::from(n));
         let mut end = Vec::new();
-        observed(&mut model, [&q, &v], &options, &mut |model, _| {
-            let both = [0, 1, 2].map(|k| model.coordinate(shifted, k).unwrap());
+        observed(&mut context, [&q, &v], &options, &mut |context, _| {
+            let both = [0, 1, 2].map(|k| context.coordinate(shifted, k).unwrap());
             end = (0..6).map(|k| both[k % 3][k / 3]).collect();
         });
         end
@@ -222,9 +225,9 @@ fn a_slider_crank_in_coordinates_that_turn_back() {
     let exact = slider_crank_exact(to);
     for choice in [Choice::Split, Choice::Tangent] {
         let runs = [2400, 4800, 9600].map(|n| {
-            let (model, x, v) = slider_crank(choice);
+            let (context, x, v) = slider_crank(choice);
             let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
-            run(model, x, &v, &h, [to, to / f64::from(n)])
+            run(context, x, &v, &h, [to, to / f64::from(n)])
         });
         for run in &runs {
             let changes = run.progress.summary.chart_changes;
@@ -308,9 +311,9 @@ fn a_four_bar_linkage_goes_around() {
     let to = 3.0;
     let exact = four_bar_exact(to);
     let runs = [2400, 4800, 9600].map(|n| {
-        let (model, x, v) = four_bar();
+        let (context, x, v) = four_bar();
         let h = |x: &Vector3<f64>| FourBar.h(0.0, x).amax();
-        run(model, x, &v, &h, [to, to / f64::from(n)])
+        run(context, x, &v, &h, [to, to / f64::from(n)])
     });
     for run in &runs {
         println!(
@@ -335,9 +338,9 @@ fn a_four_bar_linkage_goes_around() {
 #[test]
 fn the_residual_stays_at_round_off_for_long() {
     // 20 000 steps, some hundred revolutions.
-    let (model, x, v) = slider_crank(Choice::Split);
+    let (context, x, v) = slider_crank(Choice::Split);
     let h = |x: &Vector3<f64>| SliderCrank.h(0.0, x).amax();
-    let run = run(model, x, &v, &h, [100.0, 5e-3]);
+    let run = run(context, x, &v, &h, [100.0, 5e-3]);
     println!(
         "long: {} changes, residual {:.1e}, drift {:.1e}",
         run.progress.summary.chart_changes, run.residual, run.drift

@@ -58,15 +58,15 @@ fn hung(count: usize) -> [usize; 2] {
     let last = b.attach("last", root, Counting(calls.clone())).unwrap();
     let body = RigidBody::new(1.0, Matrix3::identity(), Vector3::x()).unwrap();
     b.element("last", body, &[last.frame]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    let mobility = model.mobility();
+    let mut context = Context::new(b.build().unwrap());
+    let mobility = context.mobility();
     assert_eq!(mobility.freedoms, count + 1);
     // Four coordinates and six equations for each loop: none is solved together with another.
     let sizes = [mobility.loops, mobility.equations, mobility.coordinates];
     assert_eq!(sizes, [count, 6 * count, 4 * count + 1]);
-    assert_eq!(model.descriptions().len(), count);
-    let n = model.pattern().dim();
-    assert_eq!(model.pattern().len(), n * n);
+    assert_eq!(context.descriptions().len(), count);
+    let n = context.pattern().dim();
+    assert_eq!(context.pattern().len(), n * n);
     let mut S = vec![0.0; n * n];
     let (mut q, mut v, mut a, mut r) = (vec![0.0; n], vec![0.3; n], vec![0.1; n], vec![0.0; n]);
     calls.store(0, Ordering::Relaxed);
@@ -82,9 +82,9 @@ fn hung(count: usize) -> [usize; 2] {
         v: &v,
         a: &a,
     };
-    model.evaluate(at, out).unwrap();
+    context.evaluate(at, out).unwrap();
     let evaluation = calls.swap(0, Ordering::Relaxed);
-    model.change_charts(0.0, &mut q, &mut v, &mut [&mut a]);
+    context.change_charts(0.0, &mut q, &mut v, &mut [&mut a]);
     [evaluation, calls.load(Ordering::Relaxed)]
 }
 

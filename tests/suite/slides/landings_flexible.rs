@@ -17,7 +17,7 @@ const STEP: f64 = 2e-3;
 const TO: f64 = 0.2;
 
 struct Chain {
-    model: Context,
+    context: Context,
     nodes: Vec<NodeId>,
     bead: SlideNodes,
 }
@@ -64,8 +64,12 @@ fn chain(interpolation: Interpolation, formulation: Formulation) -> Chain {
     let J = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
     let body = RigidBody::new(0.7, J, Vector3::zeros()).unwrap();
     b.element("body", body, &[bead.frame]).unwrap();
-    let model = Context::new(b.build().unwrap());
-    Chain { model, nodes, bead }
+    let context = Context::new(b.build().unwrap());
+    Chain {
+        context,
+        nodes,
+        bead,
+    }
 }
 
 impl Chain {
@@ -77,31 +81,31 @@ impl Chain {
         look: &mut dyn FnMut(&mut Context, &StepReport<'_>),
     ) -> Progress {
         let v = self.velocities(whole);
-        observed(&mut self.model, [&[], &v], options, look)
+        observed(&mut self.context, [&[], &v], options, look)
     }
 
     fn velocities(&self, whole: Vector3<f64>) -> Vec<f64> {
-        let n = self.model.pattern().dim();
+        let n = self.context.pattern().dim();
         let mut v = vec![0.0; n];
         for node in &self.nodes {
             for (dof, w) in [Dof::X, Dof::Y, Dof::Z].into_iter().zip(whole.iter()) {
-                let unknown = self.model.unknown(*node, dof).unwrap();
+                let unknown = self.context.unknown(*node, dof).unwrap();
                 v[unknown] = *w;
             }
         }
-        self.model.set(&mut v, self.bead.arc_length, 0, 5.0);
+        self.context.set(&mut v, self.bead.arc_length, 0, 5.0);
         v
     }
 
     /// Positions of all nodes, the way and its rate.
     fn shape(&mut self, state: &State) -> Vec<f64> {
-        configure(&mut self.model, state);
+        configure(&mut self.context, state);
         let positions = self.nodes.iter().flat_map(|n| {
-            let position = self.model.node_state(*n).position;
+            let position = self.context.node_state(*n).position;
             [position.x, position.y, position.z]
         });
         let mut all: Vec<f64> = positions.collect();
-        all.extend(&self.model.coordinate(self.bead.arc_length, 0).unwrap()[..2]);
+        all.extend(&self.context.coordinate(self.bead.arc_length, 0).unwrap()[..2]);
         all
     }
 }
@@ -231,11 +235,11 @@ fn a_run_goes_on_from_before_and_after_landings_to_the_last_bit() {
         for k in landings.into_iter().flat_map(|k| [k - 1, k, k + 1]) {
             let (progress, (maps, charts), _) = &all[k];
             let mut chain = make();
-            assert!(chain.model.restore_maps(maps));
-            chain.model.set_element_charts(charts);
+            assert!(chain.context.restore_maps(maps));
+            chain.context.set_element_charts(charts);
             let mut progress = progress.clone();
             let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-            integrate(&mut chain.model, &mut progress, &options, onward).unwrap();
+            integrate(&mut chain.context, &mut progress, &options, onward).unwrap();
             assert!(progress.state == end.state, "{formulation:?} from step {k}");
             assert_eq!(progress.summary, end.summary, "from step {k}");
         }
@@ -273,7 +277,7 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
     for iterations in [1, 2, 3] {
         let mut chain = chain(Interpolation::Total, Formulation::Total);
         let v = chain.velocities(Vector3::zeros());
-        let mut progress = Progress::new(start(&chain.model, 0.0, &[], &v).unwrap());
+        let mut progress = Progress::new(start(&chain.context, 0.0, &[], &v).unwrap());
         let options = DynamicOptions {
             newton: NewtonOptions {
                 relative: 1e-6,
@@ -284,7 +288,7 @@ fn failing_steps_are_halved_over_landings_and_come_to_an_end() {
             ..DynamicOptions::new(TO, 5e-4)
         };
         let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        let done = integrate(&mut chain.model, &mut progress, &options, onward);
+        let done = integrate(&mut chain.context, &mut progress, &options, onward);
         failed += progress.summary.failed;
         match done {
             Ok(()) => {

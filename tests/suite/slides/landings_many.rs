@@ -119,24 +119,29 @@ fn ring(rounds: usize) -> (Context, SlideNodes, Track) {
 #[test]
 fn a_slide_goes_round_a_closed_ring_as_often_as_its_chain_does() {
     // From the lowest point with enough for the highest, 1.93 m above: two rounds and a half.
-    let (mut model, bead, track) = ring(3);
+    let (mut context, bead, track) = ring(3);
     let (mut energies, mut last) = (Vec::new(), 0.0);
     let options = tight(Scheme::default(), 1.6, 0.01);
-    let run = observed(&mut model, [&[], &[11.0]], &options, &mut |model, step| {
-        let s = model.node_state(bead.frame);
-        energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
-        last = model.coordinate(bead.arc_length, 0).unwrap()[0];
-        let exact = track.exact(0.0, 11.0, step.progress.state.t);
-        assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
-    });
+    let run = observed(
+        &mut context,
+        [&[], &[11.0]],
+        &options,
+        &mut |context, step| {
+            let s = context.node_state(bead.frame);
+            energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
+            last = context.coordinate(bead.arc_length, 0).unwrap()[0];
+            let exact = track.exact(0.0, 11.0, step.progress.state.t);
+            assert!((last - exact[0]).abs() < 1e-8, "{last} for {exact}");
+        },
+    );
     assert!(last > 2.2 * 6.0, "{last}");
     assert!(run.summary.chart_changes >= 26);
     assert!(energies.iter().all(|e| (e / 60.5 - 1.0).abs() < 1e-10));
     // A chain that goes round once ends where it began, and says so.
-    let (mut model, ..) = ring(1);
-    let mut progress = Progress::new(start(&model, 0.0, &[], &[11.0]).unwrap());
+    let (mut context, ..) = ring(1);
+    let mut progress = Progress::new(start(&context, 0.0, &[], &[11.0]).unwrap());
     let onward = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    let error = integrate(&mut model, &mut progress, &options, onward).unwrap_err();
+    let error = integrate(&mut context, &mut progress, &options, onward).unwrap_err();
     let DynamicsError::Step(failed) = &error else {
         panic!("{error}");
     };
@@ -200,9 +205,9 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
         assert_eq!(scheme.order() as f64, order);
         let to = 2.3_f64;
         let errors = [60.0, 120.0, 240.0].map(|n| {
-            let (mut model, _) = spring(9);
+            let (mut context, _) = spring(9);
             let options = tight(scheme, to, to / n);
-            let run = observed(&mut model, [&[1.0], &[]], &options, &mut |_, _| ());
+            let run = observed(&mut context, [&[1.0], &[]], &options, &mut |_, _| ());
             assert!(
                 run.summary.chart_changes >= 6,
                 "{}",
@@ -223,7 +228,7 @@ fn schemes_of_every_family_keep_their_order_over_landings() {
 fn adaptive_steps_are_not_spoilt_by_landings() {
     let to = 6.0;
     let run = |sides: usize, tolerance: f64| {
-        let (mut model, _) = spring(sides);
+        let (mut context, _) = spring(sides);
         let options = DynamicOptions {
             adaptivity: Some(Adaptivity {
                 tolerance,
@@ -234,7 +239,7 @@ fn adaptive_steps_are_not_spoilt_by_landings() {
         };
         let mut booked = 0;
         let mut t = 0.0;
-        let run = observed(&mut model, [&[1.0], &[]], &options, &mut |_, step| {
+        let run = observed(&mut context, [&[1.0], &[]], &options, &mut |_, step| {
             booked += step.iterations;
             t += step.step_size;
             assert!((t - step.progress.state.t).abs() < 1e-12, "{t}");

@@ -65,18 +65,18 @@ fn incline() -> Straight {
 fn a_mass_on_an_incline_accelerates_uniformly_over_several_elements() {
     let along = Vector3::new(0.0, 0.8, -0.6);
     for scheme in second_order() {
-        let (mut model, bead) = wire(&incline(), 7, 0.2);
+        let (mut context, bead) = wire(&incline(), 7, 0.2);
         let v = [0.4];
         // 0.4 t + ½ · 0.6 g t² = 1.87 at the end: more than four elements.
         let mut changes = 0;
         let options = tight(scheme, 0.7, 0.007);
-        observed(&mut model, [&[], &v], &options, &mut |model, step| {
+        observed(&mut context, [&[], &v], &options, &mut |context, step| {
             let t = step.progress.state.t;
             let way = [0.4 * t + 0.3 * G * t * t, 0.4 + 0.6 * G * t];
-            let found = model.coordinate(bead.arc_length, 0).unwrap();
+            let found = context.coordinate(bead.arc_length, 0).unwrap();
             assert!((found[0] - way[0]).abs() < 1e-12, "{found:?} at {t}");
             assert!((found[1] - way[1]).abs() < 1e-11, "{found:?} at {t}");
-            let s = model.node_state(bead.frame);
+            let s = context.node_state(bead.frame);
             let position = incline().from + along * (0.2 + way[0]);
             assert!((s.position - position).norm() < 1e-12);
             assert!((s.velocity - along * way[1]).norm() < 1e-11);
@@ -97,10 +97,10 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
     // Something must be unknown.
     let free = b.node("free", [0.0; 3]).unwrap();
     heavy_body(&mut b, "free", free, 1.0, [0.0; 3]);
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut changes = 0;
     let options = tight(Scheme::default(), 2.6, 0.013);
-    observed(&mut model, [&[], &[]], &options, &mut |model, step| {
+    observed(&mut context, [&[], &[]], &options, &mut |context, step| {
         let s = &step.progress.state;
         let at = Point {
             t: s.t,
@@ -109,14 +109,14 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
             a: &s.a,
         };
         let mut r = vec![0.0; s.q.len()];
-        model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+        context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
         let [way, rate, second] = drive.at(s.t);
-        let found = model.node_state(bead.frame);
+        let found = context.node_state(bead.frame);
         let position = incline().from + along * (1.4 + way);
         assert!((found.position - position).norm() < 1e-13);
         assert!((found.velocity - along * rate).norm() < 1e-12);
         let exact = (along * second + Vector3::z() * G) * MASS;
-        let [force, moment] = model.joint_force(bead.frame).unwrap();
+        let [force, moment] = context.joint_force(bead.frame).unwrap();
         assert!((force - exact).norm() < 1e-11, "{force} {exact}");
         assert!(moment.norm() < 1e-12);
         changes += step.chart_changes;
@@ -127,11 +127,11 @@ fn a_driven_slide_bears_weight_and_inertia_of_its_mass() {
 
 #[test]
 fn beyond_the_end_of_the_chain_is_an_error_with_a_name() {
-    let (mut model, _) = wire(&incline(), 7, 2.5);
-    let mut progress = Progress::new(start(&model, 0.0, &[], &[]).unwrap());
+    let (mut context, _) = wire(&incline(), 7, 2.5);
+    let mut progress = Progress::new(start(&context, 0.0, &[], &[]).unwrap());
     let options = tight(Scheme::default(), 1.0, 0.01);
     let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    let error = integrate(&mut model, &mut progress, &options, proceed).unwrap_err();
+    let error = integrate(&mut context, &mut progress, &options, proceed).unwrap_err();
     let DynamicsError::Step(failed) = error else {
         panic!("{error}");
     };
@@ -169,9 +169,9 @@ fn on_circle(elements: u32) -> (Context, SlideNodes) {
     // 40° from the end: a quarter of the chain.
     let n = f64::from(elements);
     let chord = 2.0 * RADIUS * (half / n).sin();
-    let (model, bead) = wire(&arc, elements as usize, chord * n / 4.0);
-    assert!((model.reference(bead.frame) - at(-START)).norm() < 1e-12);
-    (model, bead)
+    let (context, bead) = wire(&arc, elements as usize, chord * n / 4.0);
+    assert!((context.reference(bead.frame) - at(-START)).norm() < 1e-12);
+    (context, bead)
 }
 
 #[test]
@@ -188,13 +188,13 @@ fn a_mass_on_a_circle_of_wire_is_a_pendulum() {
         to -= (end[0] - START) / end[1];
     }
     let errors = [4, 8, 16].map(|elements| {
-        let (mut model, bead) = on_circle(elements);
+        let (mut context, bead) = on_circle(elements);
         let h = to * 1e-2 / f64::from(elements).powi(2);
         let options = tight(Scheme::default(), to, h);
         let v = [rate * RADIUS];
-        let progress = observed(&mut model, [&[], &v], &options, &mut |_, _| ());
-        configure(&mut model, &progress.state);
-        (model.node_state(bead.frame).position - at(START)).norm()
+        let progress = observed(&mut context, [&[], &v], &options, &mut |_, _| ());
+        configure(&mut context, &progress.state);
+        (context.node_state(bead.frame).position - at(START)).norm()
     });
     for slope in slopes(&errors) {
         assert!((slope - 2.0).abs() < 0.15, "{errors:?}");
@@ -207,11 +207,11 @@ fn the_energy_of_a_mass_on_a_circle_of_wire_is_kept() {
     // that went on beyond the end of an element would lose or gain height of order 1 in h.
     let to = 0.56;
     for n in [250.0, 1000.0, 4000.0] {
-        let (mut model, bead) = on_circle(32);
+        let (mut context, bead) = on_circle(32);
         let mut energies = Vec::new();
         let options = tight(Scheme::default(), to, to / n);
-        let run = observed(&mut model, [&[], &[3.0]], &options, &mut |model, _| {
-            let s = model.node_state(bead.frame);
+        let run = observed(&mut context, [&[], &[3.0]], &options, &mut |context, _| {
+            let s = context.node_state(bead.frame);
             energies.push(0.5 * s.velocity.norm_squared() + G * s.position.z);
         });
         let left = run.summary.chart_changes;

@@ -31,14 +31,14 @@ fn truss(rise: f64, load: f64, far: f64) -> Result<f64, StaticsError> {
     b.support(other, &Dof::ALL);
     let force = NodalLoad::new(LoadKind::DeadForce, [0.0, -load, 0.0], Proportional(1.0));
     b.element("load", force, &[crown]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut found = 0.0;
     solve_statics(
-        &mut model,
+        &mut context,
         &mut vec![],
         &StaticOptions::default(),
-        &mut |model, _| {
-            found = model.coordinate(crown, 1).unwrap()[0];
+        &mut |context, _| {
+            found = context.coordinate(crown, 1).unwrap()[0];
             ControlFlow::Continue(())
         },
     )?;
@@ -89,18 +89,18 @@ fn a_stiff_spring_keeps_what_turns_on_it() {
         });
         let spring = AxialSpring::new(&masses.map(|n| b.position(n)), k, 0.0).unwrap();
         b.element("spring", spring, &masses).unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        let n = model.initial().len();
+        let mut context = Context::new(b.build().unwrap());
+        let n = context.initial().len();
         let (q, mut v) = (vec![0.0; n], vec![0.0; n]);
         for (node, rate) in [(masses[0], -0.5), (masses[1], 0.5)] {
-            v[model.unknown(node, Dof::Y).unwrap()] = rate;
+            v[context.unknown(node, Dof::Y).unwrap()] = rate;
         }
-        let mut progress = Progress::new(start(&model, 0.0, &q, &v).unwrap());
+        let mut progress = Progress::new(start(&context, 0.0, &q, &v).unwrap());
         let mut options = DynamicOptions::new(1.0, 0.01);
         options.scheme = Scheme::chung_hulbert(0.8).unwrap();
         let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-        integrate(&mut model, &mut progress, &options, proceed).unwrap();
-        let at = |node: NodeId, k: usize| model.coordinate(node, k).unwrap();
+        integrate(&mut context, &mut progress, &options, proceed).unwrap();
+        let at = |node: NodeId, k: usize| context.coordinate(node, k).unwrap();
         let [x, y] = [0, 1].map(|k| at(masses[1], k)[0] - at(masses[0], k)[0]);
         let [u, w] = [0, 1].map(|k| at(masses[1], k)[1] - at(masses[0], k)[1]);
         let angle = y.atan2(1.0 + x);
@@ -145,11 +145,11 @@ fn rod(E: f64, length: f64, elements: usize) -> (ModelBuilder, Vec<NodeId>) {
 }
 
 /// Runs from rest.
-fn fall(model: &mut Context, options: &DynamicOptions) -> Summary {
-    let rest = vec![0.0; model.initial().len()];
-    let mut progress = Progress::new(start(model, 0.0, &rest, &rest).unwrap());
+fn fall(context: &mut Context, options: &DynamicOptions) -> Summary {
+    let rest = vec![0.0; context.initial().len()];
+    let mut progress = Progress::new(start(context, 0.0, &rest, &rest).unwrap());
     let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(model, &mut progress, options, proceed).unwrap();
+    integrate(context, &mut progress, options, proceed).unwrap();
     progress.summary
 }
 
@@ -158,13 +158,13 @@ fn coupled_stages_of_a_stiff_rod_stop_at_rounding_errors() {
     // A free steel rod falls from rest: −g t²/2 in as many steps as were asked for.
     for E in [2.1e11, 2.1e13] {
         let (b, nodes) = rod(E, 1.0, 4);
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let mut options = DynamicOptions::new(1.0, 0.01);
         options.scheme = Scheme::radau();
-        let summary = fall(&mut model, &options);
+        let summary = fall(&mut context, &options);
         assert_eq!((summary.steps, summary.failed), (100, 0), "E = {E:e}");
         for node in [nodes[0], nodes[4]] {
-            let fallen = model.coordinate(node, 1).unwrap()[0];
+            let fallen = context.coordinate(node, 1).unwrap()[0];
             assert!((fallen + 9.81 / 2.0).abs() < 1e-8, "{fallen}");
         }
     }
@@ -176,8 +176,8 @@ fn rounding_errors_cost_no_iteration() {
     // allows: convergence is quadratic down to there, and the next correction would mend nothing.
     let (mut b, nodes) = rod(2.1e11, 10.0, 1000);
     b.support(nodes[0], &Dof::ALL);
-    let mut model = Context::new(b.build().unwrap());
-    let summary = fall(&mut model, &DynamicOptions::new(0.4, 0.02));
+    let mut context = Context::new(b.build().unwrap());
+    let summary = fall(&mut context, &DynamicOptions::new(0.4, 0.02));
     assert_eq!((summary.steps, summary.failed), (20, 0));
     assert!(
         summary.iterations <= 60,
@@ -211,14 +211,14 @@ fn a_load_on_a_support_measures_nothing() {
             let load = NodalLoad::new(LoadKind::DeadForce, [0.0, force, 0.0], Proportional(1.0));
             b.element(name, load, &[node]).unwrap();
         }
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let mut end = [0.0; 2];
         solve_statics(
-            &mut model,
+            &mut context,
             &mut vec![],
             &StaticOptions::default(),
-            &mut |model, _| {
-                end = [0, 1].map(|k| model.coordinate(tip, k).unwrap()[0]);
+            &mut |context, _| {
+                end = [0, 1].map(|k| context.coordinate(tip, k).unwrap()[0]);
                 ControlFlow::Continue(())
             },
         )

@@ -34,9 +34,9 @@ fn located(text: &str, analysis: &str) -> Result<(Context, Vec<f64>), StaticsErr
 }
 
 /// The displacement of a node along an axis.
-fn moved(model: &Context, node: &str, axis: usize) -> f64 {
-    let node = model.find(node).unwrap();
-    model.coordinate(node, axis).unwrap()[0]
+fn moved(context: &Context, node: &str, axis: usize) -> f64 {
+    let node = context.find(node).unwrap();
+    context.coordinate(node, axis).unwrap()[0]
 }
 
 const ANALYSES: [&str; 2] = ["[analysis.static]", "[analysis.arc_length]"];

@@ -34,14 +34,14 @@ fn tip<M: StrainMeasure + Copy + 'static>(measure: M, n: usize, load: NodalLoad)
     }
     b.support(nodes[0], &Dof::ALL);
     b.element("load", load, &[nodes[n]]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut q = Vec::new();
     let options = StaticOptions::default();
-    solve_statics(&mut model, &mut q, &options, &mut |_, _| {
+    solve_statics(&mut context, &mut q, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })
     .unwrap();
-    model.node_state(nodes[n])
+    context.node_state(nodes[n])
 }
 
 /// A moment bends a beam of any measure into an arc, nothing is stretched.
@@ -102,10 +102,10 @@ fn a_planet_is_at_its_aphelion_after_half_its_year() {
         };
         b.element("gravity", gravity.into_element(), &[planet])
             .unwrap();
-        let mut model = Context::new(b.build().unwrap());
-        let mut progress = Progress::new(start(&model, 0.0, &[0.0; 2], &[0.0, speed]).unwrap());
+        let mut context = Context::new(b.build().unwrap());
+        let mut progress = Progress::new(start(&context, 0.0, &[0.0; 2], &[0.0, speed]).unwrap());
         let options = DynamicOptions::new(half, half / f64::from(steps));
-        integrate(&mut model, &mut progress, &options, &mut |_, _| {
+        integrate(&mut context, &mut progress, &options, &mut |_, _| {
             ControlFlow::Continue(())
         })
         .unwrap();

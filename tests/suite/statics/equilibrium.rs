@@ -43,10 +43,10 @@ fn follower_forces_and_spatial_moments_converge_quadratically() {
         (LoadKind::DeadForce, [0.3, 1.0, 0.7]),
     ] {
         let load = NodalLoad::new(which, vector, Proportional(1.0));
-        let (mut model, _) = cantilever(1e3, 10, load);
+        let (mut context, _) = cantilever(1e3, 10, load);
         let mut ratios = Vec::new();
         let options = StaticOptions::equal_steps(1);
-        solve_statics(&mut model, &mut vec![], &options, &mut |_, step| {
+        solve_statics(&mut context, &mut vec![], &options, &mut |_, step| {
             ratios = step.residuals.iter().map(|i| i.correction).collect();
             ControlFlow::Continue(())
         })
@@ -71,10 +71,10 @@ fn slenderness_does_not_change_the_number_of_iterations() {
     let counts: Vec<usize> = [1e2, 1e4, 1e6]
         .into_iter()
         .map(|EA| {
-            let (mut model, _) = cantilever(EA, 20, dead([0.0, 2.0, 0.5]));
+            let (mut context, _) = cantilever(EA, 20, dead([0.0, 2.0, 0.5]));
             let options = StaticOptions::equal_steps(1);
             let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-            let summary = solve_statics(&mut model, &mut vec![], &options, proceed).unwrap();
+            let summary = solve_statics(&mut context, &mut vec![], &options, proceed).unwrap();
             assert_eq!(summary.rejected, 0);
             summary.iterations
         })
@@ -86,10 +86,10 @@ fn slenderness_does_not_change_the_number_of_iterations() {
 #[test]
 fn results_are_the_same_to_the_last_bit_in_every_run() {
     let run = || {
-        let (mut model, _) = cantilever(1e4, 30, dead([0.0, 5.0, 3.0]));
+        let (mut context, _) = cantilever(1e4, 30, dead([0.0, 5.0, 3.0]));
         let mut q = vec![];
         let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-        solve_statics(&mut model, &mut q, &StaticOptions::default(), proceed).unwrap();
+        solve_statics(&mut context, &mut q, &StaticOptions::default(), proceed).unwrap();
         q
     };
     assert_eq!(run(), run());
@@ -98,13 +98,19 @@ fn results_are_the_same_to_the_last_bit_in_every_run() {
 #[test]
 fn reactions_balance_the_loads() {
     let force = Vector3::new(0.3, 4.0, -2.0);
-    let (mut model, tip) = cantilever(1e4, 30, dead(force.into()));
+    let (mut context, tip) = cantilever(1e4, 30, dead(force.into()));
     let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-    solve_statics(&mut model, &mut vec![], &StaticOptions::default(), proceed).unwrap();
-    let reactions = model.reactions();
+    solve_statics(
+        &mut context,
+        &mut vec![],
+        &StaticOptions::default(),
+        proceed,
+    )
+    .unwrap();
+    let reactions = context.reactions();
     assert_eq!(reactions.len(), 1);
     assert_eq!(reactions[0].node, "root");
-    let moment = model.node_state(tip).position.cross(&force);
+    let moment = context.node_state(tip).position.cross(&force);
     assert!((reactions[0].force + force).norm() < 1e-8);
     assert!((reactions[0].moment + moment).norm() < 1e-7);
 }
@@ -113,16 +119,16 @@ fn reactions_balance_the_loads() {
 fn work_of_a_dead_load_is_stored() {
     // Clapeyron in the large: dU = F·dd along the path, by Simpson's rule over fine steps.
     let force = Vector3::new(0.0, 6.0, 0.0);
-    let (mut model, tip) = cantilever(1e3, 10, dead(force.into()));
+    let (mut context, tip) = cantilever(1e3, 10, dead(force.into()));
     let mut work = vec![(0.0, 0.0)];
     let mut stored = 0.0;
-    let observe = &mut |model: &mut Context, step: &Step<'_>| {
-        work.push((step.t, model.node_state(tip).d.dot(&force)));
-        stored = model.strain_energy(step.t);
+    let observe = &mut |context: &mut Context, step: &Step<'_>| {
+        work.push((step.t, context.node_state(tip).d.dot(&force)));
+        stored = context.strain_energy(step.t);
         ControlFlow::Continue(())
     };
     solve_statics(
-        &mut model,
+        &mut context,
         &mut vec![],
         &StaticOptions::equal_steps(40),
         observe,
@@ -168,24 +174,24 @@ fn a_driven_rotation_of_three_turns_carries_the_beam_around() {
     builder.line("beam", &axis, [root, tip], &line).unwrap();
     builder.support(root, &[Dof::X, Dof::Y, Dof::Z, Dof::RX, Dof::RY]);
     builder.prescribe(root, Dof::RZ, Proportional(angle));
-    let mut model = Context::new(builder.build().unwrap());
-    model.check_supports().unwrap();
+    let mut context = Context::new(builder.build().unwrap());
+    context.check_supports().unwrap();
     let options = StaticOptions {
         max_step: 0.05,
         ..StaticOptions::default()
     };
-    let observe = &mut |model: &mut Context, step: &Step<'_>| {
+    let observe = &mut |context: &mut Context, step: &Step<'_>| {
         let (s, c) = (angle * step.t).sin_cos();
-        let position = model.node_state(tip).position;
+        let position = context.node_state(tip).position;
         assert!(
             (position - Vector3::new(c, s, 0.0)).norm() < 1e-9,
             "{} {position}",
             step.t
         );
-        assert!(model.strain_energy(step.t) < 1e-16);
+        assert!(context.strain_energy(step.t) < 1e-16);
         ControlFlow::Continue(())
     };
-    let summary = solve_statics(&mut model, &mut vec![], &options, observe).unwrap();
+    let summary = solve_statics(&mut context, &mut vec![], &options, observe).unwrap();
     assert!(summary.finished);
     assert!(summary.chart_changes >= 3 * 5);
 }
@@ -214,16 +220,21 @@ fn a_mechanism_is_named_before_and_during_the_solution() {
     builder
         .element("load", dead([1.0, 0.0, 0.0]), &[tip])
         .unwrap();
-    let mut model = Context::new(builder.build().unwrap());
-    let text = model.check_supports().unwrap_err().to_string();
+    let mut context = Context::new(builder.build().unwrap());
+    let text = context.check_supports().unwrap_err().to_string();
     assert!(
         text.contains("rotation about the direction (1.000, 0.000, 0.000)"),
         "{text}"
     );
 
     let proceed = &mut |_: &mut Context, _: &Step<'_>| ControlFlow::Continue(());
-    let error =
-        solve_statics(&mut model, &mut vec![], &StaticOptions::default(), proceed).unwrap_err();
+    let error = solve_statics(
+        &mut context,
+        &mut vec![],
+        &StaticOptions::default(),
+        proceed,
+    )
+    .unwrap_err();
     let StaticsError::Step(failed) = error else {
         panic!("{error}");
     };

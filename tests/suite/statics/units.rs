@@ -89,11 +89,11 @@ fn bent(u: Units) -> (Vector3<f64>, usize) {
     let force = [0.0, 2.0 * u.force, 1.0 * u.force];
     let load = NodalLoad::new(LoadKind::DeadForce, force, Proportional(1.0));
     b.element("load", load, &[tip]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut end = Vector3::zeros();
     let options = StaticOptions::equal_steps(4);
-    let summary = solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
-        end = Vector3::from_fn(|k, _| model.coordinate(tip, k).unwrap()[0]) / u.length;
+    let summary = solve_statics(&mut context, &mut vec![], &options, &mut |context, _| {
+        end = Vector3::from_fn(|k, _| context.coordinate(tip, k).unwrap()[0]) / u.length;
         ControlFlow::Continue(())
     });
     (end, summary.unwrap().iterations)
@@ -144,13 +144,13 @@ fn swung(u: Units) -> ([f64; 2], usize) {
         section,
     };
     b.line("rod", &axis, [foot, tip], &line).unwrap();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let options = DynamicOptions::new(2.0 * u.time, 0.02 * u.time);
-    let rest = vec![0.0; model.initial().len()];
-    let mut progress = Progress::new(start(&model, 0.0, model.initial(), &rest).unwrap());
+    let rest = vec![0.0; context.initial().len()];
+    let mut progress = Progress::new(start(&context, 0.0, context.initial(), &rest).unwrap());
     let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
-    integrate(&mut model, &mut progress, &options, proceed).unwrap();
-    let [angle, rate] = model.coordinate(hinge.angle, 0).unwrap();
+    integrate(&mut context, &mut progress, &options, proceed).unwrap();
+    let [angle, rate] = context.coordinate(hinge.angle, 0).unwrap();
     ([angle, rate * u.time], progress.summary.iterations)
 }
 
@@ -209,11 +209,11 @@ fn arms() -> impl Iterator<Item = (f64, f64)> {
 fn what_hangs_at_one_place_knows_no_metre() {
     // k θ = m g l (…) with a weight along x and −z of the size of the spring: θ + cos θ + sin θ = 0.
     for (arm, far) in arms() {
-        let (mut model, angle) = pendulum(arm, far, 9.81, [9.81, 0.0, -9.81]);
+        let (mut context, angle) = pendulum(arm, far, 9.81, [9.81, 0.0, -9.81]);
         let mut found = 0.0;
         let options = StaticOptions::default();
-        solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
-            found = model.coordinate(angle, 0).unwrap()[0];
+        solve_statics(&mut context, &mut vec![], &options, &mut |context, _| {
+            found = context.coordinate(angle, 0).unwrap()[0];
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -225,16 +225,16 @@ fn what_hangs_at_one_place_knows_no_metre() {
 #[test]
 fn what_swings_at_one_place_knows_no_metre() {
     let swing = |arm: f64, far: f64| {
-        let (mut model, angle) = pendulum(arm, far, 2.0, [0.0, 0.0, -9.81]);
-        let u = model.unknown_at(angle, 0).unwrap();
-        let n = model.initial().len();
+        let (mut context, angle) = pendulum(arm, far, 2.0, [0.0, 0.0, -9.81]);
+        let u = context.unknown_at(angle, 0).unwrap();
+        let n = context.initial().len();
         let (mut q, rest) = (vec![0.0; n], vec![0.0; n]);
         q[u] = 1.5;
-        let mut progress = Progress::new(start(&model, 0.0, &q, &rest).unwrap());
+        let mut progress = Progress::new(start(&context, 0.0, &q, &rest).unwrap());
         let proceed = &mut |_: &mut Context, _: &StepReport<'_>| ControlFlow::Continue(());
         let options = DynamicOptions::new(1.3, 0.01);
-        integrate(&mut model, &mut progress, &options, proceed).unwrap();
-        model.coordinate(angle, 0).unwrap()
+        integrate(&mut context, &mut progress, &options, proceed).unwrap();
+        context.coordinate(angle, 0).unwrap()
     };
     let expected = swing(1.0, 0.0);
     assert!(expected[0].abs() < 1.4, "a motion: {expected:?}");
@@ -274,11 +274,11 @@ fn a_force_turned_by_a_bushing_is_followed_in_any_unit() {
             let load = NodalLoad::new(which, load, Proportional(1.0));
             b.element(name, load, &[end]).unwrap();
         }
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         let mut found = Vector3::zeros();
         let options = StaticOptions::default();
-        solve_statics(&mut model, &mut vec![], &options, &mut |model, _| {
-            found = Vector3::from_fn(|k, _| model.coordinate(end, k).unwrap()[0]) / length;
+        solve_statics(&mut context, &mut vec![], &options, &mut |context, _| {
+            found = Vector3::from_fn(|k, _| context.coordinate(end, k).unwrap()[0]) / length;
             ControlFlow::Continue(())
         })
         .unwrap();

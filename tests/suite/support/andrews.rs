@@ -150,8 +150,8 @@ pub struct Run {
 }
 
 pub fn run(map: Loops, steps: usize) -> Run {
-    let (mut model, x) = squeezer(map);
-    let zero = vec![0.0; model.pattern().dim()];
+    let (mut context, x) = squeezer(map);
+    let zero = vec![0.0; context.pattern().dim()];
     let mut options: DynamicOptions = tight(Scheme::default(), END, END / steps as f64);
     options.newton.absolute = 1e-18;
     options.newton.relative = 1e-14;
@@ -162,13 +162,14 @@ pub fn run(map: Loops, steps: usize) -> Run {
         changes: Vec::new(),
         progress: Progress::default(),
     };
-    let (mut note, mut residual, mut changes) = (model.describe(x), 0.0_f64, Vec::new());
+    let (mut note, mut residual, mut changes) = (context.describe(x), 0.0_f64, Vec::new());
     let mut end = [[0.0; 7]; 3];
-    out.progress = observed(&mut model, [&zero, &zero], &options, &mut |model, _| {
-        let motion: [[f64; 3]; 7] = std::array::from_fn(|k| model.coordinate_motion(x, k).unwrap());
+    out.progress = observed(&mut context, [&zero, &zero], &options, &mut |context, _| {
+        let motion: [[f64; 3]; 7] =
+            std::array::from_fn(|k| context.coordinate_motion(x, k).unwrap());
         end = std::array::from_fn(|d| motion.map(|x| x[d]));
         residual = residual.max(Squeezer.h(0.0, &end[0].into()).amax());
-        let now = model.describe(x);
+        let now = context.describe(x);
         if now != note {
             changes.extend(now.clone());
             note = now;

@@ -54,7 +54,7 @@ impl Modelled for Context {
 /// A model whose changes of chart are made here and not by itself: at chosen steps rotation
 /// vectors of own nodes are replaced by their complements, wherever they are, and never otherwise.
 pub struct Flipped {
-    pub model: Context,
+    pub context: Context,
     /// Free rotation vectors: the first of their three coordinates in the model's unknowns.
     pub rotations: Vec<usize>,
     /// How many elements are beams between nodes of `rotations` (the first ones of the model).
@@ -67,12 +67,12 @@ pub struct Flipped {
 
 impl Flipped {
     pub fn new(
-        model: Context,
+        context: Context,
         rotations: Vec<usize>,
         when: impl Fn(usize) -> bool + 'static,
     ) -> Self {
         Self {
-            model,
+            context,
             rotations,
             beams: 0,
             when: Box::new(when),
@@ -83,24 +83,24 @@ impl Flipped {
 
 impl System for Flipped {
     fn pattern(&self) -> &BlockPattern {
-        self.model.pattern()
+        self.context.pattern()
     }
 
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         let previous = None;
-        self.model.evaluate(at, Evaluation { previous, ..out })
+        self.context.evaluate(at, Evaluation { previous, ..out })
     }
 
     fn coordinate_info(&self, i: usize) -> CoordinateInfo {
-        self.model.coordinate_info(i)
+        self.context.coordinate_info(i)
     }
 
     fn name(&self, i: usize) -> String {
-        self.model.name(i)
+        self.context.name(i)
     }
 
     fn scales(&self) -> Scales {
-        self.model.scales()
+        self.context.scales()
     }
 
     fn charts(&mut self) -> Option<&mut dyn Charts> {
@@ -133,9 +133,9 @@ impl Charts for Flipped {
             put(v, B * psi_dot);
             put(q, so3::complement(&psi));
         }
-        let mut charts = self.model.element_charts();
+        let mut charts = self.context.element_charts();
         charts[..self.beams].iter_mut().for_each(|c| *c ^= 0b11);
-        self.model.set_element_charts(&charts);
+        self.context.set_element_charts(&charts);
         ChartChanges {
             charts: self.rotations.len(),
             residual: false,
@@ -145,19 +145,19 @@ impl Charts for Flipped {
 
 impl Modelled for Flipped {
     fn model(&mut self) -> &mut Context {
-        &mut self.model
+        &mut self.context
     }
 }
 
 /// Brings the model to a state, for questions.
-pub fn configure(model: &mut Context, state: &State) {
+pub fn configure(context: &mut Context, state: &State) {
     let at = Point {
         t: state.t,
         q: &state.q,
         v: &state.v,
         a: &state.a,
     };
-    model.configure(at).unwrap();
+    context.configure(at).unwrap();
 }
 
 /// Runs a system; the observer sees it configured at each accepted step.

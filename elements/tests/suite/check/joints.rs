@@ -132,11 +132,11 @@ fn a_model_with_one_is_refused_at_its_evaluation() {
         };
         let body = PointMass::new(1.0).unwrap();
         builder.element("body", body, &[child.frame]).unwrap();
-        let mut model = Context::new(builder.build().unwrap());
+        let mut context = Context::new(builder.build().unwrap());
         let (v, a) = (&[][..], &[][..]);
-        let dim = model.pattern().dim();
+        let dim = context.pattern().dim();
         let mut at = |q: f64| {
-            model.configure(Point {
+            context.configure(Point {
                 t: 0.0,
                 q: &[q, 0.0, 0.0, 0.0][..dim],
                 v,

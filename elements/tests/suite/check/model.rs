@@ -144,13 +144,13 @@ fn stiffness_ratios_of_ten_orders_and_millimetres_raise_no_alarm() {
         b.element("tip mass", body, &[tip]).unwrap();
         let soft = AxialSpring::new(&[root, tip].map(|n| b.position(n)), 1e-10 * EA, 0.0).unwrap();
         b.element("soft", soft, &[root, tip]).unwrap();
-        let mut model = Context::new(b.build().unwrap());
+        let mut context = Context::new(b.build().unwrap());
         for seed in 0..8 {
             let options = Options {
                 seed,
                 ..Options::default()
             };
-            check::model(&mut model, &options).assert();
+            check::model(&mut context, &options).assert();
         }
     }
 }

@@ -95,27 +95,27 @@ fn nothing_is_allocated_after_the_first_evaluation() {
     for dof in Dof::ROTATIONS {
         b.prescribe(root, dof, Constant(1.0));
     }
-    let mut model = Context::new(b.build().unwrap());
-    let n = model.pattern().dim();
+    let mut context = Context::new(b.build().unwrap());
+    let n = context.pattern().dim();
     let mut q = vec![0.0; n];
     // Nodes astride π, so that elements change charts.
     for (k, &node) in nodes.iter().enumerate().skip(1) {
         let psi = Vector3::new(1.0, 1.0, 1.0) * (1.7 + 0.05 * k as f64);
         for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-            q[model.unknown(node, dof).unwrap()] = psi[i];
+            q[context.unknown(node, dof).unwrap()] = psi[i];
         }
     }
-    let changes = model.change_charts(0.5, &mut q, &mut [], &mut []);
+    let changes = context.change_charts(0.5, &mut q, &mut [], &mut []);
     assert!(changes.charts > 0 && changes.charts < nodes.len() - 1);
     let (v, a) = (vec![0.3; n], vec![-0.2; n]);
     let (mut r, mut r_t) = (vec![0.0; n], vec![0.0; n]);
-    let mut S = vec![0.0; model.pattern().len()];
+    let mut S = vec![0.0; context.pattern().len()];
     let weights = Weights {
         K: 1.0,
         C: 2.0,
         M: 3.0,
     };
-    let mut all = |model: &mut dyn System| {
+    let mut all = |context: &mut dyn System| {
         let rest = Point {
             t: 0.5,
             q: &q,
@@ -132,17 +132,17 @@ fn nothing_is_allocated_after_the_first_evaluation() {
                 r_t: Some(&mut r_t),
                 ..Evaluation::with_tangent(&mut r, weights, &mut S)
             };
-            model.evaluate(at, out).unwrap();
-            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+            context.evaluate(at, out).unwrap();
+            context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
             let out = Evaluation {
                 previous: Some(rest),
                 ..Evaluation::with_tangent(&mut r, weights, &mut S)
             };
-            model.evaluate(at, out).unwrap();
+            context.evaluate(at, out).unwrap();
         }
     };
-    all(&mut model);
-    assert_eq!(measure(|| all(&mut model)).count_total, 0);
+    all(&mut context);
+    assert_eq!(measure(|| all(&mut context)).count_total, 0);
     let counted = measure(|| drop(std::hint::black_box(vec![0_u8; 64])));
     assert_eq!(counted.count_total, 1, "the counter counts");
 }

@@ -46,9 +46,9 @@ fn model() -> (Context, [NodeId; 3]) {
 
 #[test]
 fn their_tangents_are_exact_also_astride_a_change_of_chart() {
-    let (mut model, [first, second, _]) = model();
-    assert!(model.is_symmetric());
-    let n = model.pattern().dim();
+    let (mut context, [first, second, _]) = model();
+    assert!(context.is_symmetric());
+    let n = context.pattern().dim();
     let mut random = Random::new(8);
     // The second body is beyond π and moves to the other chart, the first one stays.
     for angles in [[0.4, 0.9], [3.0, 3.3]] {
@@ -57,25 +57,26 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         for (node, angle) in [first, second].into_iter().zip(angles) {
             let psi = Vector3::new(0.6, 0.8, 0.1).normalize() * angle;
             for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-                q[model.unknown(node, dof).unwrap()] = psi[i];
+                q[context.unknown(node, dof).unwrap()] = psi[i];
             }
         }
         let (mut v, mut a) = (DVector::zeros(n), DVector::zeros(n));
         random.fill(v.as_mut_slice());
         random.fill(a.as_mut_slice());
-        let power = |model: &mut Context, q: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>| {
-            let mut r = vec![0.0; n];
-            let at = Point {
-                t: 0.0,
-                q: q.as_slice(),
-                v: v.as_slice(),
-                a: a.as_slice(),
+        let power =
+            |context: &mut Context, q: &DVector<f64>, v: &DVector<f64>, a: &DVector<f64>| {
+                let mut r = vec![0.0; n];
+                let at = Point {
+                    t: 0.0,
+                    q: q.as_slice(),
+                    v: v.as_slice(),
+                    a: a.as_slice(),
+                };
+                context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+                r.iter().zip(v.iter()).map(|(r, v)| r * v).sum::<f64>()
             };
-            model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
-            r.iter().zip(v.iter()).map(|(r, v)| r * v).sum::<f64>()
-        };
-        let before = power(&mut model, &q, &v, &a);
-        let changes = model.change_charts(
+        let before = power(&mut context, &q, &v, &a);
+        let changes = context.change_charts(
             0.0,
             q.as_mut_slice(),
             v.as_mut_slice(),
@@ -83,25 +84,25 @@ fn their_tangents_are_exact_also_astride_a_change_of_chart() {
         );
         assert_eq!(changes.charts, usize::from(angles[1] > 3.2));
         // The same motion in other coordinates: the same power.
-        let after = power(&mut model, &q, &v, &a);
+        let after = power(&mut context, &q, &v, &a);
         assert!((after - before).abs() < 1e-11 * before.abs().max(1.0));
         let t = 0.0;
         let states = [
             ("at rest".to_owned(), State::statics(t, q.clone())),
             ("moving".to_owned(), State { t, x: q, v, a }),
         ];
-        check::system("bodies and springs", &mut model, &states).assert();
+        check::system("bodies and springs", &mut context, &states).assert();
     }
 }
 
 #[test]
 fn a_spring_without_length_is_named() {
-    let (mut model, [_, second, mass]) = model();
-    let n = model.pattern().dim();
+    let (mut context, [_, second, mass]) = model();
+    let n = context.pattern().dim();
     let mut q = vec![0.0; n];
-    let gap = model.reference(second) - model.reference(mass);
+    let gap = context.reference(second) - context.reference(mass);
     for (i, dof) in [Dof::X, Dof::Y, Dof::Z].into_iter().enumerate() {
-        q[model.unknown(mass, dof).unwrap()] = gap[i];
+        q[context.unknown(mass, dof).unwrap()] = gap[i];
     }
     let at = Point {
         t: 0.0,
@@ -109,7 +110,7 @@ fn a_spring_without_length_is_named() {
         v: &[],
         a: &[],
     };
-    let error = model
+    let error = context
         .evaluate(at, Evaluation::residual(&mut vec![0.0; n]))
         .unwrap_err();
     let text = error.to_string();

@@ -20,7 +20,7 @@ fn built(support: impl Fn(&mut ModelBuilder, [NodeId; 2])) -> Context {
 
 #[test]
 fn structures_that_can_move_as_rigid_bodies() {
-    let message = |model: Context| model.check_supports().unwrap_err().to_string();
+    let message = |context: Context| context.check_supports().unwrap_err().to_string();
     let starts = "the part of the structure that contains node a is not supported: it can still \
                   move as a rigid body (";
     let ends = "); add supports that prevent this";
@@ -82,17 +82,17 @@ fn unknowns_have_numbers_names_and_kinds() {
     let six = b.coordinates("six", &[Quantity::Other; 6]).unwrap();
     b.element("idle", Idle(14), &[ends[1], hinge, six]).unwrap();
     b.support(ends[0], &[Dof::X, Dof::RX]);
-    let mut model = Context::new(b.build().unwrap());
-    assert_eq!(model.pattern().dim(), 4 + 6 + 2 + 6);
-    assert_eq!(model.unknown(ends[0], Dof::X), None);
-    assert_eq!(model.unknown(ends[0], Dof::Y), Some(0));
-    assert_eq!(model.unknown(ends[1], Dof::RZ), Some(9));
-    assert!(model.is_prescribed(ends[0], Dof::RX) && !model.is_prescribed(ends[0], Dof::RY));
-    assert_eq!(model.name(0), "node a, displacement along e2");
-    assert_eq!(model.name(9), "node b, rotation about e3");
-    assert_eq!(model.name(11), "hinge, coordinate 2");
-    assert_eq!(model.name(12), "six, coordinate 1");
-    let kinds = [0, 2, 9, 10, 11, 12].map(|i| model.coordinate_info(i).quantity);
+    let mut context = Context::new(b.build().unwrap());
+    assert_eq!(context.pattern().dim(), 4 + 6 + 2 + 6);
+    assert_eq!(context.unknown(ends[0], Dof::X), None);
+    assert_eq!(context.unknown(ends[0], Dof::Y), Some(0));
+    assert_eq!(context.unknown(ends[1], Dof::RZ), Some(9));
+    assert!(context.is_prescribed(ends[0], Dof::RX) && !context.is_prescribed(ends[0], Dof::RY));
+    assert_eq!(context.name(0), "node a, displacement along e2");
+    assert_eq!(context.name(9), "node b, rotation about e3");
+    assert_eq!(context.name(11), "hinge, coordinate 2");
+    assert_eq!(context.name(12), "six, coordinate 1");
+    let kinds = [0, 2, 9, 10, 11, 12].map(|i| context.coordinate_info(i).quantity);
     assert_eq!(
         kinds,
         [
@@ -104,20 +104,20 @@ fn unknowns_have_numbers_names_and_kinds() {
             Quantity::Other
         ]
     );
-    assert_eq!(model.frames().count(), 2);
-    assert_eq!(model.find("hinge"), Some(hinge));
-    assert_eq!(model.find("none"), None);
-    assert_eq!(model.length(), 1.0);
-    assert_eq!(model.elements().len(), 2);
+    assert_eq!(context.frames().count(), 2);
+    assert_eq!(context.find("hinge"), Some(hinge));
+    assert_eq!(context.find("none"), None);
+    assert_eq!(context.length(), 1.0);
+    assert_eq!(context.elements().len(), 2);
     let mut q = vec![0.0; 18];
     q[12..].fill(4.0);
     let before = q.clone();
-    model.change_charts(0.0, &mut q, &mut [], &mut []);
+    context.change_charts(0.0, &mut q, &mut [], &mut []);
     assert_eq!(q, before);
     // Largest entries: lengths are measured by the model.
     let mut r = vec![0.0; 18];
     (r[1], r[8]) = (-3.0, 2.0);
-    let largest = model.largest_entries(&r, 2);
+    let largest = context.largest_entries(&r, 2);
     assert_eq!(
         largest[0],
         ("node a, displacement along e3".to_owned(), -3.0)
@@ -194,19 +194,19 @@ fn a_line_makes_nodes_and_elements_in_order() {
     for (k, &n) in made.nodes.iter().enumerate() {
         assert_eq!(b.position(n), Vector3::new(k as f64, 0.0, 0.0));
     }
-    let model = Context::new(b.build().unwrap());
+    let context = Context::new(b.build().unwrap());
     assert_eq!(
-        model.element(made.elements[0]),
+        context.element(made.elements[0]),
         ("l:1", made.nodes[..4].to_vec())
     );
     assert_eq!(
-        model.element(made.elements[1]),
+        context.element(made.elements[1]),
         ("l:2", made.nodes[3..].to_vec())
     );
     // Blocks are numbered along the line; elements do not couple across it: the first node meets
     // the last of its element, not the end of the line.
-    assert!(model.pattern().find(0, 3).is_some());
-    assert_eq!(model.pattern().find(0, 6), None);
+    assert!(context.pattern().find(0, 3).is_some());
+    assert_eq!(context.pattern().find(0, 6), None);
 }
 
 /// Sixteen times as many nodes take sixteen times as long, where a search among all nodes for every
@@ -220,11 +220,11 @@ fn names_and_freedoms_cost_what_a_model_has() {
             let mass = PointMass::new(1.0).unwrap();
             b.element(format!("m{k}"), mass, &[node]).unwrap();
         }
-        let model = Context::new(b.build().unwrap());
+        let context = Context::new(b.build().unwrap());
         let time = || {
             let start = Instant::now();
-            assert_eq!(model.mobility().freedoms, 6 * count);
-            let names: Vec<String> = (0..6 * count).map(|i| model.name(i)).collect();
+            assert_eq!(context.mobility().freedoms, 6 * count);
+            let names: Vec<String> = (0..6 * count).map(|i| context.name(i)).collect();
             let last = format!("node n{}, rotation about e3", count - 1);
             assert_eq!(names.last(), Some(&last));
             start.elapsed().as_secs_f64()

@@ -96,12 +96,12 @@ fn model(order: usize) -> (Context, Vec<NodeId>) {
     (Context::new(b.build().unwrap()), nodes)
 }
 
-fn coordinates(model: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
-    let mut q = vec![0.0; model.pattern().dim()];
+fn coordinates(context: &Context, nodes: &[NodeId], values: &[[Vector3<f64>; 2]]) -> Vec<f64> {
+    let mut q = vec![0.0; context.pattern().dim()];
     for (&node, [d, psi]) in nodes.iter().zip(values) {
         for k in 0..3 {
-            q[model.unknown(node, Dof::TRANSLATIONS[k]).unwrap()] = d[k];
-            q[model.unknown(node, Dof::ROTATIONS[k]).unwrap()] = psi[k];
+            q[context.unknown(node, Dof::TRANSLATIONS[k]).unwrap()] = d[k];
+            q[context.unknown(node, Dof::ROTATIONS[k]).unwrap()] = psi[k];
         }
     }
     q
@@ -116,28 +116,34 @@ fn at(q: &[f64]) -> Point<'_> {
     }
 }
 
-fn take(model: &Context, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
-    Vector3::from_fn(|k, _| from[model.unknown(node, dofs[k]).unwrap()])
+fn take(context: &Context, node: NodeId, dofs: [Dof; 3], from: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|k, _| from[context.unknown(node, dofs[k]).unwrap()])
 }
 
-fn physical(model: &mut Context, nodes: &[NodeId], q: &[f64]) -> Physical {
+fn physical(context: &mut Context, nodes: &[NodeId], q: &[f64]) -> Physical {
     let mut r = vec![0.0; q.len()];
-    model.evaluate(at(q), Evaluation::residual(&mut r)).unwrap();
+    context
+        .evaluate(at(q), Evaluation::residual(&mut r))
+        .unwrap();
     let forces = nodes
         .iter()
         .map(|&n| {
-            let psi = take(model, n, Dof::ROTATIONS, q);
-            let moment = take(model, n, Dof::ROTATIONS, &r);
+            let psi = take(context, n, Dof::ROTATIONS, q);
+            let moment = take(context, n, Dof::ROTATIONS, &r);
             // A covector for Ψ is T m: m is the spatial moment.
             [
-                take(model, n, Dof::TRANSLATIONS, &r),
+                take(context, n, Dof::TRANSLATIONS, &r),
                 so3::tangent_inverse(&psi) * moment,
             ]
         })
         .collect();
     Physical {
-        energy: model.strain_energy(0.0),
-        states: model.section_states(0.0).into_iter().map(|s| s.1).collect(),
+        energy: context.strain_energy(0.0),
+        states: context
+            .section_states(0.0)
+            .into_iter()
+            .map(|s| s.1)
+            .collect(),
         forces,
     }
 }

@@ -243,8 +243,8 @@ fn nodes_that_nothing_holds_on_to() {
     // A load alone is what an offset is for, or nothing at all: a position to look at.
     let load = || NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 4.0], Constant(1.0));
     b.element("load", load(), &[dependent]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    let n = model.pattern().dim();
+    let mut context = Context::new(b.build().unwrap());
+    let n = context.pattern().dim();
     assert_eq!(n, 12);
     let (q, mut r) = (vec![0.0; n], vec![0.0; n]);
     let at = Point {
@@ -253,7 +253,7 @@ fn nodes_that_nothing_holds_on_to() {
         v: &[],
         a: &[],
     };
-    model.evaluate(at, Evaluation::residual(&mut r)).unwrap();
+    context.evaluate(at, Evaluation::residual(&mut r)).unwrap();
     // The force and its moment c × f about the parent, c = (0, 1, 0).
     assert_eq!(r[6..], [1.0, 2.0, 4.0, 4.0, 0.0, -1.0]);
     let (mut b, ends) = simple();
@@ -295,7 +295,7 @@ impl Map<6, 6> for Bounded {
 
 #[test]
 fn points_outside_a_domain_are_refused_by_name() {
-    fn evaluate(model: &mut Context, q: &[f64]) -> String {
+    fn evaluate(context: &mut Context, q: &[f64]) -> String {
         let mut r = vec![0.0; q.len()];
         let at = Point {
             t: 0.0,
@@ -303,16 +303,16 @@ fn points_outside_a_domain_are_refused_by_name() {
             v: &[],
             a: &[],
         };
-        let outcome = model.evaluate(at, Evaluation::residual(&mut r));
+        let outcome = context.evaluate(at, Evaluation::residual(&mut r));
         outcome.map_or_else(|e: SystemError| e.to_string(), |()| "fine".to_owned())
     }
     let (b, _) = simple();
-    let mut model = Context::new(b.build().unwrap());
+    let mut context = Context::new(b.build().unwrap());
     let mut q = vec![0.0; 12];
     let psi = std::f64::consts::TAU - 2e-4;
     (q[3], q[9]) = (psi, psi);
     assert_eq!(
-        evaluate(&mut model, &q),
+        evaluate(&mut context, &q),
         "element beam:1 left the domain of its chart (it moved or turned too far at once): take \
          smaller steps"
     );
@@ -342,8 +342,8 @@ fn points_outside_a_domain_are_refused_by_name() {
 #[test]
 fn evaluations_that_a_point_does_not_hold_are_refused() {
     let (b, _) = simple();
-    let mut model = Context::new(b.build().unwrap());
-    let (n, values) = (model.pattern().dim(), model.pattern().len());
+    let mut context = Context::new(b.build().unwrap());
+    let (n, values) = (context.pattern().dim(), context.pattern().len());
     let mut says = |[q, v, a, r, S]: [usize; 5], weights: Weights, message: &str| {
         let (zero, mut r, mut S) = (vec![0.0; 2 * n], vec![0.0; r], vec![0.0; S]);
         let at = Point {
@@ -353,7 +353,7 @@ fn evaluations_that_a_point_does_not_hold_are_refused() {
             a: &zero[..a],
         };
         let out = Evaluation::with_tangent(&mut r, weights, &mut S);
-        let error = model.evaluate(at, out).unwrap_err();
+        let error = context.evaluate(at, out).unwrap_err();
         assert_eq!(error.to_string(), message);
     };
     let STATIC = Weights::STATIC;

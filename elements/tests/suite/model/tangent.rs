@@ -61,8 +61,8 @@ fn frame_model(b: &mut ModelBuilder) -> [NodeId; 3] {
 }
 
 /// States of a model's n unknowns near a configuration.
-fn around(model: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
-    let n = model.pattern().dim();
+fn around(context: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)> {
+    let n = context.pattern().dim();
     let mut random = Random::new(5);
     let mut out = Vec::new();
     for k in 0..2 {
@@ -80,19 +80,19 @@ fn around(model: &Context, q: &DVector<f64>, spread: f64) -> Vec<(String, State)
     out
 }
 
-fn check_around(what: &str, model: &mut Context, q: &DVector<f64>, spread: f64) {
-    let states = around(model, q, spread);
-    check::system(what, model, &states).assert();
+fn check_around(what: &str, context: &mut Context, q: &DVector<f64>, spread: f64) {
+    let states = around(context, q, spread);
+    check::system(what, context, &states).assert();
 }
 
 /// A configuration in which every node's rotation vector is `psi`.
-fn turned(model: &Context, psi: impl Fn(usize) -> Vector3<f64>) -> DVector<f64> {
-    let mut q = DVector::zeros(model.pattern().dim());
-    let frames: Vec<NodeId> = model.frames().map(|(n, _)| n).collect();
+fn turned(context: &Context, psi: impl Fn(usize) -> Vector3<f64>) -> DVector<f64> {
+    let mut q = DVector::zeros(context.pattern().dim());
+    let frames: Vec<NodeId> = context.frames().map(|(n, _)| n).collect();
     for (k, &node) in frames.iter().enumerate() {
         let psi = psi(k);
         for (i, dof) in Dof::ROTATIONS.into_iter().enumerate() {
-            if let Some(u) = model.unknown(node, dof) {
+            if let Some(u) = context.unknown(node, dof) {
                 q[u] = psi[i];
             }
         }
@@ -105,11 +105,11 @@ fn a_clamped_frame() {
     let mut b = ModelBuilder::new();
     let [root, ..] = frame_model(&mut b);
     b.support(root, &Dof::ALL);
-    let mut model = Context::new(b.build().unwrap());
-    assert_eq!(model.pattern().dim(), 6 * 6);
-    assert!(!model.is_symmetric());
+    let mut context = Context::new(b.build().unwrap());
+    assert_eq!(context.pattern().dim(), 6 * 6);
+    assert!(!context.is_symmetric());
     let zero = DVector::zeros(36);
-    check_around("clamped frame", &mut model, &zero, 0.4);
+    check_around("clamped frame", &mut context, &zero, 0.4);
 }
 
 #[test]
@@ -122,10 +122,10 @@ fn partly_prescribed_and_driven_coordinates() {
     for dof in Dof::ROTATIONS {
         b.prescribe(tip, dof, sine(0.5));
     }
-    let mut model = Context::new(b.build().unwrap());
-    let n = model.pattern().dim();
+    let mut context = Context::new(b.build().unwrap());
+    let n = context.pattern().dim();
     assert_eq!(n, 7 * 6 - 8);
-    check_around("driven frame", &mut model, &DVector::zeros(n), 0.4);
+    check_around("driven frame", &mut context, &DVector::zeros(n), 0.4);
 }
 
 #[test]
@@ -139,21 +139,21 @@ fn a_rotation_driven_past_a_turn() {
     b.prescribe(tip, Dof::RY, sine(3.0));
     b.prescribe(tip, Dof::RZ, Proportional(7.0));
     let psi = |t: f64| Vector3::new(8.0 * t, sine(3.0).at(t)[0], 7.0 * t);
-    let mut model = Context::new(b.build().unwrap());
-    let n = model.pattern().dim();
+    let mut context = Context::new(b.build().unwrap());
+    let n = context.pattern().dim();
     let mut q = DVector::zeros(n);
-    model.start(0.6, q.as_slice());
-    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    context.start(0.6, q.as_slice());
+    let changes = context.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     assert_eq!(changes.charts, 0, "the start has done it");
-    check_around("driven past a turn", &mut model, &q, 0.2);
+    check_around("driven past a turn", &mut context, &q, 0.2);
     // The last of these states is at t = 0.6.
-    let found = model.node_state(tip);
+    let found = context.node_state(tip);
     let expected = nalgebra::Rotation3::new(psi(0.6));
     assert!((found.R - expected.matrix()).norm() < 1e-13);
     assert!((found.psi.norm() - (psi(0.6).norm() - 2.0 * PI)).abs() < 1e-14);
     // Back: 4.2 rad is nearer to one turn than to none, 2.2 rad is not. And forth.
     for (t, charts) in [(0.3, 0), (0.1, 1), (0.3, 1)] {
-        let changes = model.change_charts(t, q.as_mut_slice(), &mut [], &mut []);
+        let changes = context.change_charts(t, q.as_mut_slice(), &mut [], &mut []);
         assert_eq!(changes.charts, charts, "{} rad", psi(t).norm());
     }
 }
@@ -202,10 +202,10 @@ fn nodes_that_follow_through_maps() {
     b.support(root, &Dof::ALL);
     b.prescribe(corner, Dof::RZ, sine(0.4));
     b.prescribe(corner, Dof::X, sine(0.2));
-    let mut model = Context::new(b.build().unwrap());
-    let n = model.pattern().dim();
+    let mut context = Context::new(b.build().unwrap());
+    let n = context.pattern().dim();
     assert_eq!(n, 4 + 1 + 6 + 6);
-    check_around("joints", &mut model, &DVector::zeros(n), 0.4);
+    check_around("joints", &mut context, &DVector::zeros(n), 0.4);
 }
 
 /// A chain of `count` beams with couplings in velocities and accelerations; clamped at the start.
@@ -236,23 +236,23 @@ fn chain(count: usize) -> (Context, Vec<NodeId>) {
 
 #[test]
 fn nodes_astride_pi() {
-    let (mut model, nodes) = chain(3);
+    let (mut context, nodes) = chain(3);
     let e = Vector3::new(0.36, 0.48, -0.8);
     // 2.7, 3.1, 3.3, 3.5 rad: the last two are stored as their complements.
     let angles = [2.7, 3.1, 3.3, 3.5];
-    let mut q = turned(&model, |k| {
+    let mut q = turned(&context, |k| {
         let at = nodes
             .iter()
-            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+            .position(|n| context.frames().nth(k).unwrap().0 == *n);
         e * angles[at.unwrap()]
     });
-    model.start(0.6, q.as_slice());
-    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    context.start(0.6, q.as_slice());
+    let changes = context.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     // The start has found the charts of the elements; only nodes are stored anew.
     assert_eq!((changes.charts, changes.residual), (2, false));
     // Small disturbances: the charts of nodes and elements stay, as they do within a step.
-    check_around("astride pi", &mut model, &q, 0.05);
-    let u = model.unknown(nodes[3], Dof::RZ).unwrap();
+    check_around("astride pi", &mut context, &q, 0.05);
+    let u = context.unknown(nodes[3], Dof::RZ).unwrap();
     assert!((q[u] - e.z * (3.5 - 2.0 * PI)).abs() < 1e-14);
 }
 
@@ -283,26 +283,26 @@ fn mapped_nodes_stored_in_the_other_chart() {
             .unwrap();
     }
     b.prescribe(parents[1], Dof::RY, sine(0.3));
-    let mut model = Context::new(b.build().unwrap());
-    let mut q = turned(&model, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
-    model.start(0.6, q.as_slice());
-    let changes = model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    let mut context = Context::new(b.build().unwrap());
+    let mut q = turned(&context, |k| Vector3::new(2.0 + 0.2 * k as f64, 0.5, -1.0));
+    context.start(0.6, q.as_slice());
+    let changes = context.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     assert_eq!(changes.charts, 0);
-    check_around("twin", &mut model, &q, 0.1);
+    check_around("twin", &mut context, &q, 0.1);
 }
 
 #[test]
 fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
-    let (mut model, nodes) = chain(2);
+    let (mut context, nodes) = chain(2);
     let e = Vector3::new(0.36, 0.48, -0.8);
-    let mut q = turned(&model, |k| {
+    let mut q = turned(&context, |k| {
         let at = nodes
             .iter()
-            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+            .position(|n| context.frames().nth(k).unwrap().0 == *n);
         e * [2.9, 3.1, 3.3][at.unwrap()]
     });
-    model.start(0.6, q.as_slice());
-    model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    context.start(0.6, q.as_slice());
+    context.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     let mut random = Random::new(2);
     let n = q.len();
     let mut d = DVector::zeros(n);
@@ -315,17 +315,17 @@ fn a_tangent_from_the_previous_iterate_differs_by_the_square_of_the_step() {
             v: &[],
             a: &[],
         };
-        let (mut r, mut S) = (vec![0.0; n], vec![0.0; model.pattern().len()]);
+        let (mut r, mut S) = (vec![0.0; n], vec![0.0; context.pattern().len()]);
         let out = Evaluation::with_tangent(&mut r, Weights::STATIC, &mut S);
         match previous {
-            None => model.evaluate(at(q.as_slice()), out),
+            None => context.evaluate(at(q.as_slice()), out),
             Some(from) => {
                 let previous = Some(at(from.as_slice()));
-                model.evaluate(at(q.as_slice()), Evaluation { previous, ..out })
+                context.evaluate(at(q.as_slice()), Evaluation { previous, ..out })
             }
         }
         .unwrap();
-        (r, dense(model.pattern(), &S))
+        (r, dense(context.pattern(), &S))
     };
     let (r, K) = tangent(None);
     let mut report = check::Report::new("previous iterate");
@@ -357,16 +357,16 @@ fn conservative_models_are_symmetric_also_with_changed_charts() {
     let nodes = b.line("line", &axis, ends, &line).unwrap().nodes;
     let load = NodalLoad::new(LoadKind::DeadForce, [1.0, 2.0, 3.0], Constant(1.0));
     b.element("load", load, &ends[1..]).unwrap();
-    let mut model = Context::new(b.build().unwrap());
-    assert!(model.is_symmetric());
-    let mut q = turned(&model, |k| {
+    let mut context = Context::new(b.build().unwrap());
+    assert!(context.is_symmetric());
+    let mut q = turned(&context, |k| {
         let at = nodes
             .iter()
-            .position(|n| model.frames().nth(k).unwrap().0 == *n);
+            .position(|n| context.frames().nth(k).unwrap().0 == *n);
         Vector3::new(1.0, -2.0, 2.0) / 3.0 * (2.8 + 0.2 * at.unwrap() as f64)
     });
-    model.start(0.6, q.as_slice());
-    model.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
+    context.start(0.6, q.as_slice());
+    context.change_charts(0.6, q.as_mut_slice(), &mut [], &mut []);
     // check::system holds a system that claims it to symmetry.
-    check_around("conservative", &mut model, &q, 0.05);
+    check_around("conservative", &mut context, &q, 0.05);
 }

@@ -72,27 +72,27 @@ pub struct Run {
 
 /// Runs a model whose loop coordinates are those of the node `x`.
 pub fn run<const X: usize>(
-    mut model: Context,
+    mut context: Context,
     x: NodeId,
     velocity: &[f64],
     h: &dyn Fn(&SVector<f64, X>) -> f64,
     [to, step]: [f64; 2],
 ) -> Run {
-    let zero = vec![0.0; model.pattern().dim()];
+    let zero = vec![0.0; context.pattern().dim()];
     let mut options = tight(Scheme::default(), to, step);
     options.newton.absolute = 1e-13;
-    let mut notes: Vec<(f64, String)> = model.describe(x).map(|n| (0.0, n)).into_iter().collect();
+    let mut notes: Vec<(f64, String)> = context.describe(x).map(|n| (0.0, n)).into_iter().collect();
     let (mut end, mut residual, mut drift) = (Vec::new(), 0.0_f64, 0.0_f64);
     let mut start = None;
     let progress = observed(
-        &mut model,
+        &mut context,
         [&zero, velocity],
         &options,
-        &mut |model, step| {
-            let both: [[f64; 2]; X] = std::array::from_fn(|k| model.coordinate(x, k).unwrap());
+        &mut |context, step| {
+            let both: [[f64; 2]; X] = std::array::from_fn(|k| context.coordinate(x, k).unwrap());
             residual = residual.max(h(&SVector::from_fn(|k, _| both[k][0])));
             end = (0..2 * X).map(|k| both[k % X][k / X]).collect();
-            let note = model.describe(x).unwrap();
+            let note = context.describe(x).unwrap();
             if notes.last().is_none_or(|last| last.1 != note) {
                 notes.push((step.progress.state.t, note));
             }
@@ -103,7 +103,7 @@ pub fn run<const X: usize>(
                 v: &state.v,
                 a: &state.a,
             };
-            let audit = model.energies_and_momentum(at).unwrap();
+            let audit = context.energies_and_momentum(at).unwrap();
             let energy = audit.energies.kinetic + audit.energies.stored + audit.load_potential;
             drift = drift.max((energy - *start.get_or_insert(energy)).abs());
         },
