@@ -108,6 +108,45 @@ pub struct SectionState {
     pub M: Vector3<f64>,
 }
 
+/// Properties of an element that hold at all motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Properties {
+    /// It is an applied load, which sets the scale of convergence tests.
+    pub load: bool,
+    /// The residual depends on time alone, so that all tangents are zero.
+    pub dead: bool,
+    /// It is a load with a time-independent potential, its energy. Its work is then known exactly,
+    /// not only to the order of a scheme.
+    pub steady: bool,
+    /// K is symmetric at rest, at every point of the domain.
+    pub symmetric: bool,
+    /// Its forces rotate with a rigid motion of all its nodes, as internal ones do: false for elements
+    /// that are tied to space, and for most loads.
+    pub objective: bool,
+    /// It depends on rotations of its nodes: false for an element that uses positions only, whose nodes
+    /// may rotate relative to each other without limit.
+    pub sees_rotations: bool,
+}
+
+impl Properties {
+    /// A conservative element between its nodes: a beam, a spring, a body.
+    pub const INTERNAL: Self = Self {
+        load: false,
+        dead: false,
+        steady: false,
+        symmetric: true,
+        objective: true,
+        sees_rotations: true,
+    };
+
+    /// A load with a symmetric tangent.
+    pub const LOAD: Self = Self {
+        load: true,
+        objective: false,
+        ..Self::INTERNAL
+    };
+}
+
 /// An element or a load: a contribution to the residual by nodes.
 ///
 /// Beams, bodies, springs and loads implement it. The coordinates may belong to free nodes or come
@@ -147,11 +186,6 @@ pub trait Element: Send + Sync {
         None
     }
 
-    /// Whether the residual depends on time alone, so that all tangents are zero.
-    fn is_dead(&self) -> bool {
-        false
-    }
-
     /// Stored (strain or load) energy; zero for elements without one.
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let _ = at;
@@ -175,37 +209,14 @@ pub trait Element: Send + Sync {
         Vec::new()
     }
 
-    /// Whether K is symmetric at rest, at every point of the domain.
-    fn is_symmetric(&self) -> bool {
-        true
-    }
-
-    /// Whether its forces rotate with a rigid motion of all its nodes, as internal ones do; false
-    /// for elements that are tied to space, and for loads by default.
-    fn is_objective(&self) -> bool {
-        !self.is_load()
-    }
-
-    /// Whether it depends on rotations of its nodes; false for an element that uses positions only,
-    /// whose nodes may rotate relative to each other without limit.
-    fn sees_rotations(&self) -> bool {
-        true
+    /// What holds for it at all motions; [`Properties::INTERNAL`] by default.
+    fn properties(&self) -> Properties {
+        Properties::INTERNAL
     }
 
     /// Name of its type, for reports.
     fn kind(&self) -> &'static str {
         std::any::type_name::<Self>()
-    }
-
-    /// Whether it is an applied load, which sets the scale of convergence tests.
-    fn is_load(&self) -> bool {
-        false
-    }
-
-    /// Whether it is a load with a time-independent potential, its energy. Its work is then known
-    /// exactly, not only to the order of a scheme.
-    fn is_steady(&self) -> bool {
-        false
     }
 
     /// The equations that it enforces on its coordinates, if any; none by default.

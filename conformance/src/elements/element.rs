@@ -31,7 +31,7 @@ pub fn element_at(
     let conservative = states
         .iter()
         .any(|(_, s)| element.energy(&motion(s)) != 0.0);
-    let symmetric = element.is_symmetric();
+    let symmetric = element.properties().symmetric;
     let mut report = forces_at(subject, layout, states, symmetric, |s| {
         let mut f = evaluate(element, s, Request::All)?;
         f.energy = conservative.then(|| element.energy(&motion(s)));
@@ -231,7 +231,7 @@ impl One<'_> {
                 size += weight * self.norm(part);
             }
         }
-        if element.is_dead() {
+        if element.properties().dead {
             report.defect("a dead element has no tangent", at, sum.norm(), 0.0);
         }
         let Some(combined) = element.combined() else {

@@ -16,7 +16,12 @@ const SAME: f64 = 1e-12;
 /// Notes the laws of inertia at a state in motion; `conservative` where the element has an energy.
 pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, random: &mut Random) {
     let s = one.state;
-    let Some(M) = one.all.M.as_ref().filter(|_| one.element.is_symmetric()) else {
+    let Some(M) = one
+        .all
+        .M
+        .as_ref()
+        .filter(|_| one.element.properties().symmetric)
+    else {
         return;
     };
     let mass = |state: &State| {
@@ -43,7 +48,7 @@ pub(crate) fn laws(report: &mut Report, one: &One<'_>, conservative: bool, rando
     // An element that exerts forces at rest and tells no energy cannot be held to one.
     let rest = evaluate(one.element, &one.rest(), Request::Residual);
     let silent = rest.is_none_or(|f| f.r.norm() > 0.0) && !conservative;
-    if !(one.element.is_load() || silent) {
+    if !(one.element.properties().load || silent) {
         power(report, one, &mass);
     }
 }

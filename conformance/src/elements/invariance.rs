@@ -47,7 +47,7 @@ pub(crate) fn laws(
     if of.frames.is_empty() {
         return;
     }
-    if of.element.is_objective() {
+    if of.element.properties().objective {
         of.check(report, Law::Objectivity, states, random);
     }
     of.check(report, Law::Charts, states, random);
@@ -146,7 +146,7 @@ impl Placed<'_> {
         let mut allowed: Vec<f64> = sizes.iter().map(|s| EXACT * s * bend).collect();
         let mut defects = self.layout.forces((&there - &here).as_slice());
         // A conservative load in a field may be objective in its forces and not in its energy.
-        if !self.element.is_load() {
+        if !self.element.properties().load {
             let [a, b] = [s, &moved.state].map(|s| self.element.energy(&motion(s)));
             defects.push((a - b).abs());
             allowed.push(EXACT * (a.abs() + sizes.iter().sum::<f64>()));
@@ -221,7 +221,7 @@ impl Placed<'_> {
         let Some(all) = evaluate(self.element, &at(0.0), Request::All) else {
             return report.impossible(&law, &name, "outside of the domain");
         };
-        let order = if moving || self.element.is_load() {
+        let order = if moving || self.element.properties().load {
             1.0
         } else {
             2.0

@@ -36,7 +36,11 @@ pub(super) fn element<'a>(
 ) -> Component<&'a dyn Element> {
     let e = &context.elements()[k];
     let element = e.element();
-    let what = if element.is_load() { "load" } else { "element" };
+    let what = if element.properties().load {
+        "load"
+    } else {
+        "element"
+    };
     let own = extent(context, e.nodes()).unwrap_or(0.0);
     let unit = |n: usize| if own > 0.0 { own } else { units[n] };
     let name = format!("{what} {} ({})", e.name(), plain(element.kind()));
@@ -264,7 +268,7 @@ pub(super) fn silent_power(context: &mut Context, t: f64) -> f64 {
             v: &[],
             a: &[],
         };
-        if element.is_load() || element.energy(&rest) != 0.0 {
+        if element.properties().load || element.energy(&rest) != 0.0 {
             continue;
         }
         // Outside of a domain the evaluation before has failed.

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{Enforced, Levels, MAX_EQUATIONS, equation, levels, rates, vectors};
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use nalgebra::SVector;
 use pullback_manifold::map::Map;
 
@@ -143,12 +143,15 @@ impl<H: Map<N, M> + 'static, const N: usize, const M: usize> Element for Penalty
         self.stiffness.p * self.stiffness.tau * self.rate(at).norm_squared()
     }
 
-    fn is_objective(&self) -> bool {
-        self.h.is_objective()
-    }
-
     fn enforced(&self) -> Option<&dyn Enforced> {
         Some(self)
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            objective: self.h.is_objective(),
+            ..Properties::INTERNAL
+        }
     }
 }
 

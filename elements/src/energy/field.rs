@@ -1,7 +1,7 @@
 //! Gravity of a point mass.
 
 use super::Energies;
-use crate::element::ElementError;
+use crate::element::{ElementError, Properties};
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::scalar::Scalar;
 
@@ -40,11 +40,10 @@ impl Energies<6> for Gravity {
         }
     }
 
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn is_steady(&self) -> bool {
-        true
+    fn properties(&self) -> Properties {
+        Properties {
+            steady: true,
+            ..Properties::LOAD
+        }
     }
 }

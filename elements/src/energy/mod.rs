@@ -42,7 +42,7 @@ pub use sampled::{Sample, Sampled};
 pub use spring::PolynomialSpring;
 pub use sum::Sum;
 
-use crate::element::{Combined, EDGE, Element, ElementError, Motion, Response};
+use crate::element::{Combined, EDGE, Element, ElementError, Motion, Properties, Response};
 use local::Local;
 use nalgebra::{SVector, Vector3};
 use pullback_manifold::jet::Grad;
@@ -113,19 +113,9 @@ pub trait Energies<const N: usize>: Send + Sync {
         Ok(())
     }
 
-    /// See [`Element::is_load`].
-    fn is_load(&self) -> bool {
-        false
-    }
-
-    /// See [`Element::is_steady`].
-    fn is_steady(&self) -> bool {
-        false
-    }
-
-    /// See [`Element::is_objective`].
-    fn is_objective(&self) -> bool {
-        !self.is_load()
+    /// See [`Element::properties`].
+    fn properties(&self) -> Properties {
+        Properties::INTERNAL
     }
 
     /// See [`Element::kinks`].
@@ -248,16 +238,8 @@ impl<E: Energies<N>, const N: usize> Element for ByEnergy<E, N> {
         self.0.kinks()
     }
 
-    fn is_load(&self) -> bool {
-        self.0.is_load()
-    }
-
-    fn is_steady(&self) -> bool {
-        self.0.is_steady()
-    }
-
-    fn is_objective(&self) -> bool {
-        self.0.is_objective()
+    fn properties(&self) -> Properties {
+        self.0.properties()
     }
 }
 

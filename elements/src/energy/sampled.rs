@@ -4,7 +4,7 @@
 
 use super::local::{self, Local};
 use super::{Energies, Tangents, parts};
-use crate::element::{Combined, Element, ElementError, Motion, Response};
+use crate::element::{Combined, Element, ElementError, Motion, Properties, Response};
 use nalgebra::{SMatrix, SVector};
 use pullback_manifold::system::Weights;
 
@@ -160,16 +160,9 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
             .collect()
     }
 
-    fn is_load(&self) -> bool {
-        self.points.iter().all(|p| p.energies.is_load())
-    }
-
-    fn is_steady(&self) -> bool {
-        self.points.iter().all(|p| p.energies.is_steady())
-    }
-
-    fn is_objective(&self) -> bool {
-        self.points.iter().all(|p| p.energies.is_objective())
+    fn properties(&self) -> Properties {
+        // All points are of one kind.
+        (self.points.first()).map_or(Properties::INTERNAL, |p| p.energies.properties())
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Combined, Element, ElementError, Motion, Response, SectionState};
+use crate::element::{Combined, Element, ElementError, Motion, Properties, Response, SectionState};
 use pullback_manifold::system::Weights;
 
 /// The sum of two elements with the same coordinates, such as a stiffness and an inertia with
@@ -35,10 +35,6 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         both.then_some(self)
     }
 
-    fn is_dead(&self) -> bool {
-        self.0.is_dead() && self.1.is_dead()
-    }
-
     fn energy(&self, at: &Motion<'_>) -> f64 {
         self.0.energy(at) + self.1.energy(at)
     }
@@ -53,29 +49,21 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
         kinks
     }
 
-    fn is_symmetric(&self) -> bool {
-        self.0.is_symmetric() && self.1.is_symmetric()
-    }
-
-    fn is_load(&self) -> bool {
-        self.0.is_load() && self.1.is_load()
-    }
-
-    fn is_steady(&self) -> bool {
-        self.0.is_steady() && self.1.is_steady()
-    }
-
-    fn is_objective(&self) -> bool {
-        self.0.is_objective() && self.1.is_objective()
-    }
-
-    fn sees_rotations(&self) -> bool {
-        self.0.sees_rotations() || self.1.sees_rotations()
-    }
-
     fn section_states(&self, at: &Motion<'_>, out: &mut Vec<SectionState>) {
         self.0.section_states(at, out);
         self.1.section_states(at, out);
+    }
+
+    fn properties(&self) -> Properties {
+        let (a, b) = (self.0.properties(), self.1.properties());
+        Properties {
+            load: a.load && b.load,
+            dead: a.dead && b.dead,
+            steady: a.steady && b.steady,
+            symmetric: a.symmetric && b.symmetric,
+            objective: a.objective && b.objective,
+            sees_rotations: a.sees_rotations || b.sees_rotations,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
 
 /// A force or moment conjugate to one scalar coordinate (a joint angle or a slide), given as a
@@ -44,19 +44,15 @@ impl Element for CoordinateForce {
         -self.force.at(at.t)[0] * at.x[0]
     }
 
-    fn is_dead(&self) -> bool {
-        true
-    }
-
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn is_steady(&self) -> bool {
-        self.force.constant().is_some()
-    }
-
     fn kinks(&self) -> Vec<f64> {
         self.force.kinks()
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            dead: true,
+            steady: self.force.constant().is_some(),
+            ..Properties::LOAD
+        }
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::beam::shape::{gauss, lagrange};
 use crate::beam::{BeamError, Geodesic, Interpolation, Rotations, Total};
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
@@ -158,23 +158,16 @@ impl Element for LineLoad {
         -self.amplitude.at(at.t)[0] * work
     }
 
-    fn is_symmetric(&self) -> bool {
-        !self.follower
-    }
-
-    fn is_dead(&self) -> bool {
-        !self.follower
-    }
-
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn is_steady(&self) -> bool {
-        !self.follower && self.amplitude.constant().is_some()
-    }
-
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            dead: !self.follower,
+            steady: !self.follower && self.amplitude.constant().is_some(),
+            symmetric: !self.follower,
+            ..Properties::LOAD
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::Vector3;
 use pullback_manifold::quotients::Quotients;
@@ -79,15 +79,14 @@ impl Element for EccentricForce {
         -self.amplitude.at(at.t)[0] * self.n.dot(&moved)
     }
 
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn is_steady(&self) -> bool {
-        self.amplitude.constant().is_some()
-    }
-
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            steady: self.amplitude.constant().is_some(),
+            ..Properties::LOAD
+        }
     }
 }

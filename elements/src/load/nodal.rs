@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use crate::time::TimeFunction;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::quotients::Quotients;
@@ -101,24 +101,18 @@ impl Element for NodalLoad {
         }
     }
 
-    fn is_symmetric(&self) -> bool {
-        // A follower moment's D = C₂(M,Ψ) is not symmetric either.
-        self.which == LoadKind::DeadForce
-    }
-
-    fn is_dead(&self) -> bool {
-        self.which == LoadKind::DeadForce
-    }
-
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn is_steady(&self) -> bool {
-        self.which == LoadKind::DeadForce && self.amplitude.constant().is_some()
-    }
-
     fn kinks(&self) -> Vec<f64> {
         self.amplitude.kinks()
+    }
+
+    fn properties(&self) -> Properties {
+        // A follower moment's D = C₂(M,Ψ) is not symmetric either.
+        let dead = self.which == LoadKind::DeadForce;
+        Properties {
+            dead,
+            steady: dead && self.amplitude.constant().is_some(),
+            symmetric: dead,
+            ..Properties::LOAD
+        }
     }
 }

@@ -28,7 +28,10 @@ impl System for Context {
     }
 
     fn is_symmetric(&self) -> bool {
-        self.model.elements.iter().all(|e| e.element.is_symmetric())
+        self.model
+            .elements
+            .iter()
+            .all(|e| e.element.properties().symmetric)
     }
 
     fn scales(&self) -> Scales {

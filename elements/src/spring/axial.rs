@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{SpringError, finite, not_negative};
-use crate::element::{Element, ElementError, Motion, Response};
+use crate::element::{Element, ElementError, Motion, Properties, Response};
 use nalgebra::{Matrix3, Vector3};
 
 /// A spring and damper along the line between the points of two frame nodes; dim 12.
@@ -170,10 +170,6 @@ impl Element for AxialSpring {
         Ok(())
     }
 
-    fn sees_rotations(&self) -> bool {
-        false
-    }
-
     fn energy(&self, at: &Motion<'_>) -> f64 {
         let (_, _, elongation) = self.between(at.x);
         0.5 * self.k * elongation.powi(2)
@@ -182,5 +178,12 @@ impl Element for AxialSpring {
     fn dissipation(&self, at: &Motion<'_>) -> f64 {
         self.stretched(at)
             .map_or(0.0, |s| self.c * s.l_dot * s.l_dot)
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            sees_rotations: false,
+            ..Properties::INTERNAL
+        }
     }
 }

@@ -379,12 +379,14 @@ impl ModelBuilder {
             name,
             frames: (0..)
                 .zip(nodes)
-                .filter(|(_, n)| element.sees_rotations() && self.nodes[n.0 as usize].is_frame())
+                .filter(|(_, n)| {
+                    element.properties().sees_rotations && self.nodes[n.0 as usize].is_frame()
+                })
                 .map(|(k, _)| 1 << k)
                 .sum(),
-            dead: element.is_dead(),
-            load: element.is_load(),
-            steady: element.is_load() && element.is_steady(),
+            dead: element.properties().dead,
+            load: element.properties().load,
+            steady: element.properties().load && element.properties().steady,
             element: element.into(),
             nodes: NodeList::new(nodes),
             mapped: false,

@@ -51,7 +51,10 @@ impl Model {
     /// Names of elements and loads with a tangent that is not symmetric; the stability of
     /// equilibria then follows from no potential.
     pub fn asymmetric(&self) -> impl Iterator<Item = &str> {
-        let others = self.elements.iter().filter(|e| !e.element.is_symmetric());
+        let others = self
+            .elements
+            .iter()
+            .filter(|e| !e.element.properties().symmetric);
         others.map(|e| e.name.as_str())
     }
 
@@ -120,7 +123,11 @@ impl Model {
                 part[a.max(b)] = a.min(b);
             }
         };
-        for e in self.elements.iter().filter(|e| !e.element.is_load()) {
+        for e in self
+            .elements
+            .iter()
+            .filter(|e| !e.element.properties().load)
+        {
             join(&mut e.nodes.iter().map(|&n| n as usize));
         }
         for (n, node) in self.nodes.iter().enumerate() {
@@ -289,7 +296,7 @@ impl Context {
             .elements
             .iter()
             .enumerate()
-            .filter(|(_, e)| e.element.is_load() == loads)
+            .filter(|(_, e)| e.element.properties().load == loads)
             .map(|(k, e)| {
                 let [x, ..] = self.element_motion(k);
                 e.element.energy(&Motion {

@@ -276,7 +276,7 @@ fn loads_are_those_of_their_definition() {
         (LoadKind::FollowerMoment, 3, T.transpose() * m),
     ] {
         let load = NodalLoad::new(which, m.into(), Constant(2.0));
-        assert!(load.is_load());
+        assert!(load.properties().load);
         let (r, _) = at_rest(&load, &x).unwrap();
         let found = Vector3::from_column_slice(&r[first..first + 3]);
         assert!((found - expected * 2.0).norm() < 1e-14, "{which:?}");

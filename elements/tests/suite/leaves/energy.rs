@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
 use pullback_elements::energy::{
     ByEnergy, ElasticJoint, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring,
     Reissner, StrainBeam, strain_beam,
@@ -191,8 +191,8 @@ impl Energies<6> for Pull {
         -(x[0] * self.0.x + x[1] * self.0.y + x[2] * self.0.z) * f
     }
 
-    fn is_load(&self) -> bool {
-        true
+    fn properties(&self) -> Properties {
+        Properties::LOAD
     }
 }
 
@@ -206,7 +206,7 @@ fn a_load_has_its_rate() {
     };
     let f = Vector3::new(0.8, -1.4, 2.2);
     let pull = Pull(f, sine).into_element();
-    assert!(pull.is_load());
+    assert!(pull.properties().load);
     check::element(&pull).assert();
     let mut x = [0.3; 6];
     x[1] = -0.8;
@@ -228,7 +228,7 @@ fn gravity_pulls_with_the_square_of_the_distance() {
     };
     let element = gravity.into_element();
     check::element(&element).assert();
-    assert!(element.is_load());
+    assert!(element.properties().load);
     let r = residual(&element, &[0.0; 6]).unwrap();
     // 50·2/25 = 4 towards the centre.
     for (k, f) in [-2.4, 0.0, -3.2, 0.0, 0.0, 0.0].into_iter().enumerate() {

@@ -369,7 +369,7 @@ fn a_coordinate_spring_is_its_law() {
 
 #[test]
 fn an_axial_spring_sees_no_rotations() {
-    assert!(!axial().sees_rotations());
+    assert!(!axial().properties().sees_rotations);
     let (mut x, mut v) = ([0.1; 12], [0.3; 12]);
     (x[6], v[7]) = (0.4, -0.2);
     let still = residual(&axial(), &x, &v).unwrap();
@@ -377,5 +377,5 @@ fn an_axial_spring_sees_no_rotations() {
         (x[k], v[k]) = (7.0 * k as f64, -3.0);
     }
     assert_eq!(residual(&axial(), &x, &v).unwrap(), still);
-    assert!(bushing().sees_rotations());
+    assert!(bushing().properties().sees_rotations);
 }

@@ -70,7 +70,7 @@ fn loads_obey_the_laws_of_elements() {
 #[test]
 fn a_motor_turns_its_coordinate() {
     let motor = CoordinateForce::new(Constant(2.5));
-    assert!(motor.is_load());
+    assert!(motor.properties().load);
     assert_eq!(residual(&motor, &[0.4], &[])[0], 2.5);
     assert_eq!(motor.energy(&moving(&[0.4], &[])), -1.0);
 }
@@ -81,7 +81,7 @@ fn weights_act_at_the_centre_of_mass() {
     let c = Vector3::new(0.3, -0.5, 0.8);
     let body = RigidBody::new(2.0, Matrix3::identity(), c).unwrap();
     let weight = body.weight(g, Box::new(Constant(1.0)));
-    assert!(weight.is_load());
+    assert!(weight.properties().load);
     let x = [0.1, 0.2, 0.3, 0.5, 1.1, -0.9];
     let r = residual(&weight, &x, &[]);
     let [force, moment] = spatial(&x, r.as_slice());

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
 use pullback_elements::beam::Section;
-use pullback_elements::element::{Element, ElementError, Motion, Response};
+use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
 use pullback_elements::model::{Line, ModelBuilder, NodeId, Straight};
 use pullback_manifold::map::Map;
 use pullback_manifold::scalar::Scalar;
@@ -129,8 +129,11 @@ impl Element for Coupling {
         Ok(())
     }
 
-    fn is_symmetric(&self) -> bool {
-        false
+    fn properties(&self) -> Properties {
+        Properties {
+            symmetric: false,
+            ..Properties::INTERNAL
+        }
     }
 }
 
