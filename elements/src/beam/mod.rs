@@ -18,5 +18,5 @@ pub use element::{Beam, BeamError, Tangents};
 pub use geodesic::Geodesic;
 pub use interpolation::{Interpolation, Rotations, Seen, Total};
 pub use mass::{MassPoint, carried};
-pub(crate) use orientation::oriented;
+pub use orientation::oriented;
 pub use section::{Damping, Material, Section, SectionError, rectangle_torsion};

@@ -6,11 +6,11 @@ use super::element::BeamError;
 use nalgebra::{Matrix3, Vector3};
 use pullback_manifold::so3;
 
-/// A given orientation with E₁ rotated to the unit tangent X′.
-pub(crate) fn oriented(
-    given: &Matrix3<f64>,
-    X_prime: &Vector3<f64>,
-) -> Result<Matrix3<f64>, BeamError> {
+/// A given orientation with E₁ rotated to the unit tangent X′ by the smallest rotation.
+///
+/// # Errors
+/// [`BeamError::Orientation`] for anything but a rotation with E₁ near the tangent.
+pub fn oriented(given: &Matrix3<f64>, X_prime: &Vector3<f64>) -> Result<Matrix3<f64>, BeamError> {
     let first: Vector3<f64> = given.column(0).into_owned();
     let aligned = first.dot(X_prime);
     let skewed = (given.tr_mul(given) - Matrix3::identity()).amax();

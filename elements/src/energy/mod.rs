@@ -19,24 +19,16 @@
 //! - [`Energies`] is the trait to implement, [`ByEnergy`] the resulting [`Element`];
 //! - [`Sampled`] adds energies at integration points in interpolated variables, like a finite
 //!   element, and much faster than in the coordinates themselves;
-//! - [`Sum`] adds two elements on the same nodes;
-//! - [`StrainBeam`] is a beam in any strain measure; [`Reissner`]'s agrees with
-//!   [`Beam`](crate::beam::Beam), which is derived by hand.
+//! - [`Sum`] adds two elements on the same nodes.
 
 #![allow(non_snake_case)]
 
-mod beam;
-mod bushing;
 mod field;
 mod local;
 mod sampled;
 mod spring;
 mod sum;
 
-pub use beam::{
-    FrameInertia, GreenLagrange, Reissner, SectionEnergy, StrainBeam, StrainMeasure, strain_beam,
-};
-pub use bushing::ElasticJoint;
 pub use field::Gravity;
 pub use sampled::{Sample, Sampled};
 pub use spring::PolynomialSpring;

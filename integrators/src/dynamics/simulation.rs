@@ -14,7 +14,7 @@ use std::ops::{ControlFlow, DerefMut};
 /// ```
 ///
 /// `S` is a reference to a [`System`], or a box with one. Between steps inputs may be set, and the
-/// system may be asked about its configuration.
+/// configuration may be queried.
 pub struct Simulation<S> {
     system: S,
     solver: AutoSolver,

@@ -6,7 +6,7 @@ const PAGE: &str = "docs/adding_an_element.md";
 fn its_code_is_the_example() {
     let example = "examples/nonlinear_spring.rs";
     crate::support::included::hold(PAGE, "```rust\n", 0..5, example, true);
-    let bushing = "elements/src/energy/bushing.rs";
+    let bushing = "examples/elements/elastic_joint.rs";
     crate::support::included::hold(PAGE, "```rust\n", 5..6, bushing, false);
 }
 

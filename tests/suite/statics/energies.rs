@@ -3,15 +3,17 @@
 #![allow(non_snake_case)]
 
 use nalgebra::Matrix3;
-use pullback::elements::energy::{
-    Energies, Gravity, GreenLagrange, Reissner, StrainMeasure, strain_beam,
-};
+use pullback::elements::energy::{Energies, Gravity};
 use pullback::elements::model::NodeState;
 use pullback::integrators::dynamics::{Progress, integrate};
 use pullback::integrators::statics::solve_statics;
 use pullback::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
+
+#[path = "../../../examples/elements/strain_beam.rs"]
+mod strain_beam;
+use strain_beam::{GreenLagrange, Reissner, StrainMeasure, strain_beam};
 
 const LENGTH: f64 = 2.0;
 const EA: f64 = 300.0;

@@ -1,5 +1,6 @@
 //! Equations that elements enforce, and starts that satisfy them.
 
 pub(super) mod enforced;
+pub(super) mod omitted;
 pub(super) mod redundant;
 pub(super) mod start;

@@ -2,16 +2,15 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::elastic_joint::ElasticJoint;
+use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, StrainBeam, strain_beam};
 use crate::support::{coupled, section};
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
-use pullback_elements::energy::{
-    ByEnergy, ElasticJoint, Energies, FrameInertia, Gravity, GreenLagrange, PolynomialSpring,
-    Reissner, StrainBeam, strain_beam,
-};
+use pullback_elements::energy::{ByEnergy, Energies, Gravity, PolynomialSpring};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;

@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::strain_beam::FrameInertia;
 use nalgebra::{Matrix3, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Response};
-use pullback_elements::energy::{Energies, FrameInertia, PolynomialSpring};
+use pullback_elements::energy::{Energies, PolynomialSpring};
 use pullback_elements::spring::AxialSpring;
 use pullback_manifold::scalar::Scalar;
 

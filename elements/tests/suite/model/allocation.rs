@@ -2,12 +2,13 @@
 
 #![allow(non_snake_case)]
 
+use crate::support::strain_beam::{Reissner, strain_beam};
 use crate::support::{Coupling, Offset, coupled};
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use pullback_elements::beam::{Damping, Interpolation};
 use pullback_elements::body::RigidBody;
-use pullback_elements::energy::{Energies, PolynomialSpring, Reissner, strain_beam};
+use pullback_elements::energy::{Energies, PolynomialSpring};
 use pullback_elements::load::{LineLoad, LoadKind, NodalLoad};
 use pullback_elements::model::{Context, Dof, Line, ModelBuilder, Straight, frame_along};
 use pullback_elements::spring::{AxialSpring, Bushing};

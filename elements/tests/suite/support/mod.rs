@@ -2,6 +2,11 @@
 
 #![allow(non_snake_case, dead_code)]
 
+#[path = "../../../../examples/elements/elastic_joint.rs"]
+pub mod elastic_joint;
+#[path = "../../../../examples/elements/strain_beam.rs"]
+pub mod strain_beam;
+
 use nalgebra::{DMatrix, DVector, Matrix6, SVector, Vector3};
 use pullback_elements::beam::Section;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};

@@ -2,11 +2,11 @@
 
 #![allow(non_snake_case)]
 
-use super::{Energies, Sample, Sampled, Sum, inside_chart, rate};
-use crate::beam::{BeamError, Damping, Section, oriented};
-use crate::element::ElementError;
-use crate::inertia::Inertia;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
+use pullback_elements::beam::{BeamError, Damping, Section, oriented};
+use pullback_elements::element::ElementError;
+use pullback_elements::energy::{Energies, Sample, Sampled, Sum, inside_chart, rate};
+use pullback_elements::inertia::Inertia;
 use pullback_manifold::quotients::TangentQuotients;
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;

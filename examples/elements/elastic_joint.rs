@@ -1,8 +1,8 @@
 //! A bushing between two frames.
 
-use super::{Energies, inside_chart, rate};
-use crate::element::ElementError;
 use nalgebra::{Matrix6, SVector, Vector3};
+use pullback_elements::element::ElementError;
+use pullback_elements::energy::{Energies, inside_chart, rate};
 use pullback_manifold::scalar::Scalar;
 use pullback_manifold::so3;
 
@@ -12,7 +12,7 @@ use pullback_manifold::so3;
 /// y = (R₁ᵀ(x₂ − x₁) − u₀, log R₁ᵀR₂)        U = ½ y·K y,  D = ½ ẏ·D ẏ
 /// ```
 ///
-/// [`Bushing`](crate::spring::Bushing) is the same, derived by hand.
+/// [`Bushing`](pullback_elements::spring::Bushing) is the same, derived by hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticJoint {
     /// u₀ from the first node to the second in the reference configuration, global components, L.
