@@ -25,7 +25,7 @@ pub(super) struct Equations<'a, Y: ?Sized> {
     pub failure: Option<String>,
 }
 
-impl<'a, Y: System + ?Sized> Equations<'a, Y> {
+impl<'a, Y: System> Equations<'a, Y> {
     pub fn new(system: &'a mut Y) -> Result<Self, DynamicsError> {
         let mut solver = AutoSolver::new();
         solver

@@ -25,7 +25,7 @@ pub struct Observer<'a, Y: ?Sized> {
 ///
 /// # Errors
 /// [`GeneralError`].
-pub fn integrate<Y: System + ?Sized>(
+pub fn integrate<Y: System>(
     system: &mut Y,
     progress: &mut Progress,
     how: &General,
@@ -74,7 +74,7 @@ pub fn integrate<Y: System + ?Sized>(
 }
 
 /// Initialises charts and accelerations at the start of a section between kinks.
-fn settle<Y: System + ?Sized>(
+fn settle<Y: System>(
     system: &mut Y,
     progress: &mut Progress,
     time: f64,
@@ -95,7 +95,7 @@ fn settle<Y: System + ?Sized>(
 
 /// Scale of each entry of y: that of its coordinate, and for velocities the same over the duration, or the
 /// largest velocity at the start.
-fn tolerances<Y: System + ?Sized>(system: &Y, state: &State, time: f64) -> Vec<f64> {
+fn tolerances<Y: System>(system: &Y, state: &State, time: f64) -> Vec<f64> {
     let scales = system.scales().coordinate;
     let kind = |i: usize| system.coordinate_info(i).quantity.index();
     let mut rates = scales.map(|scale| scale / time);
@@ -115,7 +115,7 @@ struct Span<'a> {
 }
 
 /// Runs one solver from the state to the end of the span, or to the next change of charts.
-fn stretch<Y: System + ?Sized>(
+fn stretch<Y: System>(
     system: &mut Y,
     progress: &mut Progress,
     how: &General,
@@ -182,7 +182,7 @@ struct Along<'a, 'b, Y: ?Sized> {
     span: &'a Span<'a>,
 }
 
-impl<Y: System + ?Sized> Along<'_, '_, Y> {
+impl<Y: System> Along<'_, '_, Y> {
     fn drive<'p, E, S>(
         &self,
         mut solver: S,

@@ -4,6 +4,7 @@ mod adding_a_constraint;
 mod adding_a_joint;
 mod adding_an_element;
 mod adding_an_integrator;
+mod embedding;
 mod joint_pictures;
 mod readme;
 mod theory;

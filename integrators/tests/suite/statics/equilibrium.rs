@@ -4,7 +4,8 @@
 
 use crate::support::statics::{Scalar, TIGHT};
 use pullback_integrators::statics::{
-    ArcLengthOptions, Cause, Event, StaticOptions, StaticsError, Step, solve_statics, trace_path,
+    ArcLengthOptions, Cause, Event, LoadSteps, PathSteps, StaticOptions, StaticsError, Step,
+    solve_statics, trace_path,
 };
 use pullback_manifold::sparse::BlockPattern;
 use pullback_manifold::system::{Evaluation, Point, System, SystemError};
@@ -98,6 +99,52 @@ fn the_truss_is_unstable_between_its_limit_points() {
     })
     .unwrap();
     assert!(seen[0] > 5 && seen[1] > 5 && seen[2] == 2, "{seen:?}");
+}
+
+#[test]
+fn a_path_step_by_step_is_the_same() {
+    let options = ArcLengthOptions {
+        events: vec![(Event::TurningPoint, false), (Event::Load(0.5), true)],
+        newton: TIGHT,
+        ..ArcLengthOptions::default()
+    };
+    let row = |step: &Step<'_>| (step.number, step.event, step.t, step.q[0]);
+    let (mut observed, mut q) = (Vec::new(), Vec::new());
+    let summary = trace_path(&mut truss(), &mut q, &options, &mut |_, step| {
+        observed.push(row(step));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let (mut system, mut rows) = (truss(), Vec::new());
+    let mut path = PathSteps::new(&mut system, Vec::new(), &options).unwrap();
+    while let Some(step) = path.step().unwrap() {
+        rows.push(row(&step));
+    }
+    assert_eq!(rows, observed);
+    assert!(path.step().unwrap().is_none(), "the path has ended");
+    assert_eq!((path.summary(), path.q()), (&summary, &q[..]));
+    // λ = w (w − 1)(w − 2) at its end.
+    let w = path.q()[0];
+    assert!((w * (w - 1.0) * (w - 2.0) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn load_steps_one_by_one_end_at_the_load() {
+    let options = StaticOptions {
+        to: 0.3,
+        newton: TIGHT,
+        ..StaticOptions::equal_steps(3)
+    };
+    let mut system = truss();
+    let mut run = LoadSteps::new(&mut system, Vec::new(), &options).unwrap();
+    let mut before = 0.0;
+    while let Some(step) = run.step().unwrap() {
+        let (t, w) = (step.t, step.q[0]);
+        assert!(t > before && (w * (w - 1.0) * (w - 2.0) - t).abs() < 1e-12);
+        before = t;
+    }
+    assert_eq!(before, 0.3);
+    assert!(run.step().unwrap().is_none() && run.summary().finished);
 }
 
 #[test]
