@@ -145,6 +145,19 @@ impl Properties {
         objective: false,
         ..Self::INTERNAL
     };
+
+    /// Properties of the sum of two elements on the same nodes.
+    #[must_use]
+    pub fn sum(self, other: Self) -> Self {
+        Self {
+            load: self.load && other.load,
+            dead: self.dead && other.dead,
+            steady: self.steady && other.steady,
+            symmetric: self.symmetric && other.symmetric,
+            objective: self.objective && other.objective,
+            sees_rotations: self.sees_rotations || other.sees_rotations,
+        }
+    }
 }
 
 /// An element or a load: a contribution to the residual by nodes.

@@ -161,8 +161,10 @@ impl<E: Energies<D>, const D: usize, const N: usize> Element for Sampled<E, D, N
     }
 
     fn properties(&self) -> Properties {
-        // All points are of one kind.
-        (self.points.first()).map_or(Properties::INTERNAL, |p| p.energies.properties())
+        let points = self.points.iter().map(|p| p.energies.properties());
+        points
+            .reduce(Properties::sum)
+            .unwrap_or(Properties::INTERNAL)
     }
 }
 

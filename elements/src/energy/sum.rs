@@ -55,15 +55,7 @@ impl<A: Element, B: Element> Element for Sum<A, B> {
     }
 
     fn properties(&self) -> Properties {
-        let (a, b) = (self.0.properties(), self.1.properties());
-        Properties {
-            load: a.load && b.load,
-            dead: a.dead && b.dead,
-            steady: a.steady && b.steady,
-            symmetric: a.symmetric && b.symmetric,
-            objective: a.objective && b.objective,
-            sees_rotations: a.sees_rotations || b.sees_rotations,
-        }
+        self.0.properties().sum(self.1.properties())
     }
 }
 

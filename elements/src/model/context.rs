@@ -41,10 +41,15 @@ impl Context {
         &self.state
     }
 
-    /// Continues from a state of the same model.
-    pub fn set_state(&mut self, state: State) {
-        self.state = state;
-        self.forget();
+    /// Continues from a state of the same model; false, without a change, for that of another one.
+    #[must_use]
+    pub fn set_state(&mut self, state: State) -> bool {
+        let same = Arc::ptr_eq(&state.model, &self.state.model);
+        if same {
+            self.state = state;
+            self.forget();
+        }
+        same
     }
 
     /// Brings all that follows from the state up to date after a change from outside.

@@ -3,6 +3,7 @@
 use super::{Model, Source};
 use crate::model::charts::element_charts::ElementCharts;
 use pullback_manifold::map::Parametrization;
+use std::sync::Arc;
 
 /// What changes in a run besides coordinates, velocities and time: charts, segments and splits of
 /// maps, charts of elements, omitted equations.
@@ -11,6 +12,8 @@ use pullback_manifold::map::Parametrization;
 /// [`Context::set_state`](super::Context::set_state).
 #[derive(Clone, Default)]
 pub struct State {
+    /// The same in all states of a model.
+    pub(super) model: Arc<()>,
     /// Maps in their present charts, in the order of [`Model::mapped_nodes`].
     pub(super) maps: Vec<Box<dyn Parametrization>>,
     pub(super) elements: Vec<ElementState>,
@@ -51,6 +54,7 @@ impl State {
             Source::Own => None,
         };
         Self {
+            model: Arc::default(),
             maps: model.dependent.iter().filter_map(map).collect(),
             elements: vec![ElementState::default(); model.elements.len()],
             turns: vec![0; model.prescribed_rotations.len()],

@@ -121,15 +121,10 @@ where
     where
         S::Target: Clone,
     {
-        self.system.clone_from(&snapshot.system);
-        self.progress.clone_from(&snapshot.progress);
-        let options = self.run.options;
-        self.run = Run::new(
-            &mut *self.system,
-            &mut self.solver,
-            &mut self.progress,
-            &options,
-        )?;
+        let (mut system, mut progress) = (snapshot.system.clone(), snapshot.progress.clone());
+        let (solver, options) = (&mut self.solver, self.run.options);
+        self.run = Run::new(&mut system, solver, &mut progress, &options)?;
+        (*self.system, self.progress) = (system, progress);
         Ok(())
     }
 }

@@ -70,8 +70,18 @@ fn steps_from_a_snapshot_are_the_same_to_the_last_bit() {
         assert!(steps(&mut run) == once);
         // In a new context with a clone of the state.
         let mut other = Context::new(model);
-        other.set_state(snapshot.system.state().clone());
+        assert!(other.set_state(snapshot.system.state().clone()));
         let mut run = Simulation::resume(&mut other, snapshot.progress, &options).unwrap();
         assert!(steps(&mut run) == once);
     }
+}
+
+#[test]
+fn a_state_of_another_model_is_refused() {
+    let [mut context, other] = MODELS.map(|text| setup(text).0);
+    assert!(!context.set_state(other.state().clone()));
+    // Nor is one of the same file built again: its charts may be any.
+    let again = setup(MODELS[0]).0;
+    assert!(!context.set_state(again.state().clone()));
+    assert!(context.set_state(context.state().clone()));
 }

@@ -176,9 +176,7 @@ impl ElementWorkspace {
         };
         let r = &mut self.r[..n];
         let previous = previous.then_some(&self.previous[..n]);
-        if let (Some(weights), Some(combined)) =
-            (weights, combined(e, state.switched, statics, rates))
-        {
+        if let (Some(weights), Some(combined)) = (weights, combined((e, state), statics, rates)) {
             let S = &mut self.S[..n * n];
             S.fill(0.0);
             return combined.evaluate_combined(previous, &at, weights, r, S);
@@ -381,13 +379,12 @@ impl ElementWorkspace {
     /// Second stage if no node is mapped: the weighted sum of the tangents.
     pub(in crate::model) fn combine(
         &mut self,
-        e: &ElementEntry,
-        switched: u32,
+        (e, state): (&ElementEntry, &ElementState),
         weights: Weights,
         [statics, rates]: [bool; 2],
     ) {
         let n = e.element.dim();
-        if combined(e, switched, statics, rates).is_some() {
+        if combined((e, state), statics, rates).is_some() {
             return;
         }
         if statics {
@@ -420,8 +417,12 @@ impl ElementWorkspace {
 }
 
 /// The element's combined tangent, if the parts are not needed: in motion, for nodes that are not
-/// switched and not mapped.
-fn combined(e: &ElementEntry, switched: u32, statics: bool, rates: bool) -> Option<&dyn Combined> {
-    let parts = statics || rates || e.mapped || switched != 0;
+/// switched and not mapped, and without omitted equations.
+fn combined<'a>(
+    (e, state): (&'a ElementEntry, &ElementState),
+    statics: bool,
+    rates: bool,
+) -> Option<&'a dyn Combined> {
+    let parts = statics || rates || e.mapped || state.switched != 0 || state.left_out != 0;
     if parts { None } else { e.element.combined() }
 }

@@ -164,7 +164,7 @@ impl Context {
                 continue;
             };
             if !e.mapped {
-                local.combine(e, switched, *weights, [statics, rates]);
+                local.combine((e, state), *weights, [statics, rates]);
                 w.scatter_map.scatter(k, e, spans, &local.S, values);
                 continue;
             }

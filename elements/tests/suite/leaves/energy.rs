@@ -5,12 +5,12 @@
 use crate::support::elastic_joint::ElasticJoint;
 use crate::support::strain_beam::{FrameInertia, GreenLagrange, Reissner, StrainBeam, strain_beam};
 use crate::support::{coupled, section};
-use nalgebra::{Matrix3, Matrix6, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use pullback_conformance as check;
 use pullback_elements::beam::{Beam, BeamError, Damping, Section};
 use pullback_elements::body::RigidBody;
 use pullback_elements::element::{Element, ElementError, Motion, Properties, Response};
-use pullback_elements::energy::{ByEnergy, Energies, Gravity, PolynomialSpring};
+use pullback_elements::energy::{ByEnergy, Energies, Gravity, PolynomialSpring, Sample, Sampled};
 use pullback_elements::inertia::Inertia;
 use pullback_elements::load::{LoadKind, NodalLoad};
 use pullback_elements::model::frame_along;
@@ -312,4 +312,40 @@ fn loaded(element: &dyn Element, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
     };
     element.evaluate(&rest(x), &mut out).unwrap();
     (r, r_t)
+}
+
+/// A spring to space or a steady load, in one type.
+struct Mixed(bool);
+
+impl Energies<1> for Mixed {
+    fn potential<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> S {
+        if self.0 { -x[0] } else { x[0] * x[0] }
+    }
+
+    fn properties(&self) -> Properties {
+        match self.0 {
+            true => Properties {
+                steady: true,
+                ..Properties::LOAD
+            },
+            false => Properties {
+                objective: false,
+                ..Properties::INTERNAL
+            },
+        }
+    }
+}
+
+#[test]
+fn points_are_a_load_only_if_all_of_them_are() {
+    let points = |loads: [bool; 2]| {
+        let one = SMatrix::identity();
+        let sample = |load| Sample::new(Mixed(load), 1.0, SVector::zeros(), &one);
+        Sampled::<Mixed, 1, 1>::new(loads.map(sample)).properties()
+    };
+    for mixed in [[true, false], [false, true]] {
+        let properties = points(mixed);
+        assert!(!properties.load && !properties.steady && !properties.objective);
+    }
+    assert!(points([true; 2]).load && points([true; 2]).steady);
 }

@@ -1,0 +1,93 @@
+//! Redundant equations of an element, which a model omits.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use nalgebra::SVector;
+use pullback_elements::constraint::{Enforced, Multipliers};
+use pullback_elements::element::{Combined, Element, ElementError, Motion, Response};
+use pullback_elements::model::{Context, ModelBuilder};
+use pullback_manifold::map::Map;
+use pullback_manifold::scalar::Scalar;
+use pullback_manifold::system::{Evaluation, Point, Quantity, System, Weights};
+
+/// x = 0, twice.
+#[derive(Clone, Copy)]
+struct Twice;
+
+impl Map<1, 2> for Twice {
+    fn phi<S: Scalar>(&self, _t: S, x: &SVector<S, 1>) -> SVector<S, 2> {
+        SVector::<S, 2>::new(x[0], x[0])
+    }
+}
+
+type Plain = Multipliers<Twice, 1, 2>;
+
+/// The same with a combined tangent of its own, K for a weight of one.
+struct Fast(Plain);
+
+impl Element for Fast {
+    fn dim(&self) -> usize {
+        3
+    }
+
+    fn evaluate(&self, at: &Motion<'_>, out: &mut Response<'_>) -> Result<(), ElementError> {
+        self.0.evaluate(at, out)
+    }
+
+    fn combined(&self) -> Option<&dyn Combined> {
+        Some(self)
+    }
+
+    fn enforced(&self) -> Option<&dyn Enforced> {
+        self.0.enforced()
+    }
+}
+
+impl Combined for Fast {
+    fn evaluate_combined(
+        &self,
+        _: Option<&[f64]>,
+        at: &Motion<'_>,
+        weights: Weights,
+        r: &mut [f64],
+        S: &mut [f64],
+    ) -> Result<(), ElementError> {
+        assert_eq!(weights.K, 1.0);
+        let (K, r_t, C, M) = (Some(S), None, None, None);
+        self.0.evaluate(at, &mut Response { r, K, C, M, r_t })
+    }
+}
+
+/// Residual and tangent in motion.
+fn evaluate(element: impl Element + 'static) -> [Vec<f64>; 2] {
+    let mut b = ModelBuilder::new();
+    let x = b.coordinates("x", &[Quantity::Length]).unwrap();
+    let lambda = b.multipliers("force", 2).unwrap();
+    b.element("held", element, &[x, lambda]).unwrap();
+    let mut context = Context::new(b.build().unwrap());
+    let (q, rest) = ([0.3, 1.2, -0.7], [0.0; 3]);
+    let mut r = vec![0.0; 3];
+    let mut S = vec![0.0; context.pattern().len()];
+    let weights = Weights {
+        K: 1.0,
+        C: 0.0,
+        M: 0.0,
+    };
+    let at = Point {
+        t: 0.0,
+        q: &q,
+        v: &rest,
+        a: &rest,
+    };
+    let out = Evaluation::with_tangent(&mut r, weights, &mut S);
+    context.evaluate(at, out).unwrap();
+    [r, S]
+}
+
+#[test]
+fn a_combined_tangent_omits_them_as_well() {
+    let [r, S] = evaluate(Plain::new(Twice));
+    // One multiplier holds x, the other one is zero: its row is −λ.
+    let rows = [[-1.2, -0.3, 0.7], [0.7, -1.2, -0.3]];
+    assert!(rows.iter().any(|row| r == row), "{r:?}");
+    assert_eq!(evaluate(Fast(Plain::new(Twice))), [r, S]);
+}
