@@ -49,7 +49,7 @@ pub enum CaseError {
 }
 
 /// One compared quantity.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// Name of the case.
     pub case: String,

@@ -1,6 +1,6 @@
 //! Cases of the gallery meet every published or exact value.
 
-use crate::support::gallery::assert_bounded;
+use crate::support::gallery::assert_computed;
 use pullback::studies::gallery;
 
 /// Cases of seconds each, which `tests/studies` runs with all others.
@@ -18,7 +18,7 @@ const LONG: [&str; 7] = [
 fn short_cases_meet_their_tolerances_and_none_is_lost_or_loosened() {
     let all = gallery::CASES.iter().map(|c| c.name);
     let short: Vec<&str> = all.filter(|c| !LONG.contains(c)).collect();
-    assert_bounded(&short, "gallery");
+    assert_computed(&short, "gallery");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use super::program::{directory, read};
 use pullback::studies::gallery::{self, Comparison};
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// What a case must compare: its name, how the quantity or the source begins, the least number of such
 /// rows and the largest tolerance.
@@ -282,11 +283,17 @@ const SQUEEZER: [(&str, [f64; 7]); 3] = [
     ),
 ];
 
-/// Runs cases: each meets its tolerances, and no comparison is lost or loosened.
-pub fn assert_bounded(cases: &[&str], name: &str) {
+/// Runs cases; see [`assert_bounded`].
+pub fn assert_computed(cases: &[&str], name: &str) {
     let out = directory(name);
     let names: Vec<String> = cases.iter().map(|&c| c.to_owned()).collect();
     let rows = gallery::run(&names, Some(&out), &mut |_| {}).unwrap();
+    assert_bounded(cases, &rows, &out);
+}
+
+/// Each comparison of the cases meets its tolerance, none is lost or loosened, and their figures in the
+/// directory `out` are as they should be.
+pub fn assert_bounded(cases: &[&str], rows: &[Comparison], out: &Path) {
     let relative: fn(&Comparison) -> f64 = |row| row.published.abs().max(1.0);
     let mut bounded = vec![false; rows.len()];
     for (table, scale) in [(STATICS, relative), (DYNAMICS, |_| 1.0)] {
