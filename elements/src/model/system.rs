@@ -16,7 +16,7 @@ impl System for Context {
     fn evaluate(&mut self, at: Point<'_>, out: Evaluation<'_>) -> Result<(), SystemError> {
         if let Some(previous) = out.previous {
             self.expand_positions(previous.t, previous.q)?;
-            std::mem::swap(&mut self.work.x, &mut self.work.previous);
+            self.work.previous.copy_from_slice(&self.work.x);
         }
         self.work.has_previous = out.previous.is_some();
         self.work.acceleration_step = out.accelerations;

@@ -399,20 +399,25 @@ impl ElementWorkspace {
         }
     }
 
-    /// The element's tangents in the coordinates of its nodes, and scratch for a column.
-    pub(in crate::model) fn tangents(
+    /// The tangents W = cK K + cC C + cM M, Y = cK C + 2 cC M and Z = cK M of an element with mapped
+    /// nodes; W alone in statics.
+    pub(in crate::model) fn weighted(
         &mut self,
         e: &ElementEntry,
+        weights: Weights,
         statics: bool,
-    ) -> (Tangents<'_>, &mut [f64]) {
+    ) -> [&[f64]; 3] {
         let values = e.element.dim().pow(2);
-        let moving = (!statics).then_some(());
-        let tangents = Tangents {
-            K: Some(&self.K[..values]),
-            C: moving.map(|()| &self.C[..values]),
-            M: moving.map(|()| &self.M[..values]),
-        };
-        (tangents, &mut self.work)
+        let Weights { K, C, M } = weights;
+        for i in 0..values {
+            self.S[i] = K * self.K[i];
+            if !statics {
+                self.S[i] += C * self.C[i] + M * self.M[i];
+                self.C2[i] = K * self.C[i] + 2.0 * C * self.M[i];
+                self.M2[i] = K * self.M[i];
+            }
+        }
+        [&self.S, &self.C2, &self.M2].map(|all| &all[..values])
     }
 }
 

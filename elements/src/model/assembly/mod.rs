@@ -1,5 +1,6 @@
 //! Residual and tangent of all elements in a pattern.
 
+pub(super) mod couplings;
 pub(super) mod element_workspace;
 pub(super) mod residual;
 pub(super) mod scatter;

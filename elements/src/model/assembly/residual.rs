@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::element::ElementError;
-use crate::model::assembly::scatter::{Group, ScatterTarget};
+use crate::model::assembly::scatter::ScatterTarget;
 use crate::model::charts::element_charts::TOO_FAR;
 use crate::model::kinematics::free_coordinates::check_length;
 use crate::model::state::ElementState;
@@ -27,6 +27,7 @@ impl Context {
         } else if w.stirred {
             w.v.fill(0.0);
             w.a.fill(0.0);
+            w.forget_motions();
         }
         (w.stirred, w.moving) = (!statics, !statics);
         self.expand_positions(at.t, at.q)
@@ -168,20 +169,15 @@ impl Context {
                 w.scatter_map.scatter(k, e, spans, &local.S, values);
                 continue;
             }
-            let (tangents, work) = local.tangents(e, statics);
-            let group = Group {
-                nodes: &e.nodes,
-                first_position: w.scatter_map.first_position(k),
-                tangents,
-                weights: *weights,
-            };
+            let tangents = local.weighted(e, *weights, statics);
             let mut into = ScatterTarget {
                 values,
-                panels: &mut w.panels,
-                work,
+                coupled: &mut w.coupled,
+                work: &mut w.columns,
             };
+            let tangents = &tangents[..if statics { 1 } else { 3 }];
             w.scatter_map
-                .scatter_group(&model.nodes, &w.operators, &group, &mut into);
+                .scatter_mapped(k, e, &model.nodes, tangents, &mut into);
         }
         Ok(())
     }
@@ -239,12 +235,11 @@ impl Context {
         }
         if let Some((_, values)) = &mut S {
             self.work.scatter_map.clear_unwritten(values);
-            self.work.panels.fill(0.0);
-            self.chain_operators(!statics);
+            self.work.coupled.fill(0.0);
         }
         let borrow = S.as_mut().map(|(w, values)| (*w, &mut **values));
         self.add_elements(at.t, statics, borrow, rates)?;
-        self.pull_back_nodes(at.t, S, rates);
+        self.pull_back_nodes(at.t, S, [statics, rates]);
         self.measure_reactions();
         self.model.free.gather(&self.work.r, "residual r", r)?;
         if let Some(u) = r.iter().position(|r| !r.is_finite()) {

@@ -1,147 +1,306 @@
-//! Scattering of tangents of groups with mapped nodes to the pattern.
+//! Tangents of groups with mapped nodes, and their pull-back from node to parents.
+//!
+//! A mapped node n with the operator B to its parents p is coupled with nodes j and with itself. Their
+//! tangents pass to the parents, the last link of a chain first (\[M04\] (180), (183), for a tree the
+//! composite-rigid-body algorithm of Featherstone 2008):
 //!
 //! ```text
-//! rows of own nodes     →  pattern
-//! rows of mapped nodes  →  panels  →  Bᵀ  →  panels of their parents, pattern
+//! W_pj += Bᵀ W_nj
+//! W_jp += W_jn B + Y_jn Ḃ + Z_jn B̈     Y_jp += Y_jn B + 2 Z_jn Ḃ     Z_jp += Z_jn B
+//! W_pp += Bᵀ (W_nn B + Y_nn Ḃ + Z_nn B̈) − cK K_σ          likewise Y, Z
 //! ```
+//!
+//! with W = cK K + cC C + cM M, Y = cK C + 2 cC M, Z = cK M ([`pullback`](pullback_manifold::pullback)).
 
 #![allow(non_snake_case)]
 
-use crate::model::assembly::scatter_map::{BlockPosition, ScatterMap};
-use crate::model::kinematics::mapped_node::{Maps, Operators};
-use crate::model::{NONE, Node, Source};
-use pullback_manifold::pullback::{self, Slot, Tangents};
-use pullback_manifold::system::Weights;
+use crate::model::assembly::scatter_map::{BlockPosition, ScatterMap, free_part};
+use crate::model::{ElementEntry, NONE, Node};
 
-/// Tangents over the coordinates of a group of nodes.
-pub(in crate::model) struct Group<'a> {
-    pub nodes: &'a [u32],
-    pub first_position: usize,
-    pub tangents: Tangents<'a>,
-    pub weights: Weights,
-}
-
-/// Destination of a scatter, and scratch for a column.
+/// Destination of a scatter: values of the pattern, and those of mapped nodes.
 pub(in crate::model) struct ScatterTarget<'a> {
     pub values: &'a mut [f64],
-    pub panels: &'a mut [f64],
+    pub coupled: &'a mut [f64],
+    /// Scratch: two blocks of any node or of all parents of one.
     pub work: &'a mut [f64],
 }
 
+/// A block of W, Y or Z (order 0, 1, 2): rows of one node, columns of another.
+#[derive(Clone, Copy)]
+struct Block<'a> {
+    rows: &'a Node,
+    columns: &'a Node,
+    order: usize,
+    position: BlockPosition,
+}
+
+/// A mapped node, its parents and its operators B, Ḃ, B̈.
+pub(in crate::model) struct Link<'a> {
+    pub index: usize,
+    pub n: usize,
+    pub parents: &'a [u32],
+    pub B: [&'a [f64]; 3],
+}
+
 impl ScatterMap {
-    /// Adds the pulled-back tangents of a group of nodes, (cK K + cC C + cM M, B) column by column:
-    /// rows of own nodes to the pattern, those of mapped nodes to their panels.
-    pub(in crate::model) fn scatter_group(
+    /// Adds the tangents W, Y and Z of element `k`, which has mapped nodes; W alone in statics.
+    pub(in crate::model) fn scatter_mapped(
         &self,
+        k: usize,
+        e: &ElementEntry,
         nodes: &[Node],
-        operators: &Operators,
-        group: &Group<'_>,
+        tangents: &[&[f64]],
         into: &mut ScatterTarget<'_>,
     ) {
-        let n = group.nodes.iter().map(|&i| nodes[i as usize].dim).sum();
-        let (tangents, weights) = (group.tangents, group.weights);
-        let mut positions =
-            self.positions[group.first_position..].chunks_exact(group.nodes.len().max(1));
-        let mut x = 0;
-        for j in group.nodes {
-            let node = &nodes[*j as usize];
-            let slot = match &node.source {
-                Source::Own => Slot::default(),
-                Source::Mapped(d) => operators.slot(node.dim, d.total),
-            };
-            let mut column_of_node = 0;
-            for (&a, positions) in (self.dependencies.behind(nodes, j).iter()).zip(&mut positions) {
-                for &column in &self.rows[nodes[a as usize].range()] {
-                    let c = column_of_node;
-                    column_of_node += 1;
-                    if column == NONE {
-                        continue;
-                    }
-                    let work = &mut into.work[..n];
-                    pullback::pulled_column(work, tangents, weights, x, &slot, c);
-                    self.put(nodes, group.nodes, positions, column as usize, into);
+        let n = e.element.dim();
+        let positions = &self.positions[self.first_position(k)..];
+        let mut first = 0;
+        for (&j, positions) in e.nodes.iter().zip(positions.chunks_exact(e.nodes.len())) {
+            let columns = &nodes[j as usize];
+            let mut row = 0;
+            for (&i, &position) in e.nodes.iter().zip(positions) {
+                let rows = &nodes[i as usize];
+                for (order, tangent) in tangents.iter().enumerate().take(orders(columns)) {
+                    let block = Block {
+                        rows,
+                        columns,
+                        order,
+                        position,
+                    };
+                    let from = (&tangent[first * n + row..], n);
+                    self.add_block(block, from, into.values, into.coupled);
                 }
+                row += rows.dim;
             }
-            x += node.dim;
+            first += columns.dim;
         }
     }
 
-    /// Adds a column at its positions, node by node.
-    fn put(
+    /// Adds a block, given with its leading dimension, to its place.
+    fn add_block(
         &self,
-        nodes: &[Node],
-        group: &[u32],
-        positions: &[BlockPosition],
-        column: usize,
-        into: &mut ScatterTarget<'_>,
+        to: Block<'_>,
+        (from, stride): (&[f64], usize),
+        values: &mut [f64],
+        coupled: &mut [f64],
     ) {
-        let mut rest = &*into.work;
-        for (&i, position) in group.iter().zip(positions) {
-            let node = &nodes[i as usize];
-            let (S, others) = rest.split_at(node.dim);
-            rest = others;
-            if position.start == NONE {
-                continue;
-            }
-            if !node.is_own() {
-                let to = &mut into.panels[position.start as usize + column * node.dim..];
-                to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
-                continue;
-            }
-            let to = &mut into.values[position.start as usize + column * self.width(node)..];
-            for (&row, s) in self.rows[node.range()].iter().zip(S) {
-                if row != NONE {
-                    let value = &mut to[row as usize];
-                    *value = if position.first { *s } else { *value + s };
-                }
-            }
-        }
-    }
-
-    /// Adds the rows at a mapped node to its parents: Bᵀ times its panel.
-    pub(in crate::model) fn pull_back_rows(
-        &self,
-        n: u32,
-        nodes: &[Node],
-        maps: &Maps,
-        operators: &Operators,
-        into: &mut ScatterTarget<'_>,
-    ) {
-        let (panel, node) = (&self.panels[n as usize], &nodes[n as usize]);
-        let (Source::Mapped(d), Some(&start)) = (&node.source, panel.starts.first()) else {
+        let (rows, columns) = (to.rows, to.columns);
+        let BlockPosition { start, first } = to.position;
+        if start == NONE {
             return;
+        }
+        if rows.is_own() && columns.is_own() {
+            let (rows, columns) = (&self.rows[rows.range()], &self.rows[columns.range()]);
+            free_part(
+                rows,
+                columns,
+                from,
+                stride,
+                &mut values[start as usize..],
+                first,
+            );
+            return;
+        }
+        let height = rows.dim;
+        let first = start as usize + to.order * height * columns.dim;
+        let to = coupled[first..].chunks_exact_mut(height);
+        for (to, from) in to.zip(from.chunks(stride)).take(columns.dim) {
+            add(to, &from[..height], 1.0);
+        }
+    }
+
+    /// Pulls the tangents at a mapped node back to its parents; `K_sigma` is weighted by cK, and there
+    /// are three orders in motion, one in statics.
+    pub(in crate::model) fn pull_back(
+        &self,
+        link: &Link<'_>,
+        nodes: &[Node],
+        K_sigma: &[f64],
+        all_orders: usize,
+        into: &mut ScatterTarget<'_>,
+    ) {
+        let Link { n, parents, B, .. } = *link;
+        let d = B[0].len() / n;
+        let coupled = &self.couplings.0[link.index];
+        // The blocks of parents come before those of the nodes mapped from them.
+        let (above, own) = into.coupled.split_at_mut(coupled.diagonal);
+        let values = &mut *into.values;
+        let half = into.work.len() / 2;
+        let (product, pulled) = into.work.split_at_mut(half);
+        let block = |start: usize, order: usize, size: usize| {
+            &own[start - coupled.diagonal + order * size..][..size]
         };
-        // Panels of parents come before those of the nodes mapped from them.
-        let (above, own) = into.panels.split_at_mut(start as usize);
-        let mut columns = own.chunks_exact(node.dim);
-        let parents = d.parents(maps);
-        let positions = self.positions[panel.parent_rows..].chunks_exact(parents.len().max(1));
-        for (&a, positions) in panel.columns.iter().zip(positions) {
-            for column in 0..self.width(&nodes[a as usize]) {
-                let Some(f) = columns.next() else { return };
-                if f.iter().all(|f| *f == 0.0) {
+        let mut positions = self.positions[coupled.first_position..]
+            .chunks_exact(parents.len().max(1))
+            .map(|positions| parents.iter().zip(positions));
+        let mut next = || positions.next().into_iter().flatten();
+        for partner in &coupled.partners {
+            let other = &nodes[partner.node as usize];
+            let size = n * other.dim;
+            let to_rows = next();
+            for order in 0..all_orders.min(orders(other)) {
+                let rows = block(partner.row, order, size);
+                if rows.iter().all(|f| *f == 0.0) {
                     continue;
                 }
-                let mut pulled = pullback::transposed(&operators.B[d.local..], f);
-                for (&m, position) in parents.iter().zip(positions) {
-                    let parent = &nodes[m as usize];
-                    let S = pulled.by_ref().take(parent.dim);
-                    let start = position.start as usize;
-                    if position.start == NONE {
-                        S.for_each(drop);
-                    } else if parent.is_own() {
-                        let to = &mut into.values[start + column * self.width(parent)..];
-                        for (&row, s) in self.rows[parent.range()].iter().zip(S) {
-                            if row != NONE {
-                                to[row as usize] += s;
-                            }
-                        }
-                    } else {
-                        let to = &mut above[start + column * parent.dim..];
-                        to.iter_mut().zip(S).for_each(|(value, s)| *value += s);
+                transposed(B[0], rows, (n, d), pulled);
+                let mut first = 0;
+                for (&p, &position) in to_rows.clone() {
+                    let rows = &nodes[p as usize];
+                    let block = Block {
+                        rows,
+                        columns: other,
+                        order,
+                        position,
+                    };
+                    self.add_block(block, (&pulled[first..], d), values, above);
+                    first += rows.dim;
+                }
+            }
+            let to_columns = next();
+            let tangents = [0, 1, 2].map(|k| block(partner.column, k, size));
+            for order in 0..all_orders {
+                products(
+                    &tangents[order..all_orders],
+                    B,
+                    order,
+                    (n, other.dim),
+                    product,
+                );
+                let mut first = 0;
+                for (&p, &position) in to_columns.clone() {
+                    let columns = &nodes[p as usize];
+                    if order < orders(columns) {
+                        let block = Block {
+                            rows: other,
+                            columns,
+                            order,
+                            position,
+                        };
+                        let from = &product[first * other.dim..];
+                        self.add_block(block, (from, other.dim), values, above);
+                    }
+                    first += columns.dim;
+                }
+            }
+        }
+        let tangents = [0, 1, 2].map(|k| block(coupled.diagonal, k, n * n));
+        let first_position = coupled.first_position + 2 * coupled.partners.len() * parents.len();
+        for order in 0..all_orders {
+            products(&tangents[order..all_orders], B, order, (n, n), product);
+            transposed(B[0], &product[..n * d], (n, d), pulled);
+            if order == 0 {
+                add(&mut pulled[..d * d], K_sigma, -1.0);
+            }
+            let mut positions = self.positions[first_position..].iter();
+            let mut column = 0;
+            for &p in parents {
+                let columns = &nodes[p as usize];
+                let mut row = 0;
+                for (&i, &position) in parents.iter().zip(&mut positions) {
+                    let rows = &nodes[i as usize];
+                    if order < orders(columns) {
+                        let block = Block {
+                            rows,
+                            columns,
+                            order,
+                            position,
+                        };
+                        self.add_block(block, (&pulled[column * d + row..], d), values, above);
+                    }
+                    row += rows.dim;
+                }
+                column += columns.dim;
+            }
+        }
+    }
+}
+
+/// Number of tangents W, Y, Z that the columns of a node need in motion.
+fn orders(columns: &Node) -> usize {
+    if columns.is_own() { 1 } else { 3 }
+}
+
+/// W B + Y Ḃ + Z B̈ (order 0), Y B + 2 Z Ḃ (1) or Z B (2) from the tangents of this order and higher
+/// ones, which have `n` columns of `height` rows.
+fn products(
+    tangents: &[&[f64]],
+    B: [&[f64]; 3],
+    order: usize,
+    (n, height): (usize, usize),
+    out: &mut [f64],
+) {
+    // Most nodes are frames or angles: sums without loops.
+    match height {
+        6 => fixed::<6>(tangents, B, order, n, out),
+        1 => {
+            for (c, out) in out.iter_mut().enumerate().take(B[0].len() / n) {
+                let terms = tangents.iter().zip(B).zip(FACTORS[order]);
+                *out = (terms.map(|((row, B), factor)| factor * dot(&B[c * n..][..n], row))).sum();
+            }
+        }
+        _ => {
+            out[..height * B[0].len() / n].fill(0.0);
+            for ((tangent, B), factor) in tangents.iter().zip(B).zip(FACTORS[order]) {
+                for (out, B) in out.chunks_exact_mut(height).zip(B.chunks_exact(n)) {
+                    for (b, column) in B.iter().zip(tangent.chunks_exact(height)) {
+                        add(out, column, factor * b);
                     }
                 }
             }
         }
+    }
+}
+
+/// Binomial coefficients of the orders of B.
+const FACTORS: [[f64; 3]; 3] = [[1.0, 1.0, 1.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
+
+fn fixed<const H: usize>(
+    tangents: &[&[f64]],
+    B: [&[f64]; 3],
+    order: usize,
+    n: usize,
+    out: &mut [f64],
+) {
+    let out = out.as_chunks_mut::<H>().0;
+    for (c, out) in out.iter_mut().enumerate().take(B[0].len() / n) {
+        let mut sum = [0.0; H];
+        for ((tangent, B), factor) in tangents.iter().zip(B).zip(FACTORS[order]) {
+            for (b, column) in B[c * n..][..n].iter().zip(tangent.as_chunks::<H>().0) {
+                let b = factor * b;
+                if b != 0.0 {
+                    for k in 0..H {
+                        sum[k] += b * column[k];
+                    }
+                }
+            }
+        }
+        *out = sum;
+    }
+}
+
+/// out = Bᵀ F of a matrix F with `n` rows, where B has `d` columns.
+fn transposed(B: &[f64], F: &[f64], (n, d): (usize, usize), out: &mut [f64]) {
+    for (f, out) in F.chunks_exact(n).zip(out.chunks_exact_mut(d)) {
+        for (o, B) in out.iter_mut().zip(B.chunks_exact(n)) {
+            *o = dot(B, f);
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if let (Ok(a), Ok(b)) = (<&[f64; 6]>::try_from(a), <&[f64; 6]>::try_from(b)) {
+        let half = |k: usize| a[k] * b[k] + a[k + 1] * b[k + 1] + a[k + 2] * b[k + 2];
+        return half(0) + half(3);
+    }
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// out += factor x.
+#[inline(always)]
+fn add(out: &mut [f64], x: &[f64], factor: f64) {
+    for (o, x) in out.iter_mut().zip(x) {
+        *o += factor * x;
     }
 }

@@ -32,12 +32,16 @@ pub(in crate::model) struct Workspace {
     pub moving: bool,
     /// Whether rates of free coordinates may be nonzero.
     pub stirred: bool,
+    /// Per mapped node: time, coordinates, velocities and accelerations of its parents, and the same at
+    /// its last evaluation.
+    pub motions: Vec<f64>,
     /// Kinematic operators of mapped nodes.
     pub operators: Operators,
     /// Positions of tangents in the present segments.
     pub scatter_map: ScatterMap,
-    /// Rows of the tangent at mapped nodes.
-    pub panels: Vec<f64>,
+    /// Tangents at mapped nodes, and scratch for blocks of them.
+    pub coupled: Vec<f64>,
+    pub columns: Vec<f64>,
     pub local: ElementWorkspace,
     /// Accelerations of a map's coordinates during a reparametrization.
     pub accelerations: Vec<Vec<f64>>,
@@ -79,10 +83,15 @@ impl DeadLoads {
 }
 
 impl Workspace {
+    /// Forgets the last evaluation of all maps, after a change of their state.
+    pub(in crate::model) fn forget_motions(&mut self) {
+        self.motions.fill(f64::NAN);
+    }
+
     pub(in crate::model) fn new(
         nodes: &[Node],
         elements: &[ElementEntry],
-        [operators, panels]: [usize; 2],
+        [operators, motions, coupled]: [usize; 3],
         scatter_map: ScatterMap,
         length: f64,
         levers: [f64; 2],
@@ -93,6 +102,7 @@ impl Workspace {
             Source::Mapped(d) => d.direct,
         };
         let parents = nodes.iter().map(direct).max().unwrap_or(0);
+        let width = nodes.iter().map(|n| n.dim).max().unwrap_or(0);
         let n = elements.iter().map(|e| e.element.dim()).max().unwrap_or(0);
         let zeros = |len: usize| vec![0.0; len];
         let mut scales = Scales {
@@ -113,9 +123,11 @@ impl Workspace {
             has_previous: false,
             moving: false,
             stirred: false,
+            motions: vec![f64::NAN; motions],
             operators: Operators::new(operators),
             scatter_map,
-            panels: zeros(panels),
+            coupled: zeros(coupled),
+            columns: zeros(2 * parents * parents.max(width)),
             local: ElementWorkspace::new(n, parents),
             accelerations: Vec::new(),
             parts: [Vec::new(), Vec::new()],

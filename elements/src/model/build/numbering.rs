@@ -65,8 +65,7 @@ impl ModelBuilder {
         }
         let dependent = dependency_graph::order(&nodes);
         let alternatives = Alternatives::new(&nodes, &dependent)?;
-        let (operators, dependencies) =
-            dependency_graph::arrange(&mut nodes, &dependent, &alternatives);
+        let [operators, motions] = dependency_graph::arrange(&mut nodes, &dependent);
         let mut prescribed = resolve_prescribed(&nodes, prescribed)?;
         check_connections(&nodes, &dependent, &elements, &closings, &prescribed)?;
         check_reparametrized(&nodes, &elements, &prescribed)?;
@@ -82,7 +81,7 @@ impl ModelBuilder {
         let mut unknowns = vec![NONE; total];
         let mut coordinates = Vec::new();
         let mut sizes = Vec::new();
-        let mut scatter_map = ScatterMap::new(nodes.len(), total, dependencies);
+        let mut scatter_map = ScatterMap::new(nodes.len(), total);
         for n in outward(&nodes, &elements, &prescribed) {
             let node = &nodes[n];
             let mut size = 0;
@@ -115,12 +114,12 @@ impl ModelBuilder {
             _ => 1.0,
         };
         let pattern = BlockPattern::new(&sizes, sets.into_iter().map(blocks_of)).with_units(unit);
-        let panels = scatter_map.arrange(&nodes, &dependent, &elements, &alternatives);
         for e in &mut elements {
             let held = |&n: &u32| scatter_map.rows[nodes[n as usize].range()].contains(&NONE);
             e.held = e.nodes.iter().any(held);
             e.mapped = e.nodes.iter().any(|&n| !nodes[n as usize].is_own());
         }
+        let coupled = scatter_map.arrange(&nodes, &dependent, &elements);
 
         prescribed.sort_unstable_by_key(|p| p.coordinate);
         let turned = |n: &usize| {
@@ -140,7 +139,7 @@ impl ModelBuilder {
         let sizes: Vec<f64> = nodes.iter().flat_map(sizes).collect();
         let magnitudes = coordinates.iter().map(|&c| sizes[c]).collect();
         let levers = levers(&nodes, &elements, extent);
-        let sizes = [operators, panels];
+        let sizes = [operators, motions, coupled];
         let work = Workspace::new(&nodes, &elements, sizes, scatter_map, length, levers);
         let span = |node: &Node| Span {
             first: node.first as u32,

@@ -139,13 +139,7 @@ impl Context {
 
     /// Records all rotation vectors at the end of a step, before charts change; false if that is
     /// not possible.
-    pub(in crate::model) fn look_before(&mut self, t: f64, q: &[f64]) -> bool {
-        let at = Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
+    pub(in crate::model) fn look_before(&mut self, at: Point<'_>) -> bool {
         let fine = self.expand(at).is_ok();
         if fine {
             self.gather_rotations(|s| &mut s.before);

@@ -74,7 +74,7 @@ impl Context {
         accelerations: &mut [&mut [f64]],
     ) -> ChartChanges {
         // If a map cannot be evaluated, the next evaluation reports it.
-        if !self.look_before(t, q) {
+        if !self.look_before(moving(t, q, v, accelerations)) {
             return ChartChanges::default();
         }
         let mut changed = self.fold_prescribed_rotations(t);
@@ -123,7 +123,7 @@ impl Context {
             self.keep_momentum(Point { t, q, v, a });
         }
         // If a map cannot be evaluated, the next evaluation reports it.
-        let Ok(maps) = self.update_maps(t, q) else {
+        let Ok(maps) = self.update_maps(moving(t, q, v, accelerations)) else {
             return ChartChanges {
                 charts: changed,
                 residual: false,
@@ -168,6 +168,7 @@ impl Context {
                 map.reparametrize(t, &mut c.q, &mut c.v, a).then_some(k)
             });
             if let Some(k) = reparametrized {
+                self.work.forget_motions();
                 self.write_back(&all[next + k], q, v, accelerations);
                 changed += 1;
                 next += k + 1;
@@ -206,6 +207,7 @@ impl Context {
                 continue;
             }
             changed += 1;
+            self.work.motions[d.motion + 3 * d.direct + 1] = f64::NAN;
             let range = self.model.spans[d.parents(&self.state.maps)[0] as usize].range();
             for (i, c) in range.enumerate() {
                 // A held displacement does not change.
@@ -315,6 +317,20 @@ impl Context {
         }
         changed
     }
+}
+
+/// A point with these rates, if there are any, so that what follows from it is evaluated once.
+pub(in crate::model) fn moving<'a>(
+    t: f64,
+    q: &'a [f64],
+    v: &'a [f64],
+    accelerations: &'a [&mut [f64]],
+) -> Point<'a> {
+    let (v, a) = match accelerations.first() {
+        Some(a) if !v.is_empty() => (v, &**a),
+        _ => (&[][..], &[][..]),
+    };
+    Point { t, q, v, a }
 }
 
 /// A rotation vector and its rate, and a second rate in place, after a change of chart; a step may

@@ -149,7 +149,7 @@ impl Context {
                         .pull_back_switch(e, switched, &model.nodes, None, true, false);
                 }
                 w.local.add_residual(e, &self.model.spans, &mut w.r);
-                self.pull_back_nodes(t, None, false);
+                self.pull_back_nodes(t, None, [false; 2]);
                 let row = self.model.coordinates.iter().enumerate();
                 rows.extend(row.map(|(u, &c)| self.work.r[c] * self.unit(u)));
                 driven.extend(self.driven().map(|c| self.work.r[c] * self.size(c)));

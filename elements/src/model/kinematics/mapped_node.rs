@@ -4,13 +4,12 @@
 #![allow(non_snake_case)]
 
 use crate::model::assembly::element_workspace::ElementWorkspace;
-use crate::model::assembly::scatter::{Group, ScatterTarget};
+use crate::model::assembly::scatter::{Link, ScatterTarget};
 use crate::model::assembly::workspace::Workspace;
-use crate::model::build::dependency_graph::{Ancestors, Dependencies};
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, Node, Source, Span};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
-use pullback_manifold::pullback::{self, Slot, Tangents};
+use pullback_manifold::pullback::{self, Slot};
 use pullback_manifold::system::{ChartChanges, Point, SystemError, Weights};
 
 /// The maps of a [`State`](crate::model::State), by [`MappedNode::index`].
@@ -25,13 +24,11 @@ pub(in crate::model) struct MappedNode {
     pub segments: Vec<Vec<u32>>,
     /// Number of coordinates of the parents.
     pub direct: usize,
-    /// Whether a parent is mapped itself, or occurs twice: the operators are then multiplied.
-    pub chained: bool,
     /// Index among the mapped nodes, parents first.
     pub index: usize,
-    /// Offsets of the operators with respect to the parents and to the ancestors.
+    /// Offset of the operators, and of the motion of the parents.
     pub local: usize,
-    pub total: usize,
+    pub motion: usize,
 }
 
 /// B, Ḃ and B̈ of all mapped nodes, one after the other.
@@ -50,17 +47,6 @@ impl Operators {
             B_ddot: vec![0.0; len],
         }
     }
-
-    /// The operators of a node of `n` coordinates at offset `from`.
-    pub(in crate::model) fn slot(&self, n: usize, from: usize) -> Slot<'_> {
-        Slot {
-            n,
-            B: Some(&self.B[from..]),
-            B_dot: &self.B_dot[from..],
-            B_ddot: &self.B_ddot[from..],
-            ..Slot::default()
-        }
-    }
 }
 
 impl MappedNode {
@@ -73,10 +59,9 @@ impl MappedNode {
             map,
             segments,
             direct,
-            chained: false,
             index: 0,
             local: 0,
-            total: 0,
+            motion: 0,
         }
     }
 
@@ -105,96 +90,6 @@ impl MappedNode {
         let forces = pullback::transposed(&operators.B[self.local..], r);
         columns.zip(forces).map(|(c, force)| force * v[c]).sum()
     }
-
-    /// Computes operators with respect to the ancestors from those with respect to the parents: B,
-    /// and Ḃ and B̈ if `moving`.
-    fn multiply(
-        &self,
-        n: usize,
-        nodes: &[Node],
-        parents: &[u32],
-        dependencies: &Dependencies,
-        operators: &mut Operators,
-        moving: bool,
-    ) {
-        let Ancestors {
-            columns,
-            coordinates,
-            ..
-        } = &dependencies.0[self.index];
-        let (len, total) = (n * self.direct, n * coordinates);
-        // All values of the parents are stored before those of this node.
-        let parts = [
-            &mut operators.B,
-            &mut operators.B_dot,
-            &mut operators.B_ddot,
-        ];
-        let [
-            (above, own, out),
-            (above_dot, own_dot, out_dot),
-            (above_ddot, own_ddot, out_ddot),
-        ] = parts.map(|all| {
-            let (above, rest) = all.split_at_mut(self.local);
-            let (own, out) = rest.split_at_mut(len);
-            (&*above, &*own, &mut out[..total])
-        });
-        out.fill(0.0);
-        if moving {
-            out_dot.fill(0.0);
-            out_ddot.fill(0.0);
-        }
-        let (mut row, mut entry) = (0, 0);
-        for m in parents {
-            let parent = &nodes[*m as usize];
-            let dim = parent.dim;
-            let local = row * n..(row + dim) * n;
-            row += dim;
-            let Source::Mapped(from) = &parent.source else {
-                let to = columns[entry] as usize * n;
-                entry += 1;
-                add(&mut out[to..], &own[local.clone()], 1.0);
-                if moving {
-                    add(&mut out_dot[to..], &own_dot[local.clone()], 1.0);
-                    add(&mut out_ddot[to..], &own_ddot[local], 1.0);
-                }
-                continue;
-            };
-            let mut of = from.total;
-            for &a in &dependencies.0[from.index].nodes {
-                let first = columns[entry] as usize;
-                entry += 1;
-                for c in first..first + nodes[a as usize].dim {
-                    let to = c * n..(c + 1) * n;
-                    for (k, b) in local.clone().step_by(n).enumerate() {
-                        let b = b..b + n;
-                        let x = above[of + k];
-                        let P = &own[b.clone()];
-                        add(&mut out[to.clone()], P, x);
-                        if !moving {
-                            continue;
-                        }
-                        let (v, a) = (above_dot[of + k], above_ddot[of + k]);
-                        let (P_dot, P_ddot) = (&own_dot[b.clone()], &own_ddot[b]);
-                        add(&mut out_dot[to.clone()], P_dot, x);
-                        add(&mut out_dot[to.clone()], P, v);
-                        add(&mut out_ddot[to.clone()], P_ddot, x);
-                        add(&mut out_ddot[to.clone()], P_dot, 2.0 * v);
-                        add(&mut out_ddot[to.clone()], P, a);
-                    }
-                    of += dim;
-                }
-            }
-        }
-    }
-}
-
-/// out += factor x.
-fn add(out: &mut [f64], x: &[f64], factor: f64) {
-    if factor != 0.0 {
-        for (o, x) in out.iter_mut().zip(x) {
-            *o += factor * x;
-        }
-    }
 }
 
 impl Context {
@@ -204,7 +99,7 @@ impl Context {
             .try_for_each(|k| self.expand_node(t, self.model.dependent[k]))
     }
 
-    /// The same for one node, if it is mapped.
+    /// The same for one node, if it is mapped and its parents move otherwise than they did last.
     pub(in crate::model) fn expand_node(&mut self, t: f64, n: u32) -> Result<(), SystemError> {
         let (w, spans) = (&mut self.work, &self.model.spans);
         let node = &self.model.nodes[n as usize];
@@ -212,15 +107,25 @@ impl Context {
             return Ok(());
         };
         let (map, parents) = (&self.state.maps[d.index], d.parents(&self.state.maps));
-        let local = &mut w.local;
-        let k = collect(parents, spans, &w.x, &mut local.q);
-        collect(parents, spans, &w.v, &mut local.qv);
-        collect(parents, spans, &w.a, &mut local.qa);
-        let margin = map.margin(t, &local.q[..k]);
+        let k = d.direct;
+        let (motion, known) = w.motions[d.motion..d.motion + 6 * k + 2].split_at_mut(3 * k + 1);
+        motion[0] = t;
+        for (all, motion) in [&w.x, &w.v, &w.a]
+            .into_iter()
+            .zip(motion[1..].chunks_exact_mut(k.max(1)))
+        {
+            collect(parents, spans, all, motion);
+        }
+        if motion == known {
+            return Ok(());
+        }
+        known[0] = f64::NAN;
+        let [q, v, a] = [0, 1, 2].map(|i| &motion[1 + i * k..1 + (i + 1) * k]);
+        let margin = map.margin(t, q);
         if margin.is_nan() || margin <= 0.0 {
             let what = format!("joint at node {}", node.name);
             let edge = map.edge();
-            return Err(match map.domain_error(t, &local.q[..k]) {
+            return Err(match map.domain_error(t, q) {
                 Some(why) => SystemError::Unsolved { what, why },
                 None => SystemError::OutsideChart { edge, what, margin },
             });
@@ -235,29 +140,9 @@ impl Context {
             B_dot: &mut w.operators.B_dot[range.clone()],
             B_ddot: &mut w.operators.B_ddot[range],
         };
-        let (q, v, a) = (&local.q[..k], &local.qv[..k], &local.qa[..k]);
         map.kinematics(t, q, v, a, out);
+        known.copy_from_slice(motion);
         Ok(())
-    }
-
-    /// Computes operators of all mapped nodes with respect to own nodes, for tangents.
-    pub(in crate::model) fn chain_operators(&mut self, moving: bool) {
-        for &n in &self.model.dependent {
-            let node = &self.model.nodes[n as usize];
-            if let Source::Mapped(d) = &node.source
-                && d.chained
-            {
-                let Workspace {
-                    operators,
-                    scatter_map,
-                    ..
-                } = &mut self.work;
-                let parents = d.parents(&self.state.maps);
-                let nodes = &self.model.nodes;
-                let dependencies = &scatter_map.dependencies;
-                d.multiply(node.dim, nodes, parents, dependencies, operators, moving);
-            }
-        }
     }
 
     /// Pulls the forces at mapped nodes back to their parents, the last link of a chain first, and
@@ -266,7 +151,7 @@ impl Context {
         &mut self,
         t: f64,
         mut S: Option<(Weights, &mut [f64])>,
-        rates: bool,
+        [statics, rates]: [bool; 2],
     ) {
         let w = &mut self.work;
         for &n in self.model.dependent.iter().rev() {
@@ -279,47 +164,33 @@ impl Context {
             let Some((weights, values)) = &mut S else {
                 continue;
             };
-            let ElementWorkspace {
-                q, K_sigma, work, ..
-            } = &mut w.local;
+            if !w.scatter_map.couplings.0[d.index].loaded {
+                continue;
+            }
+            let ElementWorkspace { q, K_sigma, .. } = &mut w.local;
+            let K_sigma = &mut K_sigma[..d.direct * d.direct];
+            if map.is_linear() {
+                K_sigma.fill(0.0);
+            } else {
+                let k = collect(parents, &self.model.spans, &w.x, q);
+                map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
+                K_sigma.iter_mut().for_each(|K| *K *= weights.K);
+            }
             let mut into = ScatterTarget {
                 values,
-                panels: &mut w.panels,
-                work,
+                coupled: &mut w.coupled,
+                work: &mut w.columns,
             };
-            let scatter_map = &w.scatter_map;
-            if let Some(first_position) = scatter_map
-                .geometric_stiffness(n)
-                .filter(|_| !map.is_linear())
-            {
-                let k = collect(parents, &self.model.spans, &w.x, q);
-                let K_sigma = &mut K_sigma[..k * k];
-                map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
-                if K_sigma.iter().any(|k| *k != 0.0) {
-                    // K_mr contains −K_σ; its pull-back to the ancestors is that of any stiffness.
-                    let group = Group {
-                        nodes: parents,
-                        first_position,
-                        tangents: Tangents {
-                            K: Some(K_sigma),
-                            ..Tangents::default()
-                        },
-                        weights: Weights {
-                            K: -weights.K,
-                            C: 0.0,
-                            M: 0.0,
-                        },
-                    };
-                    scatter_map.scatter_group(&self.model.nodes, &w.operators, &group, &mut into);
-                }
-            }
-            scatter_map.pull_back_rows(
-                n,
-                &self.model.nodes,
-                &self.state.maps,
-                &w.operators,
-                &mut into,
-            );
+            let Operators { B, B_dot, B_ddot } = &w.operators;
+            let range = d.local..d.local + node.dim * d.direct;
+            let link = Link {
+                index: d.index,
+                n: node.dim,
+                parents,
+                B: [B, B_dot, B_ddot].map(|B| &B[range.clone()]),
+            };
+            let (nodes, orders) = (&self.model.nodes, if statics { 1 } else { 3 });
+            (w.scatter_map).pull_back(&link, nodes, K_sigma, orders, &mut into);
         }
     }
 
@@ -327,15 +198,9 @@ impl Context {
     /// parents. After a change of segment the positions of all tangents are updated.
     pub(in crate::model) fn update_maps(
         &mut self,
-        t: f64,
-        q: &[f64],
+        at: Point<'_>,
     ) -> Result<ChartChanges, SystemError> {
-        let at = Point {
-            t,
-            q,
-            v: &[],
-            a: &[],
-        };
+        let t = at.t;
         self.expand(at)?;
         let mut all = ChartChanges::default();
         let (mut changed, mut moved) = (false, false);
@@ -360,6 +225,7 @@ impl Context {
             }
             if changed {
                 let len = collect(d.parents(maps), &self.model.spans, &w.x, &mut w.local.q);
+                w.motions[d.motion + 3 * d.direct + 1] = f64::NAN;
                 let B = &mut w.operators.B[d.local..d.local + own.len() * d.direct];
                 maps[d.index].tangent(t, &w.local.q[..len], &mut w.x[own], B);
             }

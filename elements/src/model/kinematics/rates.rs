@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use crate::model::build::builder::NodeId;
+use crate::model::build::dependency_graph::behind;
 use crate::model::kinematics::motion::RigidMotion;
 use crate::model::{Context, Model, NONE, NodeForm, Source};
 use nalgebra::{DMatrix, DVector, Vector6};
@@ -179,19 +180,15 @@ impl Context {
 
     /// Unknowns of nodes: their own free coordinates, and those that they depend on.
     pub fn unknowns_behind(&self, nodes: &[NodeId]) -> Vec<usize> {
-        let mut unknowns: Vec<usize> = Vec::new();
-        for n in nodes {
-            let dependencies = &self.work.scatter_map.dependencies;
-            let own = dependencies.behind(&self.model.nodes, &n.0);
-            let all = own
-                .iter()
-                .flat_map(|&m| self.model.nodes[m as usize].range());
-            let free = all.filter(|&c| self.model.unknowns[c] != NONE);
-            unknowns.extend(free.map(|c| self.model.unknowns[c] as usize));
-        }
-        unknowns.sort_unstable();
-        unknowns.dedup();
-        unknowns
+        let group: Vec<u32> = nodes.iter().map(|n| n.0).collect();
+        let own = behind(&self.model.nodes, &self.state.maps, &group);
+        let all = (own.iter()).flat_map(|&m| self.model.nodes[m as usize].range());
+        let unknowns = all.map(|c| self.model.unknowns[c]);
+        let mut free: Vec<usize> = (unknowns.filter(|&u| u != NONE))
+            .map(|u| u as usize)
+            .collect();
+        free.sort_unstable();
+        free
     }
 
     /// Finds velocities `v` with given rates of coordinates at `q` and [`BEFORE_START`]: those of

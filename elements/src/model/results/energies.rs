@@ -132,7 +132,7 @@ impl Context {
             }
             local.add_residual(e, &model.spans, &mut w.r);
         }
-        self.pull_back_nodes(at.t, None, false);
+        self.pull_back_nodes(at.t, None, [false; 2]);
         let w = &self.work;
         if !statics {
             for p in &self.model.prescribed {
@@ -164,7 +164,7 @@ impl Context {
             return Ok(false);
         }
         self.node_momenta(at)?;
-        self.pull_back_nodes(at.t, None, false);
+        self.pull_back_nodes(at.t, None, [false; 2]);
         self.model.free.gather(&self.work.r, "momentum p", p)?;
         Ok(true)
     }

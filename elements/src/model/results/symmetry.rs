@@ -10,7 +10,7 @@
 
 use crate::model::assembly::residual::named;
 use crate::model::kinematics::motion::RigidMotion;
-use crate::model::{Context, Model, NONE, Node};
+use crate::model::{Context, Model, NONE, Node, Source};
 use nalgebra::{DMatrix, Vector3};
 use pullback_manifold::so3;
 use pullback_manifold::system::{
@@ -246,7 +246,7 @@ impl Context {
             }
             local.add_residual(e, &model.spans, &mut w.r);
         }
-        self.pull_back_nodes(at.t, None, false);
+        self.pull_back_nodes(at.t, None, [false; 2]);
         self.model.free.gather(&self.work.r, "steady loads", r)
     }
 
@@ -298,18 +298,20 @@ impl Context {
     fn moving_frames(&self) -> Vec<usize> {
         let nodes = &self.model.nodes;
         let free = |n: &Node| n.range().any(|c| self.model.unknowns[c] != NONE);
-        let dependencies = &self.work.scatter_map.dependencies;
-        let moves = |n: u32| {
-            let mut behind = dependencies.behind(nodes, &n).iter();
-            behind.any(|&m| free(&nodes[m as usize]))
-        };
+        let mut moves: Vec<bool> = nodes.iter().map(|n| n.is_own() && free(n)).collect();
+        for &n in &self.model.dependent {
+            if let Source::Mapped(d) = &nodes[n as usize].source {
+                let mut parents = d.parents(&self.state.maps).iter();
+                moves[n as usize] = parents.any(|&m| moves[m as usize]);
+            }
+        }
         let mut met = vec![false; nodes.len()];
         for e in self.model.elements.iter().filter(|e| !e.load) {
             for &n in e.nodes.iter() {
                 met[n as usize] = true;
             }
         }
-        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves(n as u32);
+        let kept = |&n: &usize| met[n] && nodes[n].is_frame() && moves[n];
         (0..nodes.len()).filter(kept).collect()
     }
 

@@ -1,6 +1,7 @@
 //! Access to the nodes, maps and elements of a model, for tools such as the conformance kit.
 
 use crate::element::{Element, ElementError};
+use crate::model::charts::nodes::moving;
 use crate::model::kinematics::complement::Complement;
 use crate::model::kinematics::node_entries::collect;
 use crate::model::{Context, ElementEntry, Model, NONE, Node, NodeForm, Source};
@@ -161,8 +162,9 @@ impl Context {
     pub fn settle_charts(&mut self, t: f64, q: &[f64]) -> Result<(), SystemError> {
         self.fold_prescribed_rotations(t);
         // A slide enters the line of its state first, and then the present one.
-        self.update_maps(t, q)?;
-        self.update_maps(t, q)?;
+        let at = moving(t, q, &[], &[]);
+        self.update_maps(at)?;
+        self.update_maps(at)?;
         self.start(t, q);
         Ok(())
     }
@@ -178,8 +180,8 @@ impl Context {
         before: &[f64],
         after: &[f64],
     ) -> Result<(), SystemError> {
-        self.look_before(t, before);
-        self.update_maps(t, after)?;
+        self.look_before(moving(t, before, &[], &[]));
+        self.update_maps(moving(t, after, &[], &[]))?;
         self.follow_element_charts(t);
         Ok(())
     }
@@ -196,6 +198,7 @@ impl Context {
                 maps[d.index].freeze_piece(at.map(|(t, _)| (t, &w.local.q[..len])));
             }
         }
+        self.work.forget_motions();
     }
 
     /// Whether omitted equations of multipliers are checked, and the choice is revised: not at
