@@ -14,7 +14,7 @@
 
 use super::{Joint, Pose};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use pullback_manifold::jet::{Hess, Moving, Taylor};
+use pullback_manifold::jet::{Hess, Moving};
 use pullback_manifold::map::KinematicsMut;
 use pullback_manifold::quotients::Quotients;
 use pullback_manifold::scalar::Scalar;
@@ -43,12 +43,18 @@ pub(super) struct Parent {
 impl Parent {
     fn new([q, v, a]: [&[f64]; 3]) -> Self {
         let [psi, psi_dot, psi_ddot] = [q, v, a].map(rotation);
-        let tangent = tangents(&psi, &psi_dot, &psi_ddot);
+        let c = Quotients::new(psi.norm());
+        let tangent = [
+            so3::T(&psi, &c.tangent()),
+            so3::T_dot(&psi_dot, &psi, &c),
+            so3::T_ddot(&psi_dot, &psi_ddot, &psi, &c),
+        ];
+        let tangent = tangent.map(|T| T.transpose());
         let omega = tangent[0] * psi_dot;
         let omega_dot = tangent[0] * psi_ddot + tangent[1] * psi_dot;
         Self {
             psi,
-            R: so3::rotation(&psi),
+            R: so3::R(&psi, &c.tangent()),
             tangent,
             omega: [skew(&omega), skew(&omega_dot)],
         }
@@ -89,17 +95,23 @@ impl<J: Joint<D>, const D: usize> Link<J, D> {
         quaternion(&rotation(q)).product(&self.pose(t, q).rotation)
     }
 
-    /// The least of the margin of the joint and another one; not a number where one of them or the pose is
-    /// none.
-    pub(super) fn margin(&self, t: f64, q: &[f64], other: impl FnOnce() -> f64) -> f64 {
+    /// The least of the margin of the joint and another one, of the child's quaternion; not a number where
+    /// one of them or the pose is none.
+    pub(super) fn margin(
+        &self,
+        t: f64,
+        q: &[f64],
+        other: impl FnOnce(&Quaternion<f64>) -> f64,
+    ) -> f64 {
         let margin = self.joint.margin(t, &own(q));
         if margin.is_nan() || margin <= 0.0 {
             return margin;
         }
-        if !is_unit(&self.pose(t, q).rotation) {
+        let relative = self.pose(t, q).rotation;
+        if !is_unit(&relative) {
             return f64::NAN;
         }
-        let other = other();
+        let other = other(&quaternion(&rotation(q)).product(&relative));
         if other.is_nan() {
             other
         } else {
@@ -251,21 +263,6 @@ fn part<S: Scalar>(of: &Quaternion<S>, number: impl Fn(&S) -> f64) -> Quaternion
 /// 2 vec(a b*): the rotation vector by which a variation `a` turns a quaternion `b`.
 fn turn(a: &Quaternion<f64>, b: &Quaternion<f64>) -> Vector3<f64> {
     a.product(&b.conjugate()).v * 2.0
-}
-
-/// Tᵀ(Ψ) with its rates along a motion.
-pub(super) fn tangents(
-    psi: &Vector3<f64>,
-    v: &Vector3<f64>,
-    a: &Vector3<f64>,
-) -> Motion<Matrix3<f64>> {
-    let jet = |i: usize| Taylor {
-        v: psi[i],
-        d: v[i],
-        dd: a[i],
-    };
-    let T = so3::tangent(&Vector3::new(jet(0), jet(1), jet(2))).transpose();
-    [T.map(|x| x.v), T.map(|x| x.d), T.map(|x| x.dd)]
 }
 
 /// A B with its rates.

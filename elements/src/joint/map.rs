@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::link::{Link, Motion, orders, own, put, tangents, unit, vector};
+use super::link::{Link, Motion, orders, own, put, unit, vector};
 use super::{Joint, LogBranch};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pullback_manifold::map::{KinematicsMut, Parametrization};
@@ -42,10 +42,10 @@ impl<J: Joint<D>, const D: usize> JointMap<J, D> {
         let psi = self.branch.log(&at.rotation);
         let inverse = so3::T_inverse(&psi, &InverseQuotients::new(psi.norm())).transpose();
         let psi_dot = inverse * at.omega[0];
-        let [_, tangent_dot, steady] = tangents(&psi, &psi_dot, &Vector3::zeros());
+        let c = Quotients::new(psi.norm());
+        let tangent_dot = so3::T_dot(&psi_dot, &psi, &c).transpose();
         let psi_ddot = inverse * (at.omega[1] - tangent_dot * psi_dot);
-        let quotients = Quotients::new(psi.norm());
-        let tangent_ddot = steady + so3::T_dot(&psi_ddot, &psi, &quotients).transpose();
+        let tangent_ddot = so3::T_ddot(&psi_dot, &psi_ddot, &psi, &c).transpose();
         let rates = [tangent_dot, tangent_ddot];
         let parents = solve(&inverse, &rates, &at.parent.tangent);
         let own = solve(&inverse, &rates, &at.beta);
@@ -93,8 +93,7 @@ where
     }
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        self.link.margin(t, q, || {
-            let turn = self.link.rotation(t, q);
+        self.link.margin(t, q, |turn| {
             let w = match self.branch {
                 LogBranch::Same => turn.w,
                 LogBranch::Opposite => -turn.w,
@@ -173,7 +172,7 @@ where
     }
 
     fn margin(&self, t: f64, q: &[f64]) -> f64 {
-        self.0.margin(t, q, || TAU - vector(q, 6 + D).norm())
+        self.0.margin(t, q, |_| TAU - vector(q, 6 + D).norm())
     }
 
     fn edge(&self) -> &'static str {

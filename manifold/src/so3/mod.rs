@@ -24,7 +24,7 @@ pub mod tensors;
 pub use complement::{B_s, B_s_ddot, B_s_dot, K_sigma_s, complement};
 pub use log::{Quaternion, log_quaternion, log_rotation, quaternion, quaternion_from_rotation};
 pub use spin::{Spin, VelocityKind};
-pub use tensors::{A_varied, C1, C2, C3, C4, C5, C6, T_dot, T_dot_psi_dot, T_varied};
+pub use tensors::{A_varied, C1, C2, C3, C4, C5, C6, T_ddot, T_dot, T_dot_psi_dot, T_varied};
 
 use crate::quotients::{InverseQuotients, TangentQuotients, inverse_quotients};
 use crate::scalar::Scalar;

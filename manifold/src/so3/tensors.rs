@@ -90,6 +90,27 @@ pub fn T_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Matri
         + symmetric_outer(&(Psi_dot * c.c5), Psi)
 }
 
+/// T̈, the second time derivative of T(Ψ(t)).
+#[must_use]
+pub fn T_ddot(
+    Psi_dot: &Vector3<f64>,
+    Psi_ddot: &Vector3<f64>,
+    Psi: &Vector3<f64>,
+    c: &Quotients,
+) -> Matrix3<f64> {
+    let d = Psi.dot(Psi_dot);
+    let d_dot = Psi_dot.dot(Psi_dot) + Psi.dot(Psi_ddot);
+    let second = |first: f64, derivative: f64| derivative * d * d + first * d_dot;
+    isotropic(
+        second(c.c1, c.dc1),
+        -second(c.c2, c.dc2),
+        second(c.c3, c.dc3),
+        Psi,
+    ) + skew(&(Psi_ddot * c.c4 - Psi_dot * (2.0 * c.c2 * d)))
+        + symmetric_outer(&(Psi_ddot * c.c5 + Psi_dot * (2.0 * c.c3 * d)), Psi)
+        + symmetric_outer(&(Psi_dot * c.c5), Psi_dot)
+}
+
 /// Ṫ Ψ̇, the part of the material angular acceleration A = T Ψ̈ + Ṫ Ψ̇ that is quadratic in Ψ̇.
 #[must_use]
 pub fn T_dot_psi_dot(Psi_dot: &Vector3<f64>, Psi: &Vector3<f64>, c: &Quotients) -> Vector3<f64> {

@@ -1,13 +1,10 @@
-//! Nodes that tangents couple with mapped nodes, and the places of these tangents.
+//! Nodes that tangents couple with mapped nodes, and the positions of these tangents.
 
 use crate::model::kinematics::mapped_node::MappedNode;
 use crate::model::{ElementEntry, NONE, Node, Source};
 
 /// The nodes coupled with a mapped node before it is pulled back to its parents: those of its elements,
-/// and of all that depends on it.
-///
-/// With W = cK K + cC C + cM M, Y = cK C + 2 cC M and Z = cK M, columns of a mapped node need W, Y and
-/// Z, one after the other; those of an own node only W.
+/// and of all that depends on it. Each block is K, C and M, one after the other.
 #[derive(Clone, Default)]
 pub(in crate::model) struct Coupled {
     /// Own nodes, and mapped nodes that are pulled back later, ascending.
@@ -74,11 +71,11 @@ impl Couplings {
             }
             self.0[d.index].partners = partners;
         }
-        self.place(nodes, dependent)
+        self.arrange(nodes, dependent)
     }
 
-    /// Places the blocks, those of parents first; returns the number of their values.
-    fn place(&mut self, nodes: &[Node], dependent: &[u32]) -> usize {
+    /// Arranges the blocks, those of parents first; returns the number of their values.
+    fn arrange(&mut self, nodes: &[Node], dependent: &[u32]) -> usize {
         let mut len = 0;
         for (coupled, &n) in self.0.iter_mut().zip(dependent) {
             if !coupled.loaded {
@@ -91,7 +88,7 @@ impl Couplings {
                 let other = &nodes[partner.node as usize];
                 let size = dim * other.dim;
                 partner.row = len;
-                partner.column = len + if other.is_own() { size } else { 3 * size };
+                partner.column = len + 3 * size;
                 len = partner.column + 3 * size;
             }
         }

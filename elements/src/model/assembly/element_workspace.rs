@@ -399,25 +399,10 @@ impl ElementWorkspace {
         }
     }
 
-    /// The tangents W = cK K + cC C + cM M, Y = cK C + 2 cC M and Z = cK M of an element with mapped
-    /// nodes; W alone in statics.
-    pub(in crate::model) fn weighted(
-        &mut self,
-        e: &ElementEntry,
-        weights: Weights,
-        statics: bool,
-    ) -> [&[f64]; 3] {
+    /// The tangents K, C and M of an element in the coordinates of its nodes.
+    pub(in crate::model) fn tangents(&self, e: &ElementEntry) -> [&[f64]; 3] {
         let values = e.element.dim().pow(2);
-        let Weights { K, C, M } = weights;
-        for i in 0..values {
-            self.S[i] = K * self.K[i];
-            if !statics {
-                self.S[i] += C * self.C[i] + M * self.M[i];
-                self.C2[i] = K * self.C[i] + 2.0 * C * self.M[i];
-                self.M2[i] = K * self.M[i];
-            }
-        }
-        [&self.S, &self.C2, &self.M2].map(|all| &all[..values])
+        [&self.K, &self.C, &self.M].map(|all| &all[..values])
     }
 }
 

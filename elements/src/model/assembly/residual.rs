@@ -169,13 +169,13 @@ impl Context {
                 w.scatter_map.scatter(k, e, spans, &local.S, values);
                 continue;
             }
-            let tangents = local.weighted(e, *weights, statics);
             let mut into = ScatterTarget {
                 values,
                 coupled: &mut w.coupled,
+                weights: [weights.K, weights.C, weights.M],
                 work: &mut w.columns,
             };
-            let tangents = &tangents[..if statics { 1 } else { 3 }];
+            let tangents = &local.tangents(e)[..if statics { 1 } else { 3 }];
             w.scatter_map
                 .scatter_mapped(k, e, &model.nodes, tangents, &mut into);
         }

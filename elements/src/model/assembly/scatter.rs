@@ -5,12 +5,12 @@
 //! composite-rigid-body algorithm of Featherstone 2008):
 //!
 //! ```text
-//! W_pj += Bᵀ W_nj
-//! W_jp += W_jn B + Y_jn Ḃ + Z_jn B̈     Y_jp += Y_jn B + 2 Z_jn Ḃ     Z_jp += Z_jn B
-//! W_pp += Bᵀ (W_nn B + Y_nn Ḃ + Z_nn B̈) − cK K_σ          likewise Y, Z
+//! K_pj += Bᵀ K_nj                                        likewise C, M
+//! K_jp += K_jn B + C_jn Ḃ + M_jn B̈     C_jp += C_jn B + 2 M_jn Ḃ     M_jp += M_jn B
+//! K_pp += Bᵀ (K_nn B + C_nn Ḃ + M_nn B̈) − K_σ            likewise C, M
 //! ```
 //!
-//! with W = cK K + cC C + cM M, Y = cK C + 2 cC M, Z = cK M ([`pullback`](pullback_manifold::pullback)).
+//! The weighted sum cK K + cC C + cM M is added to the pattern, for own nodes.
 
 #![allow(non_snake_case)]
 
@@ -21,11 +21,13 @@ use crate::model::{ElementEntry, NONE, Node};
 pub(in crate::model) struct ScatterTarget<'a> {
     pub values: &'a mut [f64],
     pub coupled: &'a mut [f64],
+    /// cK, cC, cM.
+    pub weights: [f64; 3],
     /// Scratch: two blocks of any node or of all parents of one.
     pub work: &'a mut [f64],
 }
 
-/// A block of W, Y or Z (order 0, 1, 2): rows of one node, columns of another.
+/// A block of K, C or M (order 0, 1, 2): rows of one node, columns of another.
 #[derive(Clone, Copy)]
 struct Block<'a> {
     rows: &'a Node,
@@ -43,7 +45,7 @@ pub(in crate::model) struct Link<'a> {
 }
 
 impl ScatterMap {
-    /// Adds the tangents W, Y and Z of element `k`, which has mapped nodes; W alone in statics.
+    /// Adds the tangents K, C and M of element `k`, which has mapped nodes; K alone in statics.
     pub(in crate::model) fn scatter_mapped(
         &self,
         k: usize,
@@ -60,7 +62,7 @@ impl ScatterMap {
             let mut row = 0;
             for (&i, &position) in e.nodes.iter().zip(positions) {
                 let rows = &nodes[i as usize];
-                for (order, tangent) in tangents.iter().enumerate().take(orders(columns)) {
+                for (order, tangent) in tangents.iter().enumerate() {
                     let block = Block {
                         rows,
                         columns,
@@ -68,7 +70,7 @@ impl ScatterMap {
                         position,
                     };
                     let from = (&tangent[first * n + row..], n);
-                    self.add_block(block, from, into.values, into.coupled);
+                    self.add_block(block, from, into.weights, into.values, into.coupled);
                 }
                 row += rows.dim;
             }
@@ -76,11 +78,12 @@ impl ScatterMap {
         }
     }
 
-    /// Adds a block, given with its leading dimension, to its place.
+    /// Adds a block, given with its leading dimension, at its position.
     fn add_block(
         &self,
         to: Block<'_>,
         (from, stride): (&[f64], usize),
+        weights: [f64; 3],
         values: &mut [f64],
         coupled: &mut [f64],
     ) {
@@ -91,14 +94,9 @@ impl ScatterMap {
         }
         if rows.is_own() && columns.is_own() {
             let (rows, columns) = (&self.rows[rows.range()], &self.rows[columns.range()]);
-            free_part(
-                rows,
-                columns,
-                from,
-                stride,
-                &mut values[start as usize..],
-                first,
-            );
+            let (first, weight) = (first && to.order == 0, weights[to.order]);
+            let values = &mut values[start as usize..];
+            free_part((rows, columns), (from, stride), weight, values, first);
             return;
         }
         let height = rows.dim;
@@ -109,14 +107,13 @@ impl ScatterMap {
         }
     }
 
-    /// Pulls the tangents at a mapped node back to its parents; `K_sigma` is weighted by cK, and there
-    /// are three orders in motion, one in statics.
+    /// Pulls the tangents at a mapped node back to its parents: three orders in motion, one in statics.
     pub(in crate::model) fn pull_back(
         &self,
         link: &Link<'_>,
         nodes: &[Node],
         K_sigma: &[f64],
-        all_orders: usize,
+        orders: usize,
         into: &mut ScatterTarget<'_>,
     ) {
         let Link { n, parents, B, .. } = *link;
@@ -124,7 +121,7 @@ impl ScatterMap {
         let coupled = &self.couplings.0[link.index];
         // The blocks of parents come before those of the nodes mapped from them.
         let (above, own) = into.coupled.split_at_mut(coupled.diagonal);
-        let values = &mut *into.values;
+        let (weights, values) = (into.weights, &mut *into.values);
         let half = into.work.len() / 2;
         let (product, pulled) = into.work.split_at_mut(half);
         let block = |start: usize, order: usize, size: usize| {
@@ -138,7 +135,7 @@ impl ScatterMap {
             let other = &nodes[partner.node as usize];
             let size = n * other.dim;
             let to_rows = next();
-            for order in 0..all_orders.min(orders(other)) {
+            for order in 0..orders {
                 let rows = block(partner.row, order, size);
                 if rows.iter().all(|f| *f == 0.0) {
                     continue;
@@ -153,41 +150,33 @@ impl ScatterMap {
                         order,
                         position,
                     };
-                    self.add_block(block, (&pulled[first..], d), values, above);
+                    self.add_block(block, (&pulled[first..], d), weights, values, above);
                     first += rows.dim;
                 }
             }
             let to_columns = next();
             let tangents = [0, 1, 2].map(|k| block(partner.column, k, size));
-            for order in 0..all_orders {
-                products(
-                    &tangents[order..all_orders],
-                    B,
-                    order,
-                    (n, other.dim),
-                    product,
-                );
+            for order in 0..orders {
+                products(&tangents[order..orders], B, order, (n, other.dim), product);
                 let mut first = 0;
                 for (&p, &position) in to_columns.clone() {
                     let columns = &nodes[p as usize];
-                    if order < orders(columns) {
-                        let block = Block {
-                            rows: other,
-                            columns,
-                            order,
-                            position,
-                        };
-                        let from = &product[first * other.dim..];
-                        self.add_block(block, (from, other.dim), values, above);
-                    }
+                    let block = Block {
+                        rows: other,
+                        columns,
+                        order,
+                        position,
+                    };
+                    let from = (&product[first * other.dim..], other.dim);
+                    self.add_block(block, from, weights, values, above);
                     first += columns.dim;
                 }
             }
         }
         let tangents = [0, 1, 2].map(|k| block(coupled.diagonal, k, n * n));
         let first_position = coupled.first_position + 2 * coupled.partners.len() * parents.len();
-        for order in 0..all_orders {
-            products(&tangents[order..all_orders], B, order, (n, n), product);
+        for order in 0..orders {
+            products(&tangents[order..orders], B, order, (n, n), product);
             transposed(B[0], &product[..n * d], (n, d), pulled);
             if order == 0 {
                 add(&mut pulled[..d * d], K_sigma, -1.0);
@@ -199,15 +188,14 @@ impl ScatterMap {
                 let mut row = 0;
                 for (&i, &position) in parents.iter().zip(&mut positions) {
                     let rows = &nodes[i as usize];
-                    if order < orders(columns) {
-                        let block = Block {
-                            rows,
-                            columns,
-                            order,
-                            position,
-                        };
-                        self.add_block(block, (&pulled[column * d + row..], d), values, above);
-                    }
+                    let block = Block {
+                        rows,
+                        columns,
+                        order,
+                        position,
+                    };
+                    let from = (&pulled[column * d + row..], d);
+                    self.add_block(block, from, weights, values, above);
                     row += rows.dim;
                 }
                 column += columns.dim;
@@ -216,12 +204,7 @@ impl ScatterMap {
     }
 }
 
-/// Number of tangents W, Y, Z that the columns of a node need in motion.
-fn orders(columns: &Node) -> usize {
-    if columns.is_own() { 1 } else { 3 }
-}
-
-/// W B + Y Ḃ + Z B̈ (order 0), Y B + 2 Z Ḃ (1) or Z B (2) from the tangents of this order and higher
+/// K B + C Ḃ + M B̈ (order 0), C B + 2 M Ḃ (1) or M B (2) from the tangents of this order and higher
 /// ones, which have `n` columns of `height` rows.
 fn products(
     tangents: &[&[f64]],

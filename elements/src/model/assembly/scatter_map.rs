@@ -198,7 +198,7 @@ impl ScatterMap {
                     // Most nodes are frames with all coordinates free: constant extents.
                     if e.held || size != (6, 6) || !d.is_multiple_of(6) {
                         let (rows, columns) = (&self.rows[rows], &self.rows[columns.clone()]);
-                        free_part(rows, columns, S, d, values, first);
+                        free_part((rows, columns), (S, d), 1.0, values, first);
                     } else if first {
                         whole_block(S, d / 6, values, |value, s| *value = s);
                     } else {
@@ -224,12 +224,11 @@ fn whole_block(S: &[f64], stride: usize, values: &mut [f64], put: impl Fn(&mut f
     }
 }
 
-/// Writes or adds the free rows and columns of one dense block; `S` has leading dimension d.
+/// Writes or adds the free rows and columns of one dense block times a weight; `S` has leading dimension d.
 pub(in crate::model) fn free_part(
-    rows: &[u32],
-    columns: &[u32],
-    S: &[f64],
-    d: usize,
+    (rows, columns): (&[u32], &[u32]),
+    (S, d): (&[f64], usize),
+    weight: f64,
     values: &mut [f64],
     first: bool,
 ) {
@@ -241,7 +240,7 @@ pub(in crate::model) fn free_part(
         for (r, &row) in rows.iter().enumerate() {
             if row != NONE {
                 let value = &mut values[row as usize + column as usize * height];
-                let s = S[r + c * d];
+                let s = weight * S[r + c * d];
                 *value = if first { s } else { *value + s };
             }
         }

@@ -111,7 +111,7 @@ pub(in crate::model) fn behind(nodes: &[Node], maps: &Maps, group: &[u32]) -> Ve
     own
 }
 
-/// Numbers the mapped nodes, and places their operators and the motions of their parents; returns the
+/// Numbers the mapped nodes, and arranges their operators and the motions of their parents; returns the
 /// numbers of values of these.
 pub(in crate::model) fn arrange(nodes: &mut [Node], order: &[u32]) -> [usize; 2] {
     let [mut operators, mut motions] = [0; 2];

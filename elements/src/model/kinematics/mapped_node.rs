@@ -164,7 +164,7 @@ impl Context {
             let Some((weights, values)) = &mut S else {
                 continue;
             };
-            if !w.scatter_map.couplings.0[d.index].loaded {
+            if d.direct == 0 || !w.scatter_map.couplings.0[d.index].loaded {
                 continue;
             }
             let ElementWorkspace { q, K_sigma, .. } = &mut w.local;
@@ -174,11 +174,11 @@ impl Context {
             } else {
                 let k = collect(parents, &self.model.spans, &w.x, q);
                 map.geometric_stiffness(t, &q[..k], &w.r[node.range()], K_sigma);
-                K_sigma.iter_mut().for_each(|K| *K *= weights.K);
             }
             let mut into = ScatterTarget {
                 values,
                 coupled: &mut w.coupled,
+                weights: [weights.K, weights.C, weights.M],
                 work: &mut w.columns,
             };
             let Operators { B, B_dot, B_ddot } = &w.operators;

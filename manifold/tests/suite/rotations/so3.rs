@@ -341,13 +341,15 @@ fn tensors_are_exact_derivatives() {
         let energy = constant(&V).dot(&(tangent(&x) * constant(&W)));
         let hessian = M3::from_fn(|i, j| energy.h[i.max(j)][i.min(j)]);
         close("C₃", &C3(&V, &W, &Psi, &c), &hessian, 1e-13);
-        // Ṫ along Ψ + Ψ̇ t, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
+        // Ṫ and T̈ along Ψ + Ψ̇ t + Ψ̈ t²/2, and ṪΨ̇ as a function of Ψ̇ (C₄) and of Ψ (C₅).
         let t = Vector3::from_fn(|i, _| Taylor {
             v: Psi[i],
             d: V[i],
-            dd: 0.0,
+            dd: W[i],
         });
         close("Ṫ", &T_dot(&V, &Psi, &c), &tangent(&t).map(|y| y.d), 1e-13);
+        let T_ddot = T_ddot(&V, &W, &Psi, &c);
+        close("T̈", &T_ddot, &tangent(&t).map(|y| y.dd), 1e-13);
         let spin_rate = |Psi: Vector3<Grad<f64, 3>>, Psi_dot: Vector3<Grad<f64, 3>>| {
             let motion = Vector3::from_fn(|i, _| Taylor {
                 v: Psi[i],
