@@ -2,8 +2,8 @@
 
 /// Bytes per element of a line of beams with its nodes, including the factors of the tangent.
 const ELEMENT: f64 = 8e3;
-/// Bytes per coordinate that a node depends on: operators, tangents, pattern and factors.
-const FOLLOWED: f64 = 300.0;
+/// Bytes per coordinate that a node depends on: tangents of mapped nodes, pattern and factors.
+const FOLLOWED: f64 = 450.0;
 
 /// Gigabytes needed, and gigabytes free.
 pub(crate) type Short = [f64; 2];

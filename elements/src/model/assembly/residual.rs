@@ -173,7 +173,6 @@ impl Context {
                 values,
                 coupled: &mut w.coupled,
                 weights: [weights.K, weights.C, weights.M],
-                work: &mut w.columns,
             };
             let tangents = &local.tangents(e)[..if statics { 1 } else { 3 }];
             w.scatter_map

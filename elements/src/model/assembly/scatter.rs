@@ -17,29 +17,19 @@
 use crate::model::assembly::scatter_map::{BlockPosition, ScatterMap, free_part};
 use crate::model::{ElementEntry, NONE, Node};
 
-/// Destination of a scatter: values of the pattern, and those of mapped nodes.
+/// Destination of a scatter.
 pub(in crate::model) struct ScatterTarget<'a> {
+    /// Values of the pattern, and of the blocks of mapped nodes.
     pub values: &'a mut [f64],
     pub coupled: &'a mut [f64],
     /// cK, cC, cM.
     pub weights: [f64; 3],
-    /// Scratch: two blocks of any node or of all parents of one.
-    pub work: &'a mut [f64],
-}
-
-/// A block of K, C or M (order 0, 1, 2): rows of one node, columns of another.
-#[derive(Clone, Copy)]
-struct Block<'a> {
-    rows: &'a Node,
-    columns: &'a Node,
-    order: usize,
-    position: BlockPosition,
 }
 
 /// A mapped node, its parents and its operators B, Ḃ, B̈.
 pub(in crate::model) struct Link<'a> {
+    pub node: u32,
     pub index: usize,
-    pub n: usize,
     pub parents: &'a [u32],
     pub B: [&'a [f64]; 3],
 }
@@ -54,60 +44,56 @@ impl ScatterMap {
         tangents: &[&[f64]],
         into: &mut ScatterTarget<'_>,
     ) {
-        let n = e.element.dim();
         let positions = &self.positions[self.first_position(k)..];
-        let mut first = 0;
-        for (&j, positions) in e.nodes.iter().zip(positions.chunks_exact(e.nodes.len())) {
-            let columns = &nodes[j as usize];
-            let mut row = 0;
-            for (&i, &position) in e.nodes.iter().zip(positions) {
-                let rows = &nodes[i as usize];
-                for (order, tangent) in tangents.iter().enumerate() {
-                    let block = Block {
-                        rows,
-                        columns,
-                        order,
-                        position,
-                    };
-                    let from = (&tangent[first * n + row..], n);
-                    self.add_block(block, from, into.weights, into.values, into.coupled);
-                }
-                row += rows.dim;
-            }
-            first += columns.dim;
+        for (order, tangent) in tangents.iter().enumerate() {
+            let from = (*tangent, e.element.dim());
+            self.add(nodes, [&e.nodes, &e.nodes], positions, from, order, into);
         }
     }
 
-    /// Adds a block, given with its leading dimension, at its position.
-    fn add_block(
+    /// Adds a matrix of K, C or M (order 0, 1, 2), given with its leading dimension, over the coordinates
+    /// of some nodes at the positions of their blocks.
+    fn add(
         &self,
-        to: Block<'_>,
+        nodes: &[Node],
+        [rows, columns]: [&[u32]; 2],
+        positions: &[BlockPosition],
         (from, stride): (&[f64], usize),
-        weights: [f64; 3],
-        values: &mut [f64],
-        coupled: &mut [f64],
+        order: usize,
+        into: &mut ScatterTarget<'_>,
     ) {
-        let (rows, columns) = (to.rows, to.columns);
-        let BlockPosition { start, first } = to.position;
-        if start == NONE {
-            return;
-        }
-        if rows.is_own() && columns.is_own() {
-            let (rows, columns) = (&self.rows[rows.range()], &self.rows[columns.range()]);
-            let (first, weight) = (first && to.order == 0, weights[to.order]);
-            let values = &mut values[start as usize..];
-            free_part((rows, columns), (from, stride), weight, values, first);
-            return;
-        }
-        let height = rows.dim;
-        let first = start as usize + to.order * height * columns.dim;
-        let to = coupled[first..].chunks_exact_mut(height);
-        for (to, from) in to.zip(from.chunks(stride)).take(columns.dim) {
-            add(to, &from[..height], 1.0);
+        let mut positions = positions.iter();
+        let mut column = 0;
+        for &j in columns {
+            let columns = &nodes[j as usize];
+            let mut row = 0;
+            for (&i, position) in rows.iter().zip(&mut positions) {
+                let rows = &nodes[i as usize];
+                let from = &from[column * stride + row..];
+                row += rows.dim;
+                let start = position.start as usize;
+                if position.start == NONE {
+                    continue;
+                }
+                if rows.is_own() && columns.is_own() {
+                    let block = (&self.rows[rows.range()], &self.rows[columns.range()]);
+                    let first = position.first && order == 0;
+                    let values = &mut into.values[start..];
+                    free_part(block, (from, stride), into.weights[order], values, first);
+                    continue;
+                }
+                let first = start + order * rows.dim * columns.dim;
+                let to = into.coupled[first..].chunks_exact_mut(rows.dim);
+                for (to, from) in to.zip(from.chunks(stride)).take(columns.dim) {
+                    add(to, &from[..rows.dim], 1.0);
+                }
+            }
+            column += columns.dim;
         }
     }
 
     /// Pulls the tangents at a mapped node back to its parents: three orders in motion, one in statics.
+    /// `work` has room for two blocks of any node or of all its parents.
     pub(in crate::model) fn pull_back(
         &self,
         link: &Link<'_>,
@@ -115,91 +101,58 @@ impl ScatterMap {
         K_sigma: &[f64],
         orders: usize,
         into: &mut ScatterTarget<'_>,
+        work: &mut [f64],
     ) {
-        let Link { n, parents, B, .. } = *link;
+        let Link { parents, B, .. } = *link;
+        let n = nodes[link.node as usize].dim;
         let d = B[0].len() / n;
         let coupled = &self.couplings.0[link.index];
         // The blocks of parents come before those of the nodes mapped from them.
         let (above, own) = into.coupled.split_at_mut(coupled.diagonal);
-        let (weights, values) = (into.weights, &mut *into.values);
-        let half = into.work.len() / 2;
-        let (product, pulled) = into.work.split_at_mut(half);
-        let block = |start: usize, order: usize, size: usize| {
-            &own[start - coupled.diagonal + order * size..][..size]
+        let mut into = ScatterTarget {
+            values: into.values,
+            coupled: above,
+            weights: into.weights,
         };
-        let mut positions = self.positions[coupled.first_position..]
-            .chunks_exact(parents.len().max(1))
-            .map(|positions| parents.iter().zip(positions));
-        let mut next = || positions.next().into_iter().flatten();
+        let (product, pulled) = work.split_at_mut(work.len() / 2);
+        let blocks = |start: usize, size: usize| {
+            [0, 1, 2].map(|order| &own[start - coupled.diagonal + order * size..][..size])
+        };
+        let mut positions = &self.positions[coupled.first_position..];
         for partner in &coupled.partners {
-            let other = &nodes[partner.node as usize];
-            let size = n * other.dim;
-            let to_rows = next();
-            for order in 0..orders {
-                let rows = block(partner.row, order, size);
-                if rows.iter().all(|f| *f == 0.0) {
-                    continue;
-                }
-                transposed(B[0], rows, (n, d), pulled);
-                let mut first = 0;
-                for (&p, &position) in to_rows.clone() {
-                    let rows = &nodes[p as usize];
-                    let block = Block {
-                        rows,
-                        columns: other,
-                        order,
-                        position,
-                    };
-                    self.add_block(block, (&pulled[first..], d), weights, values, above);
-                    first += rows.dim;
+            let other = std::slice::from_ref(&partner.node);
+            let height = nodes[partner.node as usize].dim;
+            let (rows, rest) = positions.split_at(parents.len());
+            let (columns, rest) = rest.split_at(parents.len());
+            positions = rest;
+            for (order, block) in blocks(partner.row, n * height)[..orders].iter().enumerate() {
+                if block.iter().any(|f| *f != 0.0) {
+                    transposed(B[0], block, (n, d), pulled);
+                    self.add(nodes, [parents, other], rows, (pulled, d), order, &mut into);
                 }
             }
-            let to_columns = next();
-            let tangents = [0, 1, 2].map(|k| block(partner.column, k, size));
+            let tangents = blocks(partner.column, n * height);
             for order in 0..orders {
-                products(&tangents[order..orders], B, order, (n, other.dim), product);
-                let mut first = 0;
-                for (&p, &position) in to_columns.clone() {
-                    let columns = &nodes[p as usize];
-                    let block = Block {
-                        rows: other,
-                        columns,
-                        order,
-                        position,
-                    };
-                    let from = (&product[first * other.dim..], other.dim);
-                    self.add_block(block, from, weights, values, above);
-                    first += columns.dim;
-                }
+                products(&tangents[order..orders], B, order, (n, height), product);
+                let from = (&*product, height);
+                self.add(nodes, [other, parents], columns, from, order, &mut into);
             }
         }
-        let tangents = [0, 1, 2].map(|k| block(coupled.diagonal, k, n * n));
-        let first_position = coupled.first_position + 2 * coupled.partners.len() * parents.len();
+        let tangents = blocks(coupled.diagonal, n * n);
         for order in 0..orders {
             products(&tangents[order..orders], B, order, (n, n), product);
             transposed(B[0], &product[..n * d], (n, d), pulled);
             if order == 0 {
                 add(&mut pulled[..d * d], K_sigma, -1.0);
             }
-            let mut positions = self.positions[first_position..].iter();
-            let mut column = 0;
-            for &p in parents {
-                let columns = &nodes[p as usize];
-                let mut row = 0;
-                for (&i, &position) in parents.iter().zip(&mut positions) {
-                    let rows = &nodes[i as usize];
-                    let block = Block {
-                        rows,
-                        columns,
-                        order,
-                        position,
-                    };
-                    let from = (&pulled[column * d + row..], d);
-                    self.add_block(block, from, weights, values, above);
-                    row += rows.dim;
-                }
-                column += columns.dim;
-            }
+            self.add(
+                nodes,
+                [parents, parents],
+                positions,
+                (pulled, d),
+                order,
+                &mut into,
+            );
         }
     }
 }

@@ -179,18 +179,18 @@ impl Context {
                 values,
                 coupled: &mut w.coupled,
                 weights: [weights.K, weights.C, weights.M],
-                work: &mut w.columns,
             };
             let Operators { B, B_dot, B_ddot } = &w.operators;
             let range = d.local..d.local + node.dim * d.direct;
             let link = Link {
+                node: n,
                 index: d.index,
-                n: node.dim,
                 parents,
                 B: [B, B_dot, B_ddot].map(|B| &B[range.clone()]),
             };
             let (nodes, orders) = (&self.model.nodes, if statics { 1 } else { 3 });
-            (w.scatter_map).pull_back(&link, nodes, K_sigma, orders, &mut into);
+            let map = &w.scatter_map;
+            map.pull_back(&link, nodes, K_sigma, orders, &mut into, &mut w.columns);
         }
     }
 
