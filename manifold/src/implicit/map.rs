@@ -27,6 +27,7 @@ impl ImplicitMap {
         guess: [f64; X],
         choice: Choice,
     ) -> Result<Self, ImplicitError> {
+        const { assert!(M > 0, "a constraint has equations") };
         let unknown = |k| Unknown {
             name: constraint.coordinate(k),
             size: constraint.size(k),

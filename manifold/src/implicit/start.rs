@@ -11,7 +11,6 @@ const STAGES: usize = 32;
 /// Distance (relative to sizes) at which the rank is checked again, to distinguish a singular
 /// configuration from a mechanism that moves.
 pub(super) const ASIDE: f64 = 1e-3;
-
 /// A gradient smaller than this relative to its value beside the solution vanishes there: if an
 /// equation only touches zero, Newton's method ends about 1e-10 away.
 const VANISHES: f64 = 1e-5;
@@ -66,9 +65,7 @@ impl Core {
         core.reserve();
         core.work.y = y;
         core.h.change_charts(t, &core.work.y);
-        core.linearise(t);
-        core.sizes.fill(0.0);
-        core.measure();
+        core.rank(t);
         if core.choose_first().is_infinite() {
             return Err(core.singular_start(X - rank));
         }
@@ -92,7 +89,7 @@ impl Core {
         self.X.saturating_sub(self.about.freedoms.unwrap_or(0))
     }
 
-    /// Rank of h_x at the present position.
+    /// Rank of h_x at the present position, with the sizes of equations there.
     fn rank(&mut self, t: f64) -> usize {
         self.linearise(t);
         self.sizes.fill(0.0);
